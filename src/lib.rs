@@ -1,0 +1,4 @@
+//! pcs-sim.
+
+pub mod error;
+pub mod scene;

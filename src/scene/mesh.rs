@@ -1,0 +1,98 @@
+//! Polygons that share corners.
+
+use glam::Vec3;
+
+/// A corner's normal where the face has none of its own there.
+pub const NO_NORMAL: u32 = u32::MAX;
+
+/// Faces over shared points, in file order.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// The points that corners refer to.
+    pub points: Vec<Vec3>,
+    /// The normals that corners refer to; not necessarily of unit length.
+    pub normals: Vec<Vec3>,
+    corners: Vec<Corner>,
+    faces: Vec<Face>,
+}
+
+/// One corner of a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Corner {
+    /// Index into [`Mesh::points`].
+    pub point: u32,
+    /// Index into [`Mesh::normals`], or [`NO_NORMAL`].
+    pub normal: u32,
+}
+
+/// One face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Face {
+    first: u32,
+    count: u32,
+    /// Index into the scene's materials.
+    pub material: u32,
+    /// The number of the file's face that this one is, or is a piece of, from 0 in file order.
+    pub number: u32,
+}
+
+impl Mesh {
+    /// Adds a point and returns its index.
+    pub fn add_point(&mut self, point: Vec3) -> u32 {
+        self.points.push(point);
+        (self.points.len() - 1) as u32
+    }
+
+    /// Adds a normal and returns its index.
+    pub fn add_normal(&mut self, normal: Vec3) -> u32 {
+        self.normals.push(normal);
+        (self.normals.len() - 1) as u32
+    }
+
+    /// Adds a flat face over `points`, numbered as the next face of the file.
+    pub fn add_face(&mut self, points: &[u32], material: u32) {
+        let number = self.face_count();
+        self.add_piece(points.iter().map(|&point| Corner { point, normal: NO_NORMAL }), material, number);
+    }
+
+    /// Adds a face with normals at its corners, numbered as the next face of the file.
+    pub fn add_smooth_face(&mut self, corners: &[Corner], material: u32) {
+        let number = self.face_count();
+        self.add_piece(corners.iter().copied(), material, number);
+    }
+
+    /// Adds a face that is, or is a piece of, the file's face `number`.
+    pub fn add_piece(&mut self, corners: impl IntoIterator<Item = Corner>, material: u32, number: u32) {
+        let first = self.corners.len() as u32;
+        self.corners.extend(corners);
+        let count = self.corners.len() as u32 - first;
+        self.faces.push(Face { first, count, material, number });
+    }
+
+    /// The faces, in file order.
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    /// The corners of a face of this mesh.
+    pub fn corners(&self, face: &Face) -> &[Corner] {
+        &self.corners[face.first as usize..(face.first + face.count) as usize]
+    }
+
+    /// The points of a face of this mesh, in order.
+    pub fn face_points<'a>(&'a self, face: &Face) -> impl ExactSizeIterator<Item = Vec3> + Clone + 'a {
+        self.corners(face).iter().map(|corner| self.points[corner.point as usize])
+    }
+
+    /// How many faces the file has: pieces of one face count once.
+    pub fn face_count(&self) -> u32 {
+        self.faces.last().map_or(0, |face| face.number + 1)
+    }
+
+    /// The smallest axis-parallel box around all faces' points, or `None` without faces.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let mut points = self.corners.iter().map(|corner| self.points[corner.point as usize]);
+        let first = points.next()?;
+        Some(points.fold((first, first), |(low, high), p| (low.min(p), high.max(p))))
+    }
+}

@@ -1,0 +1,79 @@
+//! What is traced: polygons, materials, lights and a camera; read from files or generated.
+
+pub mod mesh;
+
+pub use mesh::{Corner, Face, Mesh};
+
+use glam::Vec3;
+
+/// A whole scene.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Its name: the built-in's, or the file's.
+    pub name: String,
+    /// All polygons, in file order.
+    pub mesh: Mesh,
+    /// What the faces are made of; [`Face::material`] counts into this list, which is never empty.
+    pub materials: Vec<Material>,
+    /// The light sources; may be empty.
+    pub lights: Vec<Light>,
+    /// The colour where a ray hits nothing (linear RGB, 0 to 1).
+    pub background: Vec3,
+    /// The eye.
+    pub camera: Camera,
+    /// What reading changed and the user should know, one sentence each ("3 concave faces were cut into 12 triangles").
+    pub notes: Vec<String>,
+}
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the eye is.
+    pub from: Vec3,
+    /// The point in the middle of the image.
+    pub at: Vec3,
+    /// The direction that is up in the image; not parallel to the line of sight.
+    pub up: Vec3,
+    /// Full angle of view of the image's height, in degrees, above 0 and below 180.
+    pub angle: f32,
+}
+
+/// How a surface takes light (Phong's model, as NFF's `f` has it).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Colour (linear RGB, 0 to 1).
+    pub color: Vec3,
+    /// Share of light that is scattered evenly.
+    pub diffuse: f32,
+    /// Share of light that makes highlights and mirror images.
+    pub specular: f32,
+    /// Phong's exponent of the highlight.
+    pub shine: f32,
+    /// Share of light that passes through.
+    pub transmittance: f32,
+    /// Index of refraction.
+    pub refraction: f32,
+}
+
+impl Default for Material {
+    /// A matt light grey.
+    fn default() -> Self {
+        Material {
+            color: Vec3::splat(0.8),
+            diffuse: 1.0,
+            specular: 0.0,
+            shine: 1.0,
+            transmittance: 0.0,
+            refraction: 1.0,
+        }
+    }
+}
+
+/// A point light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Where it is.
+    pub at: Vec3,
+    /// Its colour and strength (linear RGB); it does not fall off with distance.
+    pub color: Vec3,
+}
