@@ -6,3 +6,4 @@ pub mod machine;
 pub mod program;
 mod ron_input;
 pub mod scene;
+pub mod simulation;
