@@ -112,8 +112,14 @@ fn ray_plan() -> impl Strategy<Value = RayPlan> {
         prop_oneof![4 => Just(1.0f32), 1 => Just(1e-9), 1 => Just(1e9)],
         prop::option::weighted(0.3, 0.0f32..4.0),
     )
-        .prop_map(|(origin, from_face, to_face, direction, flatten, length, t_max)| {
-            RayPlan { origin, from_face, to_face, direction, flatten, length, t_max }
+        .prop_map(|(origin, from_face, to_face, direction, flatten, length, t_max)| RayPlan {
+            origin,
+            from_face,
+            to_face,
+            direction,
+            flatten,
+            length,
+            t_max,
         })
 }
 

@@ -6,7 +6,7 @@ use super::Channel;
 use super::cell::{Cell, Halt, Link};
 use super::op::OpBatch;
 use super::spec::MachineSpec;
-use super::stats::{CellStats, RunStats};
+use super::stats::RunStats;
 use super::stuck::{self, Party, Stuck};
 use super::units::Cycles;
 
@@ -127,7 +127,7 @@ impl Array {
             return Err(self.stuck().into());
         }
         let cycles = self.cycles();
-        if !limited && self.cells.iter().any(|s| s.cell.clock > cycles) {
+        if !limited && self.cells.iter().any(|s| s.cell.now.clock > cycles) {
             return Err(Unfinished::Outlived(Cycles(cycles)));
         }
         Ok(self.stats(cycles))
@@ -206,7 +206,7 @@ impl Array {
         if inbox.words_read() > 0 {
             inbox.last_read() + 1
         } else {
-            std::iter::once(&self.host).chain(&self.cells).map(|s| s.cell.clock).max().unwrap_or(0)
+            std::iter::once(&self.host).chain(&self.cells).map(|s| s.cell.now.clock).max().unwrap_or(0)
         }
     }
 
@@ -220,10 +220,6 @@ impl Array {
     }
 
     fn stats(&self, cycles: u64) -> RunStats {
-        let cell_stats = |station: &Station| {
-            let stats = station.cell.stats;
-            CellStats { idle: Cycles(cycles) - stats.active(), ..stats }
-        };
         let count = self.cells.len();
         let fifo = |index: usize, channel: Channel| {
             let reader = if index == count { "host".to_owned() } else { index.to_string() };
@@ -234,7 +230,7 @@ impl Array {
         RunStats {
             cycles: Cycles(cycles),
             rays: self.rays,
-            cells: self.cells.iter().map(cell_stats).collect(),
+            cells: self.cells.iter().map(|station| station.cell.stats(cycles)).collect(),
             fifos: xs.chain(ys).collect(),
         }
     }
@@ -261,9 +257,9 @@ impl Array {
         Some(stuck::Standing {
             party,
             halt: station.halt,
-            cycle: station.cell.clock,
+            cycle: station.cell.now.clock,
             op,
-            moved: station.cell.moved,
+            moved: station.cell.now.moved,
             ray,
             position,
             cells: self.cells.len(),
@@ -291,6 +287,6 @@ impl Station {
     }
 
     fn place(&self) -> (usize, usize, u64) {
-        (self.batch, self.done, self.cell.moved)
+        (self.batch, self.done, self.cell.now.moved)
     }
 }

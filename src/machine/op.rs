@@ -38,6 +38,7 @@ pub enum OpKind {
 }
 
 impl OpKind {
+    /// All ops with their letters, each at the place of its code.
     const TABLE: [(OpKind, char); 10] = [
         (OpKind::PassX, 'x'),
         (OpKind::Compute(Work::Grid), 'g'),
@@ -59,6 +60,22 @@ impl OpKind {
     /// The op with that letter.
     pub fn from_letter(letter: char) -> Option<OpKind> {
         Self::TABLE.iter().find(|entry| entry.1 == letter).map(|entry| entry.0)
+    }
+
+    #[inline]
+    fn from_code(code: u32) -> OpKind {
+        match code {
+            0 => OpKind::PassX,
+            1 => OpKind::Compute(Work::Grid),
+            2 => OpKind::Compute(Work::Slabs),
+            3 => OpKind::Compute(Work::Intersection),
+            4 => OpKind::Compute(Work::Other),
+            5 => OpKind::ReadY,
+            6 => OpKind::WriteY,
+            7 => OpKind::ReadX,
+            8 => OpKind::WriteX,
+            _ => OpKind::Await,
+        }
     }
 
     #[inline]
@@ -93,7 +110,14 @@ impl Op {
     /// What the op does.
     #[inline]
     pub fn kind(self) -> OpKind {
-        OpKind::TABLE[(self.0 >> 28) as usize].0
+        OpKind::from_code(self.0 >> 28)
+    }
+
+    /// What the op computes, if it does.
+    #[inline]
+    pub(super) fn work(self) -> Option<Work> {
+        let index = (self.0 >> 28).wrapping_sub(OpKind::Compute(Work::Grid).code());
+        Work::ALL.get(index as usize).copied()
     }
 
     /// For how many cycles or words.
