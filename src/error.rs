@@ -67,7 +67,20 @@ impl InputError {
         width: usize,
         message: impl Into<String>,
     ) -> Self {
-        let source = text.lines().nth(line.saturating_sub(1)).unwrap_or("").to_owned();
+        let source = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
+        InputError::in_line(file, source, line, column, width, message)
+    }
+
+    /// A mistake in a text file of which only the line `source` is at hand.
+    pub fn in_line(
+        file: &Path,
+        source: &str,
+        line: usize,
+        column: usize,
+        width: usize,
+        message: impl Into<String>,
+    ) -> Self {
+        let source = source.to_owned();
         let place = Place { file: file.to_owned(), spot: Some(Spot::Text { line, column, width, source }) };
         InputError { message: message.into(), place: Some(place), help: None }
     }

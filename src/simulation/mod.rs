@@ -3,7 +3,7 @@
 mod ahead;
 
 use crate::geometry::{Hit, Ray};
-use crate::machine::{Array, MachineSpec, OpBatch, RunStats, Stuck, Unfinished};
+use crate::machine::{Array, Cycles, MachineSpec, OpBatch, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
 
 /// What a run gives.
@@ -67,6 +67,31 @@ pub fn run<E>(
         Unfinished::Outlived(cycles) => unreachable!("a cell outlived the last hit in cycle {cycles}"),
     })?;
     Ok(Outcome { stats, counts, hits })
+}
+
+/// Times a trace: `feed` hands it, from its start, batch by batch to the function that it is given. It is called again if
+/// some cell works on after the host has read its last word, which ends the statistics.
+pub fn replay<E: From<Stuck>>(
+    spec: &MachineSpec,
+    cells: usize,
+    mut feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<(), E>) -> Result<(), E>,
+) -> Result<RunStats, E> {
+    let mut attempt = |limit: Cycles| {
+        let mut array = Array::until(spec, cells, limit);
+        feed(&mut |batch| {
+            array.feed(batch);
+            Ok(array.run()?)
+        })?;
+        Ok::<_, E>(array.finish())
+    };
+    let mut result = attempt(Cycles(u64::MAX))?;
+    if let Err(Unfinished::Outlived(cycles)) = result {
+        result = attempt(cycles)?;
+    }
+    result.map_err(|unfinished| match unfinished {
+        Unfinished::Stuck(stuck) => stuck.into(),
+        Unfinished::Outlived(cycles) => unreachable!("nothing happens after the limit of {cycles}"),
+    })
 }
 
 /// The functional half alone: traces the rays in batches on all threads and hands the batches to `take` in order. `take`
