@@ -1,6 +1,7 @@
 //! What is traced: polygons, materials, lights and a camera; read from files or generated.
 
 pub mod mesh;
+pub mod tessellate;
 
 pub use mesh::{Corner, Face, Mesh};
 
