@@ -1,8 +1,27 @@
 //! What is traced: polygons, materials, lights and a camera; read from files or generated.
 
+pub mod builtin;
+pub mod camera;
+pub mod convex;
 pub mod mesh;
+mod mtl;
+mod nff;
+mod obj;
+mod ply;
+mod ply_header;
+mod ply_values;
+mod read;
+mod ron_text;
+mod scene_ron;
+mod statements;
+pub mod tessellate;
+mod text;
+mod transform;
 
+pub use camera::Camera;
+pub use convex::split_concave;
 pub use mesh::{Corner, Face, Mesh};
+pub use read::{ReadOptions, load};
 
 use glam::Vec3;
 
@@ -23,19 +42,6 @@ pub struct Scene {
     pub camera: Camera,
     /// What reading changed and the user should know, one sentence each ("3 concave faces were cut into 12 triangles").
     pub notes: Vec<String>,
-}
-
-/// A pinhole camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
-    /// Where the eye is.
-    pub from: Vec3,
-    /// The point in the middle of the image.
-    pub at: Vec3,
-    /// The direction that is up in the image; not parallel to the line of sight.
-    pub up: Vec3,
-    /// Full angle of view of the image's height, in degrees, above 0 and below 180.
-    pub angle: f32,
 }
 
 /// How a surface takes light (Phong's model, as NFF's `f` has it).
