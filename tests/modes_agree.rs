@@ -3,27 +3,70 @@
 mod support;
 
 use glam::Vec3;
-use pcs_sim::geometry::{Hit, Partition, Polygons, Ray, brute_force};
-use pcs_sim::program::{ArrayProgram, MachineFile, Workload};
-use pcs_sim::scene::Mesh;
-use pcs_sim::simulation;
+use pcs_sim::geometry::{Partition, Polygons, Ray, brute_force};
+use pcs_sim::program::ArrayProgram;
+use pcs_sim::scene::{Mesh, builtin};
 use proptest::prelude::*;
+use support::{bits, hits, program, scene};
 
-/// A hit as the words of its message.
-fn bits(hit: &Hit) -> [u32; 4] {
-    [hit.t.to_bits(), hit.polygon, hit.alpha.to_bits(), hit.beta.to_bits()]
+const PARTITIONS: [Partition; 3] = [Partition::Regular, Partition::Polygons, Partition::Work];
+
+fn by_brute_force(mesh: &Mesh, rays: &[Ray]) -> Vec<[u32; 4]> {
+    let polygons = Polygons::new(mesh);
+    rays.iter().map(|ray| bits(&brute_force(&polygons, ray))).collect()
 }
 
-fn program(name: &str, groups: usize, partition: Partition) -> ArrayProgram {
-    let standard = ArrayProgram::standard(name).unwrap().unwrap();
-    ArrayProgram { groups, partition, ..standard }
+/// Every mode, number of cells, partition and number of threads, on small versions of every scene.
+#[test]
+fn on_small_built_in_scenes() {
+    for (name, size) in [
+        ("tetra", 4),
+        ("balls", 2),
+        ("rings", 2),
+        ("mountain", 4),
+        ("gears", 1),
+        ("tree", 5),
+        ("lattice", 2),
+        ("sombrero", 1),
+        ("shells", 3),
+        ("teapot", 4),
+        ("room", 1),
+        ("reference", 2),
+    ] {
+        let (scene, rays) = scene(name, size, 20);
+        let expected = by_brute_force(&scene.mesh, &rays);
+        assert!(expected.iter().any(|hit| hit[1] != u32::MAX), "no ray hits anything in {name}");
+        assert_eq!(hits(&scene.mesh, &program("pipeline", 1), &rays, 2), expected, "{name}, pipeline");
+        for partition in PARTITIONS {
+            for (mode, groups) in [
+                ("broadcast", 1),
+                ("broadcast", 2),
+                ("broadcast", 3),
+                ("broadcast", 7),
+                ("broadcast", 16),
+                ("hybrid", 3),
+                ("hybrid-3", 5),
+            ] {
+                let program = ArrayProgram { partition, ..program(mode, groups) };
+                let threads = 1 + groups % 3;
+                let found = hits(&scene.mesh, &program, &rays, threads);
+                assert_eq!(found, expected, "{name}, {mode} in {groups} groups, {partition}, {threads} threads");
+            }
+        }
+    }
 }
 
-fn hits(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray], threads: usize) -> Vec<[u32; 4]> {
-    let machine = MachineFile::standard().unwrap().build().unwrap();
-    let workload = Workload::new(mesh, program, machine.times, rays).unwrap();
-    let outcome = simulation::run(&workload, &machine.spec, rays, threads, |_| Ok::<(), ()>(())).unwrap();
-    outcome.hits.iter().map(bits).collect()
+/// The scenes as they come, with fewer rays.
+#[test]
+fn on_full_built_in_scenes() {
+    for builtin in builtin::all() {
+        let (scene, rays) = scene(builtin.name, builtin.default_size, 12);
+        let expected = by_brute_force(&scene.mesh, &rays);
+        for (mode, groups) in [("pipeline", 1), ("broadcast", 7), ("hybrid", 4), ("hybrid-3", 2)] {
+            let found = hits(&scene.mesh, &program(mode, groups), &rays, 2);
+            assert_eq!(found, expected, "{}, {mode} in {groups} groups", builtin.name);
+        }
+    }
 }
 
 /// Coordinates that make trouble: on a coarse lattice, so that faces touch and coincide, or anywhere.
@@ -153,22 +196,21 @@ fn case() -> impl Strategy<Value = (Mesh, Vec<Ray>)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
 
     #[test]
     fn on_random_soups(
         (mesh, rays) in case(),
         cells in 1usize..9,
-        partition in prop::sample::select(vec![Partition::Regular, Partition::Polygons, Partition::Work]),
+        partition in prop::sample::select(&PARTITIONS[..]),
         coefficient in prop_oneof![Just(50.0), Just(1.0), Just(0.01), Just(500.0)],
         mailbox: bool,
     ) {
-        let polygons = Polygons::new(&mesh);
-        let groups = cells.min(polygons.len());
-        let expected: Vec<_> = rays.iter().map(|ray| bits(&brute_force(&polygons, ray))).collect();
+        let groups = cells.min(mesh.faces().len());
+        let expected = by_brute_force(&mesh, &rays);
         for name in ["pipeline", "broadcast", "hybrid", "hybrid-3"] {
             let groups = if name == "pipeline" { 1 } else { groups };
-            let program = ArrayProgram { grid_coefficient: coefficient, mailbox, ..program(name, groups, partition) };
+            let program = ArrayProgram { grid_coefficient: coefficient, mailbox, partition, ..program(name, groups) };
             prop_assert_eq!(&hits(&mesh, &program, &rays, 1), &expected, "{}", name);
         }
     }

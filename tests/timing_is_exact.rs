@@ -134,7 +134,7 @@ fn case() -> impl Strategy<Value = (MachineSpec, usize, Vec<RayPlan>, usize)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 20_000, ..ProptestConfig::default() })]
 
     #[test]
     fn every_field_equals_the_ticking_model((spec, cells, rays, per_batch) in case()) {
@@ -145,4 +145,54 @@ proptest! {
             .collect();
         prop_assert_eq!(time(&spec, &batches), ticking::run(&spec, &batches));
     }
+}
+
+/// Real programs on real scenes, with FIFOs that never fill, sometimes, and always.
+#[test]
+fn on_real_scenes() {
+    for (scene, size) in [("room", 1), ("teapot", 3)] {
+        let (scene, rays) = support::scene(scene, size, 7);
+        for (mode, groups) in [("pipeline", 1), ("broadcast", 3), ("hybrid", 2), ("hybrid-3", 2)] {
+            let workload = support::workload(&scene.mesh, &support::program(mode, groups), &rays);
+            let batches = support::ops(&workload, &rays);
+            for (fifo_words, link_mb_s) in [(512, 80.0), (64, 80.0), (5, 27.0)] {
+                let spec = MachineSpec { fifo_words: Words(fifo_words), link_mb_s, ..MachineSpec::default() };
+                let expected = ticking::run(&spec, &batches).expect("it ends");
+                let found = time(&spec, &batches).expect("it ends");
+                assert_eq!(found, expected, "{}, {mode}, {fifo_words} words, {link_mb_s} Mbyte/s", scene.name);
+            }
+        }
+    }
+}
+
+/// Every state that a cell can be in occurs in some of the random cases, and so do standstills: else they test too little.
+#[test]
+fn random_cases_are_varied() {
+    use proptest::strategy::ValueTree;
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let mut seen = [0u64; 8];
+    let mut stuck = 0;
+    for _ in 0..400 {
+        let (spec, cells, rays, _) = case().new_tree(&mut runner).unwrap().current();
+        match time(&spec, &[batch_of(cells, &rays, 0)]) {
+            None => stuck += 1,
+            Some(stats) => {
+                for cell in &stats.cells {
+                    let parts = [
+                        cell.busy.total(),
+                        cell.moving,
+                        cell.waiting_x,
+                        cell.waiting_y,
+                        cell.blocked_x,
+                        cell.blocked_y,
+                        cell.idle,
+                        stats.fifos.iter().map(|fifo| fifo.full).sum(),
+                    ];
+                    seen.iter_mut().zip(parts).for_each(|(seen, part)| *seen += (part.0 > 0) as u64);
+                }
+            }
+        }
+    }
+    assert!(seen.iter().all(|&count| count > 20), "some state is rare: {seen:?}");
+    assert!((20..300).contains(&stuck), "{stuck} of 400 cases are stuck");
 }
