@@ -173,6 +173,9 @@ impl Reader<'_> {
         let wanted = name.read(self.text)?;
         self.names.get(&wanted).copied().ok_or_else(|| {
             let error = name.error(self.text, format!("there is no material `{wanted}`"));
+            if self.names.is_empty() {
+                return error.help("the file defines no materials");
+            }
             let mut known: Vec<&str> = self.names.keys().map(String::as_str).collect();
             known.sort_unstable();
             suggest(error, &wanted, &known, "materials")
