@@ -1,9 +1,161 @@
-//! Stand-in for the built-in scenes, to be replaced by the module of the same name.
+//! Scenes that are generated: those of the Standard Procedural Databases, and two of our own.
+//!
+//! The Standard Procedural Databases (Eric Haines and others, 1987 to 1995) are programs that write test scenes for ray
+//! tracers; a size factor sets how many primitives. The modules here follow their published definitions: shapes, order
+//! of primitives, camera, lights, background and materials. Spheres, cones and cylinders are cut into polygons.
+//!
+//! All coordinates are worked out in double precision and rounded once. Sines, exponentials and logarithms come from
+//! the platform's library, so the last bit of a coordinate may differ from one platform to another; on one machine the
+//! same name, size and resolution always give the same bits.
+
+mod balls;
+mod gears;
+mod kit;
+mod lattice;
+mod mountain;
+mod noise;
+mod reference;
+mod rings;
+mod room;
+mod shells;
+mod sombrero;
+mod teapot;
+mod tetra;
+mod tree;
+
+use std::ops::RangeInclusive;
 
 use super::Scene;
 use crate::error::InputError;
 
-/// Always an error: there are no built-in scenes yet.
-pub fn generate(name: &str, _size: Option<u32>, _resolution: u32) -> Result<Scene, InputError> {
-    Err(InputError::new(format!("unknown built-in scene `{name}`")))
+/// The most faces that are generated; more would not fit into the memory of many machines.
+const MOST_FACES: u64 = 1 << 24;
+
+/// The resolutions that are taken.
+const RESOLUTIONS: RangeInclusive<u32> = 3..=256;
+
+/// A scene that can be generated.
+#[derive(Clone, Debug)]
+pub struct Builtin {
+    /// The name that [`generate`] knows it by.
+    pub name: &'static str,
+    /// What it shows, as one sentence.
+    pub about: &'static str,
+    /// The size factor where none is given.
+    pub default_size: u32,
+    /// The size factors that are taken.
+    pub size_range: RangeInclusive<u32>,
+    /// Slices of a sphere or cone where none are given; `None` for a scene whose count does not depend on them.
+    pub default_resolution: Option<u32>,
+    count: fn(u32) -> Primitives,
+    build: fn(u32, u32) -> Scene,
 }
+
+/// What a scene is made of before spheres and cones are cut into polygons.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Primitives {
+    /// Polygons, as the definition has them: concave ones count once.
+    pub polygons: u64,
+    /// Spheres.
+    pub spheres: u64,
+    /// Cones and cylinders.
+    pub cones: u64,
+}
+
+impl Primitives {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.polygons + self.spheres + self.cones
+    }
+
+    /// How many faces they make with `resolution` slices, concave faces counted once.
+    pub fn faces(&self, resolution: u32) -> u64 {
+        let slices = u64::from(resolution);
+        let stacks = (slices / 2).max(2);
+        self.polygons + self.spheres * slices * stacks + self.cones * slices
+    }
+}
+
+impl Builtin {
+    /// What the scene is made of at a size factor, by its definition.
+    pub fn primitives(&self, size: u32) -> Primitives {
+        (self.count)(size)
+    }
+
+    /// How many faces the scene has at a size factor with `resolution` slices, or with its default number of them;
+    /// a concave face counts once, however many pieces it is cut into.
+    pub fn faces(&self, size: u32, resolution: Option<u32>) -> u64 {
+        self.primitives(size).faces(self.slices(resolution))
+    }
+
+    fn slices(&self, resolution: Option<u32>) -> u32 {
+        resolution.or(self.default_resolution).unwrap_or(*RESOLUTIONS.start())
+    }
+
+    /// The scene at a size factor, with `resolution` slices to a sphere or cone.
+    fn generate(&self, size: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
+        let size = size.unwrap_or(self.default_size);
+        self.check(size, resolution)?;
+        let mut scene = (self.build)(size, self.slices(resolution));
+        if let (None, Some(slices)) = (self.default_resolution, resolution) {
+            scene.notes.push(format!("the resolution of {slices} changes nothing in scene `{}`", self.name));
+        }
+        Ok(scene)
+    }
+
+    fn check(&self, size: u32, resolution: Option<u32>) -> Result<(), InputError> {
+        let name = self.name;
+        if !self.size_range.contains(&size) {
+            let (least, most) = (self.size_range.start(), self.size_range.end());
+            return Err(InputError::new(format!("size {size} of scene `{name}` is not in {least} to {most}"))
+                .help(format!("leave it out for {}", self.default_size)));
+        }
+        if let Some(slices) = resolution.filter(|slices| !RESOLUTIONS.contains(slices)) {
+            let (least, most) = (RESOLUTIONS.start(), RESOLUTIONS.end());
+            return Err(InputError::new(format!("resolution {slices} of scene `{name}` is not in {least} to {most}"))
+                .help("it is the number of slices of a sphere or cone"));
+        }
+        let faces = self.faces(size, resolution);
+        if faces > MOST_FACES {
+            let message = format!("scene `{name}` would have {faces} polygons, more than the {MOST_FACES} allowed");
+            return Err(InputError::new(message).help("ask for a smaller size or resolution"));
+        }
+        Ok(())
+    }
+}
+
+/// Generates the scene called `name`.
+///
+/// `size` is the scene's size factor, `resolution` the number of slices that spheres and cones are cut into, from 3;
+/// where they are not given, the scene's own defaults hold. All faces are flat and convex.
+pub fn generate(name: &str, size: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
+    match ALL.iter().find(|scene| scene.name == name) {
+        Some(scene) => scene.generate(size, resolution),
+        None => Err(unknown(name)),
+    }
+}
+
+/// All scenes that can be generated.
+pub fn all() -> &'static [Builtin] {
+    ALL
+}
+
+fn unknown(name: &str) -> InputError {
+    let names: Vec<&str> = ALL.iter().map(|scene| scene.name).collect();
+    InputError::new(format!("there is no built-in scene `{name}`")).help(format!("there are {}", names.join(", ")))
+}
+
+static ALL: &[Builtin] = &[
+    balls::SCENE,
+    gears::SCENE,
+    lattice::SCENE,
+    mountain::SCENE,
+    rings::SCENE,
+    shells::SCENE,
+    sombrero::SCENE,
+    teapot::SCENE,
+    tetra::SCENE,
+    tree::SCENE,
+    room::SCENE,
+    reference::SCENE,
+];
