@@ -498,6 +498,6 @@ fn places_have_the_width_of_what_is_wrong() {
 fn resolutions_out_of_range() {
     let file = folder("resolution").join("any.obj");
     let error = |resolution| scene::load(&file, &ReadOptions { resolution }).unwrap_err().to_string();
-    assert_eq!(error(2), "resolution is 2, it must be from 3 to 1024");
-    assert_eq!(error(1025), "resolution is 1025, it must be from 3 to 1024");
+    assert_eq!(error(2), "resolution is 2, it must be from 3 to 256");
+    assert_eq!(error(257), "resolution is 257, it must be from 3 to 256");
 }

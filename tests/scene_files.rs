@@ -177,9 +177,10 @@ fn ron_with_everything() {
     assert_eq!(scene.camera.angle, 35.5);
     assert_eq!(scene.lights.len(), 2);
     assert_eq!(scene.lights[0].color, Vec3::ONE);
-    // The default, the file's two, and the four of the cube, which has no material of the file's.
-    assert_eq!(scene.materials.len(), 1 + 2 + 4);
-    assert_eq!(scene.mesh.face_count(), 6 + 6 + 82 + 2);
+    // The default, the file's two, and those of the cube and of the balls, which have no material of the file's.
+    assert_eq!(scene.materials.len(), 1 + 2 + 4 + 2);
+    // Two cubes, shapes, a floor and ten balls of four slices and two stacks, two polygons.
+    assert_eq!(scene.mesh.face_count(), 6 + 6 + 82 + (1 + 10 * 4 * 2) + 2);
     let faces = scene.mesh.faces();
     assert_eq!([faces[0].material, faces[1].material], [3, 4]);
     assert_eq!([faces[6].material, faces[12].material], [1, 2]);
