@@ -11,7 +11,7 @@ use super::mesh::{Face, Mesh};
 const UNEVENNESS: f64 = 1e-3;
 
 /// Largest number of corners for which ears are looked for: beyond, it would take minutes.
-const MOST_CORNERS: usize = 1 << 20;
+const MOST_CORNERS: usize = 1 << 17;
 
 /// What [`split_concave`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
