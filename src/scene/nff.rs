@@ -179,16 +179,7 @@ impl<'a> Reader<'a> {
         let base_radius = self.coordinate(entity)?;
         let apex = self.vector(entity)?;
         let apex_radius = self.coordinate(entity)?;
-        let fault = if base == apex {
-            Some("base and apex of the cone are the same point")
-        } else if base_radius == 0.0 && apex_radius == 0.0 {
-            Some("both radii of the cone are 0")
-        } else if base_radius.min(apex_radius) < 0.0 && base_radius.max(apex_radius) > 0.0 {
-            Some("one radius of the cone is negative and the other is not")
-        } else {
-            None
-        };
-        if let Some(fault) = fault {
+        if let Some(fault) = cone_fault(base == apex, base_radius, apex_radius) {
             return Err(self.text.error_at(entity, fault));
         }
         let material = self.material();
@@ -272,5 +263,18 @@ impl<'a> Reader<'a> {
             Some(name) => error.help(format!("did you mean `{name}`, a part of the view?")),
             None => error.help(format!("known are {}", ENTITIES.join(", "))),
         }
+    }
+}
+
+fn cone_fault(coincident: bool, base_radius: f32, apex_radius: f32) -> Option<&'static str> {
+    let (least, most) = (base_radius.min(apex_radius), base_radius.max(apex_radius));
+    if coincident {
+        Some("base and apex of the cone are the same point")
+    } else if least == 0.0 && most == 0.0 {
+        Some("both radii of the cone are 0")
+    } else if least < 0.0 && most > 0.0 {
+        Some("one radius of the cone is negative and the other is not")
+    } else {
+        None
     }
 }
