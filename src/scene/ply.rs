@@ -5,18 +5,21 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::mesh::{Corner, Mesh, NO_NORMAL};
-use super::ply_header::{Element, Encoding, Header, Shape, Type, extent, parse};
+use super::ply_header::{Element, Encoding, Header, Property, Shape, Type, extent, parse};
 use super::ply_values::{Ascii, Binary, Row, Values};
 use super::read::{Draft, check_size, read_file};
 use super::text::{Text, coordinate, plural, too_few_corners};
 use crate::error::InputError;
+
+const POSITION: [&str; 3] = ["x", "y", "z"];
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 
 /// Reads a PLY file: the elements `vertex` and `face`; all others, and what the two have besides, are passed over.
 pub(crate) fn read(path: &Path) -> Result<Draft, InputError> {
     let bytes = read_file(path)?;
     let length = extent(path, &bytes)?;
     let text = Text::decode(path, &bytes[..length])?;
-    let header = parse(text, length)?;
+    let header = parse(text)?;
     let body = Body::new(text, &header)?;
     let mut draft = Draft::new(Vec3::Z);
     draft.mesh = match header.encoding {
@@ -31,7 +34,7 @@ pub(crate) fn read(path: &Path) -> Result<Draft, InputError> {
 struct Body<'a> {
     elements: &'a [Element],
     vertices: u64,
-    /// For every property of a vertex, which of x, y, z, nx, ny and nz it is.
+    /// For every property of a vertex, which of [`POSITION`] and [`NORMAL`] it is.
     slots: Vec<Option<usize>>,
     has_normals: bool,
     /// Which property of a face is the list of its corners.
@@ -41,32 +44,17 @@ struct Body<'a> {
 impl<'a> Body<'a> {
     fn new(text: Text, header: &'a Header) -> Result<Self, InputError> {
         let Some(vertex) = header.element("vertex") else {
-            let end = header.length;
-            return Err(text.error(end..end, "header has no element `vertex`"));
+            return Err(text.error(text.end(), "header has no element `vertex`"));
         };
-        let position = ["x", "y", "z"];
-        let normal = ["nx", "ny", "nz"];
-        for name in position {
-            if vertex.position(&[name]).is_none() {
-                return Err(text.error(vertex.span.clone(), format!("element `vertex` has no property `{name}`")));
-            }
+        if let Some(missing) = POSITION.into_iter().find(|name| vertex.position(&[name]).is_none()) {
+            return Err(text.error(vertex.span.clone(), format!("element `vertex` has no property `{missing}`")));
         }
-        let has_normals = normal.iter().all(|name| vertex.position(&[name]).is_some());
-        let wanted: Vec<&str> = if has_normals { [position, normal].concat() } else { position.to_vec() };
-        let slots = vertex.properties.iter().map(|property| {
-            let slot = wanted.iter().position(|name| *name == property.name);
-            match property.shape {
-                Shape::List { .. } if slot.is_some() => {
-                    let message = format!("property `{}` of `vertex` must not be a list", property.name);
-                    Err(text.error(property.span.clone(), message))
-                }
-                _ => Ok(slot),
-            }
-        });
+        let has_normals = NORMAL.iter().all(|name| vertex.position(&[name]).is_some());
+        let wanted = if has_normals { [POSITION, NORMAL].concat() } else { POSITION.to_vec() };
         Ok(Body {
             elements: &header.elements,
             vertices: vertex.count,
-            slots: slots.collect::<Result<_, _>>()?,
+            slots: slots(text, vertex, &wanted)?,
             has_normals,
             indices: header.element("face").map(|face| corner_list(text, face)).transpose()?,
         })
@@ -140,6 +128,22 @@ impl<'a> Body<'a> {
     }
 }
 
+/// Finds which of the wanted properties each property of a vertex is.
+fn slots(text: Text, vertex: &Element, wanted: &[&str]) -> Result<Vec<Option<usize>>, InputError> {
+    let slot = |property: &Property| {
+        let slot = wanted.iter().position(|name| *name == property.name);
+        match property.shape {
+            Shape::List { .. } if slot.is_some() => {
+                let message = format!("property `{}` of `vertex` must not be a list", property.name);
+                Err(text.error(property.span.clone(), message))
+            }
+            _ => Ok(slot),
+        }
+    };
+    vertex.properties.iter().map(slot).collect()
+}
+
+/// Finds the list of a face's corners among its properties.
 fn corner_list(text: Text, face: &Element) -> Result<usize, InputError> {
     let Some(position) = face.position(&["vertex_indices", "vertex_index"]) else {
         return Err(text.error(face.span.clone(), "element `face` has no list `vertex_indices`"));
