@@ -89,6 +89,11 @@ impl Mesh {
         self.faces.last().map_or(0, |face| face.number + 1)
     }
 
+    /// How many corners all faces have together.
+    pub fn corner_count(&self) -> u64 {
+        self.corners.len() as u64
+    }
+
     /// The smallest axis-parallel box around all faces' points, or `None` without faces.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let mut points = self.corners.iter().map(|corner| self.points[corner.point as usize]);

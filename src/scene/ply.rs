@@ -1,0 +1,175 @@
+//! Reads PLY files, as text and in either byte order.
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::mesh::{Corner, Mesh, NO_NORMAL};
+use super::ply_header::{Element, Encoding, Header, Shape, Type, extent, parse};
+use super::ply_values::{Ascii, Binary, Row, Values};
+use super::read::{Draft, check_size, read_file};
+use super::text::{Text, coordinate, plural, too_few_corners};
+use crate::error::InputError;
+
+/// Reads a PLY file: the elements `vertex` and `face`; all others, and what the two have besides, are passed over.
+pub(crate) fn read(path: &Path) -> Result<Draft, InputError> {
+    let bytes = read_file(path)?;
+    let length = extent(path, &bytes)?;
+    let text = Text::decode(path, &bytes[..length])?;
+    let header = parse(text, length)?;
+    let body = Body::new(text, &header)?;
+    let mut draft = Draft::new(Vec3::Z);
+    draft.mesh = match header.encoding {
+        Encoding::Ascii => body.mesh(Ascii::new(Text::decode(path, &bytes)?, length))?,
+        Encoding::LittleEndian => body.mesh(Binary::new(path, &bytes, length, false))?,
+        Encoding::BigEndian => body.mesh(Binary::new(path, &bytes, length, true))?,
+    };
+    Ok(draft)
+}
+
+/// What is to be found behind a header.
+struct Body<'a> {
+    elements: &'a [Element],
+    vertices: u64,
+    /// For every property of a vertex, which of x, y, z, nx, ny and nz it is.
+    slots: Vec<Option<usize>>,
+    has_normals: bool,
+    /// Which property of a face is the list of its corners.
+    indices: Option<usize>,
+}
+
+impl<'a> Body<'a> {
+    fn new(text: Text, header: &'a Header) -> Result<Self, InputError> {
+        let Some(vertex) = header.element("vertex") else {
+            let end = header.length;
+            return Err(text.error(end..end, "header has no element `vertex`"));
+        };
+        let position = ["x", "y", "z"];
+        let normal = ["nx", "ny", "nz"];
+        for name in position {
+            if vertex.position(&[name]).is_none() {
+                return Err(text.error(vertex.span.clone(), format!("element `vertex` has no property `{name}`")));
+            }
+        }
+        let has_normals = normal.iter().all(|name| vertex.position(&[name]).is_some());
+        let wanted: Vec<&str> = if has_normals { [position, normal].concat() } else { position.to_vec() };
+        let slots = vertex.properties.iter().map(|property| {
+            let slot = wanted.iter().position(|name| *name == property.name);
+            match property.shape {
+                Shape::List { .. } if slot.is_some() => {
+                    let message = format!("property `{}` of `vertex` must not be a list", property.name);
+                    Err(text.error(property.span.clone(), message))
+                }
+                _ => Ok(slot),
+            }
+        });
+        Ok(Body {
+            elements: &header.elements,
+            vertices: vertex.count,
+            slots: slots.collect::<Result<_, _>>()?,
+            has_normals,
+            indices: header.element("face").map(|face| corner_list(text, face)).transpose()?,
+        })
+    }
+
+    fn mesh(&self, mut values: impl Values) -> Result<Mesh, InputError> {
+        let mut mesh = Mesh::default();
+        // Without properties an element has no data, however many there are said to be.
+        for element in self.elements.iter().filter(|element| !element.properties.is_empty()) {
+            for row in (0..element.count).map(|number| Row { element, number }) {
+                values.begin(row)?;
+                match element.name.as_str() {
+                    "vertex" => self.vertex(&mut values, row, &mut mesh)?,
+                    "face" => self.face(&mut values, row, &mut mesh)?,
+                    _ => element.properties.iter().try_for_each(|p| skip(&mut values, p.shape, row))?,
+                }
+                values.end(row)?;
+            }
+        }
+        values.finish()?;
+        Ok(mesh)
+    }
+
+    fn vertex(&self, values: &mut impl Values, row: Row, mesh: &mut Mesh) -> Result<(), InputError> {
+        let mut numbers = [0.0; 6];
+        for (property, slot) in row.element.properties.iter().zip(&self.slots) {
+            match (property.shape, slot) {
+                (Shape::Scalar(kind), Some(slot)) => {
+                    numbers[*slot] = coordinate(values.value(kind, row)?).map_err(|message| values.error(message))?;
+                }
+                (shape, _) => skip(values, shape, row)?,
+            }
+        }
+        let [x, y, z, nx, ny, nz] = numbers;
+        mesh.add_point(Vec3::new(x, y, z));
+        if self.has_normals {
+            mesh.add_normal(Vec3::new(nx, ny, nz));
+        }
+        Ok(())
+    }
+
+    fn face(&self, values: &mut impl Values, row: Row, mesh: &mut Mesh) -> Result<(), InputError> {
+        for (i, property) in row.element.properties.iter().enumerate() {
+            match property.shape {
+                Shape::List { count, item } if Some(i) == self.indices => {
+                    let count = length(values, count, row)?;
+                    if count < 3 {
+                        return Err(values.error(too_few_corners(count as usize)));
+                    }
+                    check_size(mesh, count).map_err(|message| values.error(message))?;
+                    let mut corners = Vec::new();
+                    for _ in 0..count {
+                        corners.push(self.corner(values, item, row)?);
+                    }
+                    mesh.add_smooth_face(&corners, 0);
+                }
+                shape => skip(values, shape, row)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn corner(&self, values: &mut impl Values, kind: Type, row: Row) -> Result<Corner, InputError> {
+        let index = values.value(kind, row)?;
+        if index < 0.0 || index >= self.vertices as f64 {
+            let total = plural(self.vertices, "point");
+            return Err(values.error(format!("there is no point {index}, the file has {total} and counts from 0")));
+        }
+        let point = index as u32;
+        Ok(Corner { point, normal: if self.has_normals { point } else { NO_NORMAL } })
+    }
+}
+
+fn corner_list(text: Text, face: &Element) -> Result<usize, InputError> {
+    let Some(position) = face.position(&["vertex_indices", "vertex_index"]) else {
+        return Err(text.error(face.span.clone(), "element `face` has no list `vertex_indices`"));
+    };
+    let property = &face.properties[position];
+    match property.shape {
+        Shape::List { item, .. } if item.is_integer() => Ok(position),
+        _ => {
+            let message = format!("property `{}` of `face` must be a list of integers", property.name);
+            Err(text.error(property.span.clone(), message))
+        }
+    }
+}
+
+fn length(values: &mut impl Values, kind: Type, row: Row) -> Result<u64, InputError> {
+    let count = values.value(kind, row)?;
+    if count < 0.0 {
+        return Err(values.error(format!("length of a list is negative: {count}")));
+    }
+    Ok(count as u64)
+}
+
+fn skip(values: &mut impl Values, shape: Shape, row: Row) -> Result<(), InputError> {
+    match shape {
+        Shape::Scalar(kind) => values.value(kind, row).map(drop),
+        Shape::List { count, item } => {
+            for _ in 0..length(values, count, row)? {
+                values.value(item, row)?;
+            }
+            Ok(())
+        }
+    }
+}

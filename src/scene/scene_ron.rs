@@ -1,0 +1,301 @@
+//! Reads the project's own scene files (RON): a camera, lights, materials, and meshes from wherever they come.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use serde::Deserialize;
+
+use super::camera::CameraFault;
+use super::mesh::Mesh;
+use super::read::{Draft, Format, ReadOptions, read_file};
+use super::ron_text::{self, Located, suggest};
+use super::text::{Text, amount, coordinate, plural, too_few_corners};
+use super::transform::{Step, Transform};
+use super::{Camera, Light, Material, builtin, nff, obj, ply};
+use crate::error::InputError;
+
+/// Three numbers in parentheses.
+type Triple<'a> = Located<'a, (f64, f64, f64)>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Scene", bound(deserialize = "'de: 'a"))]
+struct SceneText<'a> {
+    camera: Option<CameraText<'a>>,
+    #[serde(default)]
+    lights: Vec<LightText<'a>>,
+    background: Option<Triple<'a>>,
+    #[serde(default)]
+    materials: Vec<MaterialText<'a>>,
+    meshes: Vec<MeshText<'a>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Camera", bound(deserialize = "'de: 'a"))]
+struct CameraText<'a> {
+    from: Triple<'a>,
+    at: Triple<'a>,
+    up: Triple<'a>,
+    angle: Located<'a, f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Light", bound(deserialize = "'de: 'a"))]
+struct LightText<'a> {
+    at: Triple<'a>,
+    color: Option<Triple<'a>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Material", bound(deserialize = "'de: 'a"))]
+struct MaterialText<'a> {
+    name: Located<'a, String>,
+    color: Option<Triple<'a>>,
+    diffuse: Option<Located<'a, f64>>,
+    specular: Option<Located<'a, f64>>,
+    shine: Option<Located<'a, f64>>,
+    transmittance: Option<Located<'a, f64>>,
+    refraction: Option<Located<'a, f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Mesh", bound(deserialize = "'de: 'a"))]
+struct MeshText<'a> {
+    shape: ShapeText<'a>,
+    material: Option<Located<'a, String>>,
+    #[serde(default)]
+    transform: Vec<Located<'a, StepText>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Shape", bound(deserialize = "'de: 'a"))]
+enum ShapeText<'a> {
+    File(Located<'a, String>),
+    Builtin { name: Located<'a, String>, size: Option<u32> },
+    Polygons { points: Vec<Triple<'a>>, faces: Vec<Located<'a, Vec<i64>>> },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Transform")]
+enum StepText {
+    Translate(f64, f64, f64),
+    Scale(f64, f64, f64),
+    Rotate { axis: (f64, f64, f64), degrees: f64 },
+}
+
+/// Reads a scene file. The meshes that it names are looked for beside it.
+///
+/// Of a file or built-in scene that is taken as a mesh, only faces and materials count; its camera and its lights stay
+/// out.
+pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Draft, InputError> {
+    let bytes = read_file(path)?;
+    let text = Text::decode(path, &bytes)?;
+    let scene: SceneText = ron_text::read(text, text.text)?;
+    let mut reader = Reader { text, options, draft: Draft::new(Vec3::Z), names: HashMap::new() };
+    reader.draft.camera = scene.camera.as_ref().map(|camera| reader.camera(camera)).transpose()?;
+    reader.draft.lights = scene.lights.iter().map(|light| reader.light(light)).collect::<Result<_, _>>()?;
+    reader.draft.background = reader.color(scene.background.as_ref(), Vec3::ZERO)?;
+    for material in &scene.materials {
+        reader.material(material)?;
+    }
+    for mesh in &scene.meshes {
+        reader.mesh(mesh)?;
+    }
+    Ok(reader.draft)
+}
+
+struct Reader<'a> {
+    text: Text<'a>,
+    options: &'a ReadOptions,
+    draft: Draft,
+    /// The numbers of the materials that the file names.
+    names: HashMap<String, u32>,
+}
+
+impl Reader<'_> {
+    fn camera(&self, camera: &CameraText) -> Result<Camera, InputError> {
+        let read = Camera {
+            from: self.vector(&camera.from)?,
+            at: self.vector(&camera.at)?,
+            up: self.vector(&camera.up)?,
+            angle: self.checked(&camera.angle, coordinate)?,
+        };
+        read.check().map_err(|fault| match fault {
+            CameraFault::NoLineOfSight => camera.at.error(self.text, fault.message()),
+            CameraFault::NoUp => camera.up.error(self.text, fault.message()),
+            CameraFault::Angle => camera.angle.error(self.text, fault.message()),
+        })?;
+        Ok(read)
+    }
+
+    fn light(&self, light: &LightText) -> Result<Light, InputError> {
+        Ok(Light { at: self.vector(&light.at)?, color: self.color(light.color.as_ref(), Vec3::ONE)? })
+    }
+
+    fn material(&mut self, material: &MaterialText) -> Result<(), InputError> {
+        let name = material.name.read(self.text)?;
+        let plain = Material::default();
+        let read = Material {
+            color: self.color(material.color.as_ref(), plain.color)?,
+            diffuse: self.number(material.diffuse.as_ref(), share, plain.diffuse)?,
+            specular: self.number(material.specular.as_ref(), share, plain.specular)?,
+            shine: self.number(material.shine.as_ref(), amount, plain.shine)?,
+            transmittance: self.number(material.transmittance.as_ref(), share, plain.transmittance)?,
+            refraction: self.number(material.refraction.as_ref(), above_zero, plain.refraction)?,
+        };
+        if self.names.contains_key(&name) {
+            return Err(material.name.error(self.text, format!("there are two materials `{name}`")));
+        }
+        self.names.insert(name, self.draft.materials.len() as u32);
+        self.draft.materials.push(read);
+        Ok(())
+    }
+
+    fn mesh(&mut self, text: &MeshText) -> Result<(), InputError> {
+        let material = text.material.as_ref().map(|name| self.material_number(name)).transpose()?;
+        let steps: Vec<Step> = text.transform.iter().map(|step| self.step(step)).collect::<Result<_, _>>()?;
+        let shape = self.shape(&text.shape)?;
+        let first = self.draft.materials.len() as u32;
+        if material.is_none() {
+            self.draft.materials.extend(shape.materials);
+        }
+        self.draft.notes.extend(shape.notes);
+        let number = |own: u32| material.unwrap_or(first + own);
+        let outcome = Transform::of(&steps).append(&mut self.draft.mesh, &shape.mesh, number);
+        outcome.map_err(|message| match (text.transform.last(), &text.shape) {
+            (Some(step), _) => step.error(self.text, format!("transformed coordinate {message}")),
+            (None, ShapeText::File(name) | ShapeText::Builtin { name, .. }) => name.error(self.text, message),
+            (None, ShapeText::Polygons { .. }) => InputError::in_file(self.text.file, message),
+        })
+    }
+
+    fn material_number(&self, name: &Located<String>) -> Result<u32, InputError> {
+        let wanted = name.read(self.text)?;
+        self.names.get(&wanted).copied().ok_or_else(|| {
+            let error = name.error(self.text, format!("there is no material `{wanted}`"));
+            let mut known: Vec<&str> = self.names.keys().map(String::as_str).collect();
+            known.sort_unstable();
+            suggest(error, &wanted, &known, "materials")
+        })
+    }
+
+    fn step(&self, text: &Located<StepText>) -> Result<Step, InputError> {
+        let fault = |message: String| text.error(self.text, message);
+        let vector = |x, y, z| Ok(triple((x, y, z), coordinate).map_err(fault)?.as_dvec3());
+        match text.read(self.text)? {
+            StepText::Translate(x, y, z) => Ok(Step::Translate(vector(x, y, z)?)),
+            StepText::Scale(x, y, z) => {
+                let by: DVec3 = vector(x, y, z)?;
+                if by.abs().min_element() == 0.0 {
+                    return Err(fault("scale factor is 0, nothing would be left to see".to_owned()));
+                }
+                Ok(Step::Scale(by))
+            }
+            StepText::Rotate { axis: (x, y, z), degrees } => {
+                let axis: DVec3 = vector(x, y, z)?;
+                let axis = axis.try_normalize().ok_or_else(|| fault("axis of rotation is zero".to_owned()))?;
+                let degrees = coordinate(degrees).map_err(fault)?;
+                Ok(Step::Rotate(axis, f64::from(degrees).to_radians()))
+            }
+        }
+    }
+
+    fn shape(&self, shape: &ShapeText) -> Result<Shape, InputError> {
+        match shape {
+            ShapeText::File(name) => self.file(name),
+            ShapeText::Builtin { name, size } => {
+                let scene = builtin::generate(&name.read(self.text)?, *size, self.options.resolution);
+                let scene = scene.map_err(|error| InputError {
+                    help: error.help,
+                    place: error.place.or(name.error(self.text, "").place),
+                    message: error.message,
+                })?;
+                Ok(Shape { mesh: scene.mesh, materials: scene.materials, notes: scene.notes })
+            }
+            ShapeText::Polygons { points, faces } => self.polygons(points, faces),
+        }
+    }
+
+    fn file(&self, name: &Located<String>) -> Result<Shape, InputError> {
+        let file = name.read(self.text)?;
+        let path = self.text.file.parent().unwrap_or(Path::new("")).join(&file);
+        if !path.is_file() {
+            return Err(name.error(self.text, format!("mesh file `{file}` was not found beside the scene file")));
+        }
+        let format =
+            Format::of(&path).map_err(|error| InputError { place: name.error(self.text, "").place, ..error })?;
+        let draft = match format {
+            Format::Obj => obj::read(&path)?,
+            Format::Ply => ply::read(&path)?,
+            Format::Nff => nff::read(&path, self.options)?,
+            Format::Ron => return Err(name.error(self.text, "a scene file cannot be the mesh of another one")),
+        };
+        Ok(Shape { mesh: draft.mesh, materials: draft.materials, notes: draft.notes })
+    }
+
+    fn polygons(&self, points: &[Triple], faces: &[Located<Vec<i64>>]) -> Result<Shape, InputError> {
+        let mut mesh = Mesh::default();
+        for point in points {
+            mesh.add_point(self.vector(point)?);
+        }
+        for face in faces {
+            let corners = face.read(self.text)?;
+            if corners.len() < 3 {
+                return Err(face.error(self.text, too_few_corners(corners.len())));
+            }
+            if let Some(wrong) = corners.iter().find(|&&index| index < 0 || index >= points.len() as i64) {
+                let total = plural(points.len() as u64, "point");
+                let message = format!("there is no point {wrong}, the mesh has {total} and counts from 0");
+                return Err(face.error(self.text, message));
+            }
+            let corners: Vec<u32> = corners.iter().map(|&index| index as u32).collect();
+            mesh.add_face(&corners, 0);
+        }
+        Ok(Shape { mesh, materials: vec![Material::default()], notes: Vec::new() })
+    }
+
+    fn vector(&self, text: &Triple) -> Result<Vec3, InputError> {
+        self.checked(text, |numbers| triple(numbers, coordinate))
+    }
+
+    fn color(&self, text: Option<&Triple>, default: Vec3) -> Result<Vec3, InputError> {
+        text.map_or(Ok(default), |text| self.checked(text, |numbers| triple(numbers, amount)))
+    }
+
+    fn number(
+        &self,
+        text: Option<&Located<f64>>,
+        check: fn(f64) -> Result<f32, String>,
+        default: f32,
+    ) -> Result<f32, InputError> {
+        text.map_or(Ok(default), |text| self.checked(text, check))
+    }
+
+    /// Reads a value and checks what it means.
+    fn checked<T: serde::de::DeserializeOwned, U>(
+        &self,
+        text: &Located<T>,
+        check: impl Fn(T) -> Result<U, String>,
+    ) -> Result<U, InputError> {
+        check(text.read(self.text)?).map_err(|message| text.error(self.text, message))
+    }
+}
+
+/// What a mesh of the file comes to, before it is transformed.
+struct Shape {
+    mesh: Mesh,
+    materials: Vec<Material>,
+    notes: Vec<String>,
+}
+
+fn triple((x, y, z): (f64, f64, f64), check: fn(f64) -> Result<f32, String>) -> Result<Vec3, String> {
+    Ok(Vec3::new(check(x)?, check(y)?, check(z)?))
+}
+
+fn share(number: f64) -> Result<f32, String> {
+    if (0.0..=1.0).contains(&number) { Ok(number as f32) } else { Err(format!("{number} is not from 0 to 1")) }
+}
+
+fn above_zero(number: f64) -> Result<f32, String> {
+    if number > 0.0 { amount(number) } else { Err(format!("{number} is not above 0")) }
+}

@@ -1,0 +1,51 @@
+//! The lines of OBJ and MTL files.
+
+use super::text::{Text, Token};
+
+/// Goes through the statements of a file: lines, joined where a backslash ends one, without comments.
+pub(crate) struct Statements<'a> {
+    text: Text<'a>,
+    rest: &'a str,
+}
+
+impl<'a> Statements<'a> {
+    pub fn new(text: Text<'a>) -> Self {
+        Statements { text, rest: text.text }
+    }
+
+    /// Puts the tokens of the next statement that is not empty into `tokens`; false at the end of the file.
+    pub fn next_into(&mut self, tokens: &mut Vec<Token<'a>>) -> bool {
+        tokens.clear();
+        while tokens.is_empty() && !self.rest.is_empty() {
+            while self.line_into(tokens) {}
+        }
+        !tokens.is_empty()
+    }
+
+    /// Adds the tokens of one line; true if the statement goes on in the next one.
+    fn line_into(&mut self, tokens: &mut Vec<Token<'a>>) -> bool {
+        let (line, rest) = self.rest.split_once('\n').unwrap_or((self.rest, ""));
+        self.rest = rest;
+        let line = line.trim_end();
+        let (line, goes_on) = match line.strip_suffix('\\') {
+            Some(line) => (line, true),
+            None => (line, false),
+        };
+        for token in self.text.tokens(line) {
+            // Only at the start of a word: names such as `wood#2` are common.
+            if token.text.starts_with('#') {
+                return false;
+            }
+            tokens.push(token);
+        }
+        goes_on
+    }
+}
+
+/// The text from one token's start to another's end: a name that may contain spaces.
+pub(crate) fn name_of<'a>(text: Text<'a>, arguments: &[Token<'a>]) -> &'a str {
+    match (arguments.first(), arguments.last()) {
+        (Some(first), Some(last)) => text.text.get(first.at..last.span().end).unwrap_or(""),
+        _ => "",
+    }
+}
