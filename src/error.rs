@@ -67,7 +67,20 @@ impl InputError {
         width: usize,
         message: impl Into<String>,
     ) -> Self {
-        let source = text.lines().nth(line.saturating_sub(1)).unwrap_or("").to_owned();
+        let source = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
+        InputError::in_line(file, source, line, column, width, message)
+    }
+
+    /// A mistake in a text file of which only the line `source` is at hand.
+    pub fn in_line(
+        file: &Path,
+        source: &str,
+        line: usize,
+        column: usize,
+        width: usize,
+        message: impl Into<String>,
+    ) -> Self {
+        let source = source.to_owned();
         let place = Place { file: file.to_owned(), spot: Some(Spot::Text { line, column, width, source }) };
         InputError { message: message.into(), place: Some(place), help: None }
     }
@@ -81,6 +94,12 @@ impl InputError {
     /// The same mistake with advice.
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
+        self
+    }
+
+    /// The same mistake, found to stand in `file`.
+    pub fn found_in(mut self, file: &Path) -> Self {
+        self.place.get_or_insert(Place { file: file.to_owned(), spot: None });
         self
     }
 }

@@ -1,0 +1,122 @@
+//! The timing half alone: words a second on one core, with all statistics on.
+//!
+//! `cargo bench --bench timing`
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use pcs_sim::machine::{Array, MachineSpec, OpBatch, OpKind, Words, Work};
+
+const RAYS: u32 = 1024;
+const BATCHES: usize = 40;
+
+/// Broadcast: every cell passes the ray on, works, merges the left neighbour's hit.
+fn broadcast(cells: usize) -> OpBatch {
+    let mut batch = OpBatch::new(cells);
+    for ray in 0..RAYS {
+        batch.host.push(OpKind::WriteX, 8);
+        batch.host.end_line(ray);
+        for cell in 0..cells {
+            let ops = &mut batch.cells[cell];
+            ops.push(OpKind::PassX, 8);
+            ops.push(OpKind::Compute(Work::Grid), 600 + 156 * varying(ray, cell, 20));
+            ops.push(OpKind::Compute(Work::Slabs), 180 + 260 * varying(ray, cell + 50, 8));
+            if cell > 0 {
+                ops.push(OpKind::ReadY, 5);
+            }
+            ops.push(OpKind::WriteY, 5);
+            ops.end_line(ray);
+        }
+    }
+    batch
+}
+
+/// The macro-pipeline: single words on Y, each with its own computing.
+fn pipeline() -> OpBatch {
+    let mut batch = OpBatch::new(3);
+    for ray in 0..RAYS {
+        batch.host.push(OpKind::WriteX, 8);
+        batch.host.end_line(ray);
+        batch.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, 8));
+        batch.cells[0].push(OpKind::Compute(Work::Grid), 600);
+        batch.cells[1].push(OpKind::Compute(Work::Slabs), 180);
+        for candidate in 0..30 {
+            batch.cells[0].push(OpKind::Compute(Work::Grid), 156 * (1 + varying(ray, candidate, 6)));
+            batch.cells[0].push(OpKind::WriteY, 1);
+            batch.cells[1].push(OpKind::ReadY, 1);
+            batch.cells[1].push(OpKind::Compute(Work::Slabs), 260);
+            if varying(ray, candidate, 10) == 0 {
+                batch.cells[1].push(OpKind::WriteY, 1);
+                batch.cells[2].push(OpKind::ReadY, 1);
+                batch.cells[2].push(OpKind::Compute(Work::Intersection), 600);
+            }
+        }
+        batch.cells[0].push(OpKind::WriteY, 1);
+        batch.cells[1].push(OpKind::ReadY, 1);
+        batch.cells[1].push(OpKind::WriteY, 1);
+        batch.cells[2].push(OpKind::ReadY, 1);
+        batch.cells[2].push(OpKind::WriteY, 5);
+        batch.cells.iter_mut().for_each(|cell| cell.end_line(ray));
+    }
+    batch
+}
+
+/// Nothing but words: what the links move at best.
+fn stream(cells: usize) -> OpBatch {
+    let mut batch = OpBatch::new(cells);
+    for ray in 0..RAYS {
+        batch.host.push(OpKind::WriteX, 8);
+        batch.host.end_line(ray);
+        for cell in 0..cells {
+            batch.cells[cell].push(OpKind::PassX, 8);
+            if cell > 0 {
+                batch.cells[cell].push(OpKind::ReadY, 5);
+            }
+            batch.cells[cell].push(OpKind::WriteY, 5);
+            batch.cells[cell].end_line(ray);
+        }
+    }
+    batch
+}
+
+fn varying(ray: u32, salt: usize, range: u64) -> u64 {
+    let mixed =
+        (ray as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (salt as u64).wrapping_mul(0xD1B5_4A32_D192_ED03);
+    (mixed.wrapping_mul(0x94D0_49BB_1331_11EB) >> 33) % range
+}
+
+/// Seconds and words of a run over the same batch many times.
+fn run(batch: &OpBatch, fifo_words: u64) -> (f64, u64) {
+    let spec = MachineSpec { fifo_words: Words(fifo_words), ..MachineSpec::default() };
+    let mut array = Array::new(&spec, batch.cells.len());
+    let batches: Vec<OpBatch> = (0..BATCHES).map(|_| batch.clone()).collect();
+    let start = Instant::now();
+    for batch in batches {
+        array.feed(batch);
+        array.run().expect("it never gets stuck");
+    }
+    let stats = array.finish().expect("it ends");
+    let seconds = start.elapsed().as_secs_f64();
+    (seconds, black_box(stats).fifos.iter().map(|fifo| fifo.words.0).sum())
+}
+
+fn main() {
+    println!("{:<22} {:>10} {:>16}", "program", "FIFO words", "million words/s");
+    let programs = [
+        ("pipeline", pipeline()),
+        ("broadcast, 8 cells", broadcast(8)),
+        ("broadcast, 64 cells", broadcast(64)),
+        ("words only, 8 cells", stream(8)),
+    ];
+    let only = std::env::args().nth(1).filter(|arg| !arg.starts_with("--"));
+    for (name, batch) in
+        programs.iter().filter(|(name, _)| only.as_ref().is_none_or(|only| name.contains(only.as_str())))
+    {
+        for fifo_words in [512, 64, 8] {
+            let mut rates: Vec<f64> =
+                (0..7).map(|_| run(batch, fifo_words)).map(|(s, words)| words as f64 / s / 1e6).collect();
+            rates.sort_by(f64::total_cmp);
+            println!("{name:<22} {fifo_words:>10} {:>16.0}", rates[rates.len() / 2]);
+        }
+    }
+}

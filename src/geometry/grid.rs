@@ -1,0 +1,292 @@
+//! A.1: the three-dimensional grid, and a ray's walk through it (Amanatides & Woo).
+
+use std::ops::ControlFlow;
+
+use bitvec::vec::BitVec;
+use glam::Vec3;
+
+use super::bounds::Bounds;
+use super::partition::reached;
+use super::polygon::Polygons;
+use super::ray::Ray;
+use super::voxels::Lattice;
+
+/// The most voxels of a grid.
+pub const MOST_VOXELS: f64 = (1u64 << 29) as f64;
+
+/// The most references to polygons in all voxels of a grid.
+pub const MOST_REFERENCES: f64 = (1u64 << 30) as f64;
+
+/// A grid that would not fit into the simulator's memory.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the grid would have more than {most} {what}; a smaller grid coefficient makes fewer")]
+pub struct GridTooLarge {
+    what: &'static str,
+    most: f64,
+}
+
+/// A grid over a volume: for each voxel the polygons that lie in it.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    lattice: Lattice,
+    /// Along each axis, the planes between voxels; the outermost ones stand off by the margin.
+    planes: [Vec<f32>; 3],
+    /// 1 / edge of a voxel.
+    per_edge: Vec3,
+    low: Vec3,
+    /// Which voxels hold any polygon: an eighth of a byte a voxel stays in the cache where the table does not.
+    occupied: BitVec,
+    /// Voxel v's list is lists[starts[v]..starts[v + 1]].
+    starts: Vec<u32>,
+    lists: Vec<u32>,
+}
+
+/// A voxel that a ray is in.
+#[derive(Clone, Copy, Debug)]
+pub struct Visit<'a> {
+    /// The polygons that lie in it.
+    pub polygons: &'a [u32],
+    /// Where on the ray it is left.
+    pub t_exit: f32,
+}
+
+impl Grid {
+    /// Fills a grid of `coefficient` x P voxels over the part of `volume` that the polygons `members` reach; P is their
+    /// number. Fewer voxels where they would be thinner than 32-bit arithmetic can tell apart.
+    ///
+    /// Every polygon is listed in every voxel that it comes within [`Polygons::margin`] of. Fails if that makes more than
+    /// [`MOST_VOXELS`] voxels or [`MOST_REFERENCES`] references.
+    pub fn new(polygons: &Polygons, members: &[u32], volume: Bounds, coefficient: f64) -> Result<Grid, GridTooLarge> {
+        let margin = polygons.margin();
+        let reached = volume.intersection(reached(polygons, members));
+        let volume = if reached.is_empty() { Bounds { low: volume.low, high: volume.low } } else { reached };
+        let voxels = coefficient * members.len() as f64;
+        if voxels > MOST_VOXELS {
+            return Err(GridTooLarge { what: "voxels", most: MOST_VOXELS });
+        }
+        let lattice = Lattice::cubic(volume, voxels, 4.0 * margin);
+        let (starts, lists) = fill(&lattice, polygons, members, margin)?;
+        Ok(Grid {
+            planes: [0, 1, 2].map(|axis| planes(&lattice, axis, margin)),
+            per_edge: (1.0 / lattice.voxel_extent()).as_vec3(),
+            low: lattice.volume.low.as_vec3(),
+            occupied: starts.windows(2).map(|pair| pair[0] < pair[1]).collect(),
+            starts,
+            lists,
+            lattice,
+        })
+    }
+
+    /// nb_voxel, the number of voxels.
+    pub fn voxel_count(&self) -> usize {
+        self.lattice.voxel_count()
+    }
+
+    /// Number of voxels along each axis.
+    pub fn size(&self) -> [u32; 3] {
+        self.lattice.size
+    }
+
+    /// Number of references to polygons in all voxels' lists.
+    pub fn reference_count(&self) -> usize {
+        self.lists.len()
+    }
+
+    /// Words of the voxel table and the index lists (equation 4): a word a voxel, one that closes the table, and a word
+    /// a reference.
+    pub fn memory_words(&self) -> u64 {
+        self.starts.len() as u64 + self.lists.len() as u64
+    }
+
+    /// The middle of the voxel that holds a point, or the nearest one to it.
+    pub fn voxel_center(&self, point: Vec3) -> glam::DVec3 {
+        let voxel = self.voxel_at(point);
+        let position = glam::DVec3::from_array(voxel.map(|n| n as f64 + 0.5));
+        self.lattice.volume.low + position * self.lattice.voxel_extent()
+    }
+
+    /// Calls `visit` for each voxel along a ray, from the one it starts in or enters by, until it leaves the volume,
+    /// passes t_max, or is told to stop. A ray that misses the volume visits none.
+    ///
+    /// A ray that starts out of reach (see [`super::rounding`]) visits every voxel, at any of which it might be.
+    #[inline]
+    pub fn walk<'a>(&'a self, ray: &Ray, in_reach: bool, mut visit: impl FnMut(Visit<'a>) -> ControlFlow<()>) {
+        if self.lists.is_empty() {
+            return;
+        }
+        if !in_reach {
+            let all =
+                (0..self.voxel_count()).map(|voxel| Visit { polygons: self.list(voxel), t_exit: f32::NEG_INFINITY });
+            let _ = { all }.try_for_each(visit);
+            return;
+        }
+        let Some(t_enter) = self.enter(ray) else { return };
+        let mut walk = Walk::new(self, ray, t_enter);
+        loop {
+            let (axis, t_exit) = walk.next_crossing();
+            if visit(Visit { polygons: self.list(walk.voxel), t_exit }).is_break() {
+                return;
+            }
+            if t_exit >= ray.t_max || !walk.cross(self, axis) {
+                return;
+            }
+        }
+    }
+
+    /// Where a ray enters the volume, or 0 if it starts inside; `None` if it misses it.
+    fn enter(&self, ray: &Ray) -> Option<f32> {
+        let (mut enters, mut leaves) = (0.0f32, ray.t_max);
+        for axis in 0..3 {
+            let (low, high) = (self.planes[axis][0], self.planes[axis][self.lattice.size[axis] as usize]);
+            let (o, inverse) = (ray.origin[axis], 1.0 / ray.direction[axis]);
+            if inverse.is_finite() {
+                let (a, b) = ((low - o) * inverse, (high - o) * inverse);
+                enters = enters.max(a.min(b));
+                leaves = leaves.min(a.max(b));
+            } else if o < low || o > high {
+                return None;
+            }
+        }
+        (enters <= leaves).then_some(enters)
+    }
+
+    #[inline]
+    fn list(&self, voxel: usize) -> &[u32] {
+        if self.occupied[voxel] {
+            &self.lists[self.starts[voxel] as usize..self.starts[voxel + 1] as usize]
+        } else {
+            &[]
+        }
+    }
+
+    fn voxel_at(&self, point: Vec3) -> [u32; 3] {
+        let steps = (point - self.low) * self.per_edge;
+        // `as` takes what is below 0, or not a number in a flat volume, to 0.
+        [0, 1, 2].map(|axis| (steps[axis] as u32).min(self.lattice.size[axis] - 1))
+    }
+}
+
+/// A ray on its way: where each axis's next plane is crossed, and how to go on from there.
+struct Walk {
+    voxel: usize,
+    /// t_x, t_y, t_z: where the next plane of each axis is crossed.
+    t_next: [f32; 3],
+    origin: [f32; 3],
+    inverse: [f32; 3],
+    /// The next plane's number along each axis.
+    plane: [i32; 3],
+    /// 1 or -1.
+    step: [i32; 3],
+    /// By how much the voxel's number changes with a step.
+    stride: [isize; 3],
+    /// Planes still to be crossed before the volume is left, counting the one that leaves it.
+    left: [u32; 3],
+}
+
+impl Walk {
+    fn new(grid: &Grid, ray: &Ray, t_enter: f32) -> Walk {
+        let at = grid.voxel_at(ray.at(t_enter));
+        let size = grid.lattice.size;
+        let strides = [1, size[0] as isize, size[0] as isize * size[1] as isize];
+        let mut walk = Walk {
+            voxel: grid.lattice.index(at),
+            t_next: [f32::INFINITY; 3],
+            origin: ray.origin.to_array(),
+            inverse: [0.0; 3],
+            plane: [0; 3],
+            step: [1; 3],
+            stride: strides,
+            left: [u32::MAX; 3],
+        };
+        for axis in 0..3 {
+            let inverse = 1.0 / ray.direction[axis];
+            // A ray that does not move along an axis, as far as 32 bits can tell, crosses none of its planes.
+            if !inverse.is_finite() {
+                continue;
+            }
+            let forward = inverse > 0.0;
+            walk.inverse[axis] = inverse;
+            walk.step[axis] = if forward { 1 } else { -1 };
+            walk.stride[axis] = if forward { strides[axis] } else { -strides[axis] };
+            walk.plane[axis] = at[axis] as i32 + forward as i32;
+            walk.left[axis] = if forward { size[axis] - at[axis] } else { at[axis] + 1 };
+            walk.t_next[axis] = walk.t_of_plane(grid, axis);
+        }
+        walk
+    }
+
+    /// The axis whose plane is crossed next, and where. On an edge or a corner the axes take turns, x first.
+    #[inline]
+    fn next_crossing(&self) -> (usize, f32) {
+        let [x, y, z] = self.t_next;
+        if x <= y && x <= z {
+            (0, x)
+        } else if y <= z {
+            (1, y)
+        } else {
+            (2, z)
+        }
+    }
+
+    /// Goes to the next voxel along an axis; false if that leaves the volume.
+    #[inline]
+    fn cross(&mut self, grid: &Grid, axis: usize) -> bool {
+        self.left[axis] -= 1;
+        if self.left[axis] == 0 {
+            return false;
+        }
+        self.voxel = self.voxel.wrapping_add_signed(self.stride[axis]);
+        self.plane[axis] += self.step[axis];
+        self.t_next[axis] = self.t_of_plane(grid, axis);
+        true
+    }
+
+    /// The paper adds δt from step to step; taking each plane's t by itself costs no more and does not add up rounding.
+    #[inline]
+    fn t_of_plane(&self, grid: &Grid, axis: usize) -> f32 {
+        (grid.planes[axis][self.plane[axis] as usize] - self.origin[axis]) * self.inverse[axis]
+    }
+}
+
+/// The planes between voxels along an axis.
+fn planes(lattice: &Lattice, axis: usize, margin: f64) -> Vec<f32> {
+    let count = lattice.size[axis];
+    let (low, edge) = (lattice.volume.low[axis], lattice.voxel_extent()[axis]);
+    let mut planes: Vec<f32> = (0..=count).map(|n| (low + n as f64 * edge) as f32).collect();
+    planes[0] = (low - margin) as f32;
+    planes[count as usize] = (lattice.volume.high[axis] + margin) as f32;
+    planes
+}
+
+/// The voxel table and the index lists, each list in rising order: counted first, then filled.
+fn fill(
+    lattice: &Lattice,
+    polygons: &Polygons,
+    members: &[u32],
+    margin: f64,
+) -> Result<(Vec<u32>, Vec<u32>), GridTooLarge> {
+    let mut starts = vec![0u32; lattice.voxel_count() + 1];
+    let mut references = 0u64;
+    for &polygon in members {
+        lattice.for_each_voxel(polygons, polygon, margin, |voxel| {
+            starts[voxel + 1] += 1;
+            references += 1;
+        });
+        if references as f64 > MOST_REFERENCES {
+            return Err(GridTooLarge { what: "references to polygons", most: MOST_REFERENCES });
+        }
+    }
+    for voxel in 1..starts.len() {
+        starts[voxel] += starts[voxel - 1];
+    }
+    let mut ends = starts.clone();
+    let mut lists = vec![0u32; references as usize];
+    for &polygon in members {
+        lattice.for_each_voxel(polygons, polygon, margin, |voxel| {
+            let end = &mut ends[voxel];
+            lists[*end as usize] = polygon;
+            *end += 1;
+        });
+    }
+    Ok((starts, lists))
+}

@@ -1,0 +1,37 @@
+//! How far a hit that A.3 computes in 32 bits can lie from the polygon and from the exact ray.
+//!
+//! Let u = 2^-24 be the unit of rounding, |O| the origin's largest coordinate and M that of the scene. When A.3 reports a
+//! hit at t, with exact arithmetic on that t:
+//!
+//! - the point O + t D differs from the computed one by at most u (|O| + 3 M) in each coordinate;
+//! - it lies off the polygon's plane by the rounding of N, d, N.O and N.D, at most about 12 u (|O| + M);
+//! - in the plane of projection it lies outside the fan triangle by the rounding of α and β, at most a few u times the
+//!   triangle's size: slivers, whose α and β can be far off along their length, are held by A.3's test against the
+//!   triangle's rectangle.
+//!
+//! All together stay below [`reach_error`], which takes 32 for the sum of the factors. The slabs test allows each ray
+//! its own error. The grid is filled before the rays are known: it allows the error of rays that start within
+//! [`REACH`] times M; others look into every voxel.
+
+/// u, half the distance from 1 to the next larger 32-bit number.
+pub const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
+
+/// How far from the coordinates' origin, in multiples of the scene's largest coordinate, a ray may start to be walked
+/// through a grid.
+pub const REACH: f64 = 64.0;
+
+/// The largest distance, per coordinate, between a computed hit and both its ray and its polygon.
+pub fn reach_error(origin: f64, scene: f64) -> f64 {
+    32.0 * UNIT * (origin + scene)
+}
+
+/// The largest number not above a 64-bit one.
+pub fn down(value: f64) -> f32 {
+    let rounded = value as f32;
+    if rounded as f64 > value { rounded.next_down() } else { rounded }
+}
+
+/// The smallest number not below a 64-bit one.
+pub fn up(value: f64) -> f32 {
+    -down(-value)
+}

@@ -1,0 +1,292 @@
+//! The linear array: a host, cells in a row, a link into each cell and one back to the host.
+
+use std::collections::VecDeque;
+
+use super::Channel;
+use super::cell::{Cell, Halt, Link};
+use super::op::OpBatch;
+use super::spec::MachineSpec;
+use super::stats::RunStats;
+use super::stuck::{self, Party, Stuck};
+use super::units::Cycles;
+
+/// Words of the message that comes back to the host for each line of its ops (a HIT).
+const RETURN_WORDS: u64 = 5;
+
+/// An array at work: takes ops batch by batch and works out when they happen.
+///
+/// ```
+/// use pcs_sim::machine::{Array, Cycles, MachineSpec, OpBatch, OpKind, Work};
+///
+/// // One cell, one ray: read 8 words, compute 600 cycles, write 5 words.
+/// let mut batch = OpBatch::new(1);
+/// batch.host.push(OpKind::WriteX, 8);
+/// batch.host.end_line(0);
+/// batch.cells[0].push(OpKind::PassX, 8);
+/// batch.cells[0].push(OpKind::Compute(Work::Grid), 600);
+/// batch.cells[0].push(OpKind::WriteY, 5);
+/// batch.cells[0].end_line(0);
+///
+/// let mut array = Array::new(&MachineSpec::default(), 1);
+/// array.feed(batch);
+/// array.run()?;
+/// // The host writes in cycles 0 to 7, the cell reads in 1 to 8, computes in 9 to 608, writes in 609 to 613,
+/// // and the host reads the last word in cycle 614.
+/// assert_eq!(array.finish()?.cycles, Cycles(615));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Array {
+    /// `links[i]` leads into cell i; the last one leads back to the host, on Y only.
+    links: Vec<Link>,
+    host: Station,
+    cells: Vec<Station>,
+    batches: VecDeque<OpBatch>,
+    /// How many batches have been dropped from the front of `batches`.
+    dropped: usize,
+    spent: Vec<OpBatch>,
+    rays: u64,
+    /// When the host read the last word of each returned message.
+    returned: Vec<u64>,
+    limit: u64,
+}
+
+/// A cell and its place in the batches.
+#[derive(Debug)]
+struct Station {
+    cell: Cell,
+    /// The number of the batch that it is in, counted from the start of the run.
+    batch: usize,
+    /// How many of that batch's ops it has done.
+    done: usize,
+    halt: Halt,
+}
+
+/// Why an array has no statistics to give.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unfinished {
+    /// The ops can never be done.
+    #[error(transparent)]
+    Stuck(#[from] Stuck),
+    /// Some cell works on after the host has read its last word. The statistics end with that word: time the same ops
+    /// again in an array made by [`Array::until`].
+    #[error("some cell works on after the host has read its last word in cycle {0}")]
+    Outlived(Cycles),
+}
+
+impl Array {
+    /// An array of `cells` cells, at least 1, with empty FIFOs, in cycle 0.
+    pub fn new(spec: &MachineSpec, cells: usize) -> Array {
+        Array::until(spec, cells, Cycles(u64::MAX))
+    }
+
+    /// The same, but nothing happens in cycle `limit` or later.
+    pub fn until(spec: &MachineSpec, cells: usize, limit: Cycles) -> Array {
+        let link = || Link::new(spec.fifo_words.0, spec.latency.0, spec.link_rate());
+        let station = || Station { cell: Cell::new(limit.0), batch: 0, done: 0, halt: Halt::OutOfOps };
+        Array {
+            links: (0..=cells).map(|_| link()).collect(),
+            host: station(),
+            cells: (0..cells).map(|_| station()).collect(),
+            batches: VecDeque::new(),
+            dropped: 0,
+            spent: Vec::new(),
+            rays: 0,
+            returned: Vec::new(),
+            limit: limit.0,
+        }
+    }
+
+    /// Adds the next ops. A batch needs no whole rays: each stream simply goes on where the one before it ended.
+    pub fn feed(&mut self, batch: OpBatch) {
+        debug_assert_eq!(batch.cells.len(), self.cells.len());
+        self.rays += batch.host.lines().len() as u64;
+        self.batches.push_back(batch);
+    }
+
+    /// A batch that has been done, emptied, for its memory to be used again.
+    pub fn take_spent(&mut self) -> Option<OpBatch> {
+        self.spent.pop()
+    }
+
+    /// Works out all times that the ops fed so far determine. Fails as soon as no further ops could help.
+    pub fn run(&mut self) -> Result<(), Stuck> {
+        while self.sweep() {}
+        let stations = || std::iter::once(&self.host).chain(&self.cells);
+        let helpless = stations().all(|s| !matches!(s.halt, Halt::OutOfOps | Halt::Limit));
+        if helpless { Err(self.stuck()) } else { Ok(()) }
+    }
+
+    /// Ends the run: no more ops will come.
+    pub fn finish(mut self) -> Result<RunStats, Unfinished> {
+        self.run()?;
+        let limited = self.limit != u64::MAX;
+        if limited {
+            self.stall_to_limit();
+        } else if std::iter::once(&self.host).chain(&self.cells).any(|s| s.halt != Halt::OutOfOps) {
+            return Err(self.stuck().into());
+        }
+        let cycles = self.cycles();
+        if !limited && self.cells.iter().any(|s| s.cell.now.clock > cycles) {
+            return Err(Unfinished::Outlived(Cycles(cycles)));
+        }
+        Ok(self.stats(cycles))
+    }
+
+    /// Lets each cell, from left to right, go on as far as it can. Returns whether anything moved.
+    fn sweep(&mut self) -> bool {
+        let mut moved = self.run_host();
+        for index in 0..self.cells.len() {
+            moved |= self.run_cell(index);
+        }
+        self.collect_returns();
+        self.drop_spent();
+        moved
+    }
+
+    fn run_host(&mut self) -> bool {
+        let Array { host, links, batches, dropped, returned, .. } = self;
+        let before = host.place();
+        while let Some(batch) = batches.get(host.batch - *dropped) {
+            host.halt = host.cell.run_host(batch.host.ops(), &mut host.done, &mut links[0], returned);
+            if !host.next_batch() {
+                break;
+            }
+        }
+        links[0].track_max();
+        host.place() != before
+    }
+
+    fn run_cell(&mut self, index: usize) -> bool {
+        let is_last = index + 1 == self.cells.len();
+        let (left, right) = self.links.split_at_mut(index + 1);
+        let (input, output) = (&mut left[index], &mut right[0]);
+        let station = &mut self.cells[index];
+        let before = station.place();
+        while let Some(batch) = self.batches.get(station.batch - self.dropped) {
+            let ops = batch.cells[index].ops();
+            station.halt = station.cell.run(ops, &mut station.done, input, output, is_last);
+            if !station.next_batch() {
+                break;
+            }
+        }
+        if station.place() == before {
+            return false;
+        }
+        input.track_max();
+        output.track_max();
+        true
+    }
+
+    /// The host reads each word in the first cycle in which it can be read.
+    fn collect_returns(&mut self) {
+        let inbox = &mut self.links[self.cells.len()].y;
+        while let Some(ready) = inbox.ready().filter(|ready| *ready < self.limit) {
+            inbox.read(ready, 1);
+            if inbox.words_read().is_multiple_of(RETURN_WORDS) {
+                self.returned.push(ready);
+            }
+        }
+        inbox.track_max();
+    }
+
+    fn drop_spent(&mut self) {
+        let stations = std::iter::once(&self.host).chain(&self.cells);
+        let oldest = stations.map(|s| s.batch).min().unwrap_or(0);
+        while self.dropped < oldest {
+            let Some(mut batch) = self.batches.pop_front() else { break };
+            batch.clear();
+            self.spent.push(batch);
+            self.dropped += 1;
+        }
+    }
+
+    fn cycles(&self) -> u64 {
+        let inbox = &self.links[self.cells.len()].y;
+        if inbox.words_read() > 0 {
+            inbox.last_read() + 1
+        } else {
+            std::iter::once(&self.host).chain(&self.cells).map(|s| s.cell.now.clock).max().unwrap_or(0)
+        }
+    }
+
+    fn stall_to_limit(&mut self) {
+        for (index, station) in self.cells.iter_mut().enumerate() {
+            let ops = self.batches.get(station.batch - self.dropped).map(|batch| batch.cells[index].ops());
+            if let Some(&op) = ops.and_then(|ops| ops.get(station.done)) {
+                station.cell.stall_to_limit(station.halt, op, &self.links[index]);
+            }
+        }
+    }
+
+    fn stats(&self, cycles: u64) -> RunStats {
+        let count = self.cells.len();
+        let fifo = |index: usize, channel: Channel| {
+            let reader = if index == count { "host".to_owned() } else { index.to_string() };
+            self.links[index].fifo(channel).stats(format!("{channel}{reader}"), cycles)
+        };
+        let xs = (0..count).map(|index| fifo(index, Channel::X));
+        let ys = (1..=count).map(|index| fifo(index, Channel::Y));
+        RunStats {
+            cycles: Cycles(cycles),
+            rays: self.rays,
+            cells: self.cells.iter().map(|station| station.cell.stats(cycles)).collect(),
+            fifos: xs.chain(ys).collect(),
+        }
+    }
+
+    fn stuck(&self) -> Stuck {
+        let parties = (0..self.cells.len()).map(Party::Cell);
+        stuck::diagnose(std::iter::once(Party::Host).chain(parties).filter_map(|party| self.standing(party)))
+    }
+
+    /// Where a party that is not done stands; `None` if it has done all its ops.
+    fn standing(&self, party: Party) -> Option<stuck::Standing> {
+        let station = self.station(party);
+        let batch = self.batches.get(station.batch - self.dropped)?;
+        let stream = match party {
+            Party::Host => &batch.host,
+            Party::Cell(index) => &batch.cells[index],
+        };
+        let op = *stream.ops().get(station.done)?;
+        let (ray, position) = stream.locate(station.done).unwrap_or((u32::MAX, station.done));
+        let link = |index: usize, channel: Channel| {
+            let fifo = self.links[index].fifo(channel);
+            (fifo.fill(), fifo.capacity())
+        };
+        Some(stuck::Standing {
+            party,
+            halt: station.halt,
+            cycle: station.cell.now.clock,
+            op,
+            moved: station.cell.now.moved,
+            ray,
+            position,
+            cells: self.cells.len(),
+            link: stuck::fifo_of(party, station.halt).map(|(index, channel)| link(index, channel)),
+        })
+    }
+
+    fn station(&self, party: Party) -> &Station {
+        match party {
+            Party::Host => &self.host,
+            Party::Cell(index) => &self.cells[index],
+        }
+    }
+}
+
+impl Station {
+    /// Goes to the start of the next batch, if it has done all of this one.
+    fn next_batch(&mut self) -> bool {
+        let done = self.halt == Halt::OutOfOps;
+        if done {
+            self.batch += 1;
+            self.done = 0;
+        }
+        done
+    }
+
+    fn place(&self) -> (usize, usize, u64) {
+        (self.batch, self.done, self.cell.now.moved)
+    }
+}

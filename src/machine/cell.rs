@@ -1,0 +1,286 @@
+//! One cell: a sequencer with a clock of its own that does its ops one after the other.
+
+use super::fifo::Fifo;
+use super::op::{Op, OpKind};
+use super::spec::{LinkRate, RateCounts};
+use super::stats::CellStats;
+use super::units::Cycles;
+use super::{Channel, Work};
+
+/// The two FIFOs at the end of a link, and the wire that leads to them.
+#[derive(Debug)]
+pub(super) struct Link {
+    pub x: Fifo,
+    pub y: Fifo,
+    rate: LinkRate,
+    /// For each channel, the first cycle in which the wire takes its next word.
+    wire_free: [u64; 2],
+}
+
+impl Link {
+    pub fn new(capacity: u64, latency: u64, rate: LinkRate) -> Link {
+        Link { x: Fifo::new(capacity, latency), y: Fifo::new(capacity, latency), rate, wire_free: [0; 2] }
+    }
+
+    pub fn fifo(&self, channel: Channel) -> &Fifo {
+        match channel {
+            Channel::X => &self.x,
+            Channel::Y => &self.y,
+        }
+    }
+
+    #[inline]
+    pub fn fifo_mut(&mut self, channel: Channel) -> &mut Fifo {
+        match channel {
+            Channel::X => &mut self.x,
+            Channel::Y => &mut self.y,
+        }
+    }
+
+    /// The first cycle in which the next word of `channel` can be written, if it is known.
+    #[inline]
+    fn room(&self, channel: Channel) -> Option<u64> {
+        self.fifo(channel).room().map(|room| room.max(self.wire_free[channel as usize]))
+    }
+
+    /// Whether `count` words can be written in as many cycles from `at` on.
+    #[inline]
+    fn can_write(&self, channel: Channel, at: u64, count: u64) -> bool {
+        self.rate.cycles_per_word == 1 && self.fifo(channel).can_write(at, count)
+    }
+
+    /// Writes `count` words in as many cycles from `at` on.
+    #[inline]
+    fn write(&mut self, channel: Channel, at: u64, count: u64) {
+        self.fifo_mut(channel).write(at, count);
+        // The writer's own clock keeps words one cycle apart.
+        if self.rate.cycles_per_word > 1 {
+            let free = at + self.rate.cycles_per_word;
+            match self.rate.counts {
+                RateCounts::Link => self.wire_free = [free; 2],
+                RateCounts::Channel => self.wire_free[channel as usize] = free,
+            }
+        }
+    }
+
+    /// Brings both FIFOs' maxima up to date; see [`Fifo::track_max`].
+    pub fn track_max(&mut self) {
+        self.x.track_max();
+        self.y.track_max();
+    }
+}
+
+/// Why a cell has stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Halt {
+    /// It has done all the ops that it has been given.
+    OutOfOps,
+    /// It reads, and it is not known when there will be a word.
+    NoWord(Channel),
+    /// It writes, and it is not known when there will be room.
+    NoRoom(Channel),
+    /// The host waits for a message whose last word is not known to have come back.
+    NotReturned(u64),
+    /// Its clock has reached the last cycle that is to be simulated.
+    Limit,
+}
+
+/// A cell, or the host as a writer: where it stands, and where its cycles went.
+#[derive(Debug)]
+pub(super) struct Cell {
+    pub now: Now,
+    pub stats: CellStats,
+}
+
+/// Where a cell stands. It is copied out of the cell while the cell runs, to stay in registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Now {
+    /// The first cycle that has not been spent yet.
+    pub clock: u64,
+    /// Words of the op under way that have been moved.
+    pub moved: u64,
+    /// Cycles from this one on are not simulated.
+    limit: u64,
+}
+
+/// What an op, or the part of it that could be done, ends with: the words of it that are left, and why.
+type Moved = Result<(), (Halt, u64)>;
+
+impl Cell {
+    pub fn new(limit: u64) -> Cell {
+        Cell { now: Now { clock: 0, moved: 0, limit }, stats: CellStats::default() }
+    }
+
+    /// Does a cell's ops, counting the finished ones up in `done`, until it can go no further. The last cell has no right
+    /// neighbour to pass rays on to (`is_last`).
+    pub fn run(&mut self, ops: &[Op], done: &mut usize, input: &mut Link, output: &mut Link, is_last: bool) -> Halt {
+        let stats = &mut self.stats;
+        self.now.run(ops, done, |now, op, left| {
+            // Asked first, and not in the match: two of three ops compute, and a branch is cheaper than a jump table.
+            if let Some(work) = op.work() {
+                return now.compute(work, left, stats);
+            }
+            match op.kind() {
+                OpKind::Compute(work) => now.compute(work, left, stats),
+                OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, stats),
+                OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, stats),
+                OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, stats),
+                OpKind::WriteX => now.write(left, Channel::X, output, stats),
+                OpKind::WriteY => now.write(left, Channel::Y, output, stats),
+                OpKind::Await => Err((Halt::NotReturned(left), left)),
+            }
+        })
+    }
+
+    /// Does the host's ops likewise. It only writes, computes and waits for messages, of which `returned` tells when the
+    /// last word of each was read.
+    pub fn run_host(&mut self, ops: &[Op], done: &mut usize, output: &mut Link, returned: &[u64]) -> Halt {
+        let stats = &mut self.stats;
+        self.now.run(ops, done, |now, op, left| match op.kind() {
+            OpKind::Compute(work) => now.compute(work, left, stats),
+            OpKind::WriteX => now.write(left, Channel::X, output, stats),
+            OpKind::WriteY => now.write(left, Channel::Y, output, stats),
+            OpKind::Await => now.wait_for_return(left, returned),
+            OpKind::PassX | OpKind::ReadX => Err((Halt::NoWord(Channel::X), left)),
+            OpKind::ReadY => Err((Halt::NoWord(Channel::Y), left)),
+        })
+    }
+
+    /// Spends the cycles up to the limit on what the cell stood at, op `op`, when its neighbour reached the limit.
+    pub fn stall_to_limit(&mut self, halt: Halt, op: Op, input: &Link) {
+        let (now, stats) = (&mut self.now, &mut self.stats);
+        match halt {
+            Halt::NoWord(channel) => *stats.waiting(channel) += now.stall_until(now.limit),
+            Halt::NoRoom(channel) => {
+                // A ray word that waits for room still has to come in first.
+                if op.kind() == OpKind::PassX {
+                    stats.waiting_x += now.stall_until(input.x.ready().unwrap_or(now.limit));
+                }
+                *stats.blocked(channel) += now.stall_until(now.limit);
+            }
+            Halt::OutOfOps | Halt::NotReturned(_) | Halt::Limit => {}
+        }
+    }
+
+    /// The statistics of a run of `cycles` cycles.
+    pub fn stats(&self, cycles: u64) -> CellStats {
+        // Every cycle up to the clock was spent in some way; those not counted elsewhere moved a word.
+        let moving = Cycles(self.now.clock) - self.stats.active();
+        CellStats { moving, idle: Cycles(cycles - self.now.clock), ..self.stats }
+    }
+}
+
+impl Now {
+    /// Does one op after the other until one halts. `step` does one, of which so much is left to do.
+    #[inline(always)]
+    fn run(&mut self, ops: &[Op], done: &mut usize, mut step: impl FnMut(&mut Now, Op, u64) -> Moved) -> Halt {
+        let mut now = *self;
+        let mut halt = Halt::OutOfOps;
+        let mut finished = *done;
+        while let Some(&op) = ops.get(finished) {
+            let count = op.count() as u64;
+            let left = count - now.moved;
+            if let Err((why, left)) = step(&mut now, op, left) {
+                now.moved = count - left;
+                halt = why;
+                break;
+            }
+            now.moved = 0;
+            finished += 1;
+        }
+        *done = finished;
+        *self = now;
+        halt
+    }
+
+    #[inline(always)]
+    fn compute(&mut self, work: Work, count: u64, stats: &mut CellStats) -> Moved {
+        let cycles = count.min(self.limit - self.clock);
+        stats.busy.0[work as usize] += Cycles(cycles);
+        self.clock += cycles;
+        if cycles < count { Err((Halt::Limit, count - cycles)) } else { Ok(()) }
+    }
+
+    #[inline(always)]
+    fn read(&mut self, mut left: u64, channel: Channel, input: &mut Fifo, stats: &mut CellStats) -> Moved {
+        while left > 0 {
+            if left > 1 && self.clock + left <= self.limit && input.can_read(self.clock, left) {
+                input.read(self.clock, left);
+                self.clock += left;
+                return Ok(());
+            }
+            let ready = input.ready().ok_or((Halt::NoWord(channel), left))?;
+            *stats.waiting(channel) += self.stall_until(ready);
+            self.within_limit(left)?;
+            input.read(self.clock, 1);
+            self.clock += 1;
+            left -= 1;
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn write(&mut self, mut left: u64, channel: Channel, output: &mut Link, stats: &mut CellStats) -> Moved {
+        while left > 0 {
+            if left > 1 && self.clock + left <= self.limit && output.can_write(channel, self.clock, left) {
+                output.write(channel, self.clock, left);
+                self.clock += left;
+                return Ok(());
+            }
+            let room = output.room(channel).ok_or((Halt::NoRoom(channel), left))?;
+            *stats.blocked(channel) += self.stall_until(room);
+            self.within_limit(left)?;
+            output.write(channel, self.clock, 1);
+            self.clock += 1;
+            left -= 1;
+        }
+        Ok(())
+    }
+
+    /// Reads words from X and writes each to the right neighbour's X in the cycle in which it is read.
+    #[inline(always)]
+    fn pass_on(&mut self, mut left: u64, input: &mut Fifo, output: &mut Link, stats: &mut CellStats) -> Moved {
+        while left > 0 {
+            if self.clock + left <= self.limit
+                && input.can_read(self.clock, left)
+                && output.can_write(Channel::X, self.clock, left)
+            {
+                input.read(self.clock, left);
+                output.write(Channel::X, self.clock, left);
+                self.clock += left;
+                return Ok(());
+            }
+            // Both times must be known before a cycle is spent, as the cell may have to come back to this word.
+            let ready = input.ready().ok_or((Halt::NoWord(Channel::X), left))?;
+            let room = output.room(Channel::X).ok_or((Halt::NoRoom(Channel::X), left))?;
+            stats.waiting_x += self.stall_until(ready);
+            stats.blocked_x += self.stall_until(room);
+            self.within_limit(left)?;
+            input.read(self.clock, 1);
+            output.write(Channel::X, self.clock, 1);
+            self.clock += 1;
+            left -= 1;
+        }
+        Ok(())
+    }
+
+    /// The wait ends in the cycle in which the message's last word is read; the next op starts in the cycle after it.
+    fn wait_for_return(&mut self, message: u64, returned: &[u64]) -> Moved {
+        let read_at = *returned.get(message as usize).ok_or((Halt::NotReturned(message), message))?;
+        self.clock = self.clock.max(read_at + 1).min(self.limit);
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn stall_until(&mut self, cycle: u64) -> Cycles {
+        let until = cycle.min(self.limit).max(self.clock);
+        let stall = until - self.clock;
+        self.clock = until;
+        Cycles(stall)
+    }
+
+    #[inline(always)]
+    fn within_limit(&self, left: u64) -> Moved {
+        if self.clock < self.limit { Ok(()) } else { Err((Halt::Limit, left)) }
+    }
+}

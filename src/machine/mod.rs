@@ -1,0 +1,48 @@
+//! The timing half: cells, links and FIFOs, in cycles. Ops go in, cycles come out; what the ops are for is not known here.
+//!
+//! # Guarantees
+//!
+//! - **Exact.** Every figure is what a model that ticks every cycle would count, to the last cycle (the tests keep such a
+//!   model and compare every field).
+//! - **Deterministic.** A trace and a [`MachineSpec`] fix every figure; neither threads nor the sizes of the batches do.
+//!
+//! # How it gets there without ticking
+//!
+//! Every read and every write blocks, so the cycle of each word follows from a few earlier ones: a read of word *j* comes
+//! no earlier than its write plus the latency, a write of word *j* no earlier than the read of word *j - capacity* plus
+//! one, and neither earlier than what its own cell did before. Each cell has a clock of its own and runs on until it
+//! needs a time that its neighbour has not worked out yet.
+
+mod array;
+mod cell;
+mod fifo;
+mod op;
+mod spec;
+mod stats;
+mod stuck;
+mod units;
+
+pub use array::{Array, Unfinished};
+pub use op::{Op, OpBatch, OpKind, OpLine, OpStream, Work};
+pub use spec::{LinkRate, MachineSpec, RateCounts};
+pub use stats::{Busy, CellStats, FifoStats, RunStats};
+pub use stuck::{Party, Stuck, StuckKind, Wait, WaitFor};
+pub use units::{Cycles, Words};
+
+/// The two channels of a link between neighbours (§4.2: "two input FIFOs").
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Channel {
+    /// Carries the rays.
+    X,
+    /// Carries candidates and hits.
+    Y,
+}
+
+impl std::fmt::Display for Channel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Channel::X => "X",
+            Channel::Y => "Y",
+        })
+    }
+}

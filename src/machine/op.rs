@@ -1,0 +1,245 @@
+//! The seam between the two halves: what a cell does, op by op, without a clock.
+
+/// What a computing cell is busy with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Work {
+    /// The walk through the grid.
+    Grid,
+    /// The slabs test.
+    Slabs,
+    /// The intersection test.
+    Intersection,
+    /// Anything else.
+    Other,
+}
+
+impl Work {
+    /// All kinds, in the order in which reports name them.
+    pub const ALL: [Work; 4] = [Work::Grid, Work::Slabs, Work::Intersection, Work::Other];
+}
+
+/// What an op does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum OpKind {
+    /// `x`: reads words from X and passes each on to the right in the cycle in which it is read (the last cell does not).
+    PassX,
+    /// `g`, `s`, `n`, `c`: computes, for so many cycles.
+    Compute(Work),
+    /// `i`: reads words from Y.
+    ReadY,
+    /// `o`: writes words to the right neighbour's Y.
+    WriteY,
+    /// `r`: reads words from X without passing them on.
+    ReadX,
+    /// `w`: writes words to the right neighbour's X.
+    WriteX,
+    /// `a`, host only: waits until the last word of the n-th message (from 0) has come back from the array.
+    Await,
+}
+
+impl OpKind {
+    /// All ops with their letters, each at the place of its code.
+    const TABLE: [(OpKind, char); 10] = [
+        (OpKind::PassX, 'x'),
+        (OpKind::Compute(Work::Grid), 'g'),
+        (OpKind::Compute(Work::Slabs), 's'),
+        (OpKind::Compute(Work::Intersection), 'n'),
+        (OpKind::Compute(Work::Other), 'c'),
+        (OpKind::ReadY, 'i'),
+        (OpKind::WriteY, 'o'),
+        (OpKind::ReadX, 'r'),
+        (OpKind::WriteX, 'w'),
+        (OpKind::Await, 'a'),
+    ];
+
+    /// The letter of the op in an activity trace.
+    pub fn letter(self) -> char {
+        Self::TABLE[self.code() as usize].1
+    }
+
+    /// The op with that letter.
+    pub fn from_letter(letter: char) -> Option<OpKind> {
+        Self::TABLE.iter().find(|entry| entry.1 == letter).map(|entry| entry.0)
+    }
+
+    #[inline]
+    fn from_code(code: u32) -> OpKind {
+        match code {
+            0 => OpKind::PassX,
+            1 => OpKind::Compute(Work::Grid),
+            2 => OpKind::Compute(Work::Slabs),
+            3 => OpKind::Compute(Work::Intersection),
+            4 => OpKind::Compute(Work::Other),
+            5 => OpKind::ReadY,
+            6 => OpKind::WriteY,
+            7 => OpKind::ReadX,
+            8 => OpKind::WriteX,
+            _ => OpKind::Await,
+        }
+    }
+
+    #[inline]
+    fn code(self) -> u32 {
+        match self {
+            OpKind::PassX => 0,
+            OpKind::Compute(work) => 1 + work as u32,
+            OpKind::ReadY => 5,
+            OpKind::WriteY => 6,
+            OpKind::ReadX => 7,
+            OpKind::WriteX => 8,
+            OpKind::Await => 9,
+        }
+    }
+}
+
+/// One op: a kind and a count (cycles for computing, words for moving), packed into 32 bits.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Op(u32);
+
+impl Op {
+    /// The largest count of one op; longer ones are written as several.
+    pub const MAX_COUNT: u32 = (1 << 28) - 1;
+
+    /// An op of `count` cycles or words, at most [`Op::MAX_COUNT`].
+    #[inline]
+    pub fn new(kind: OpKind, count: u32) -> Op {
+        debug_assert!(count <= Op::MAX_COUNT);
+        Op(kind.code() << 28 | count)
+    }
+
+    /// What the op does.
+    #[inline]
+    pub fn kind(self) -> OpKind {
+        OpKind::from_code(self.0 >> 28)
+    }
+
+    /// What the op computes, if it does.
+    #[inline]
+    pub(super) fn work(self) -> Option<Work> {
+        let index = (self.0 >> 28).wrapping_sub(OpKind::Compute(Work::Grid).code());
+        Work::ALL.get(index as usize).copied()
+    }
+
+    /// For how many cycles or words.
+    #[inline]
+    pub fn count(self) -> u32 {
+        self.0 & Op::MAX_COUNT
+    }
+}
+
+impl std::fmt::Debug for Op {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
+}
+
+impl std::fmt::Display for Op {
+    /// As an activity trace writes it: `x8`, `g600`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{}", self.kind().letter(), self.count())
+    }
+}
+
+/// The end of one line of a stream: all that a cell, or the host, did for one ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OpLine {
+    /// The ray's number.
+    pub ray: u32,
+    /// Where the line's ops end in [`OpStream::ops`].
+    pub end: u32,
+}
+
+/// What one cell, or the host, did, in the order in which it did it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct OpStream {
+    ops: Vec<Op>,
+    lines: Vec<OpLine>,
+}
+
+impl OpStream {
+    /// Adds an op to the line under way, as part of the op before it where both are of one kind.
+    #[inline]
+    pub fn push(&mut self, kind: OpKind, count: u64) {
+        if let Some(last) = self.mergeable(kind)
+            && last.count() as u64 + count <= Op::MAX_COUNT as u64
+        {
+            last.0 += count as u32;
+        } else {
+            self.append(kind, count);
+        }
+    }
+
+    /// The last op of the line under way, if it is of that kind. Waits are for a message each, and never add up.
+    #[inline]
+    fn mergeable(&mut self, kind: OpKind) -> Option<&mut Op> {
+        let line_start = self.lines.last().map_or(0, |line| line.end as usize);
+        let same = |op: &&mut Op| op.0 >> 28 == kind.code() && kind != OpKind::Await;
+        self.ops[line_start..].last_mut().filter(same)
+    }
+
+    fn append(&mut self, kind: OpKind, mut count: u64) {
+        while count > Op::MAX_COUNT as u64 {
+            self.ops.push(Op::new(kind, Op::MAX_COUNT));
+            count -= Op::MAX_COUNT as u64;
+        }
+        self.ops.push(Op::new(kind, count as u32));
+    }
+
+    /// Ends the line under way: all since the line before it was done for `ray`.
+    #[inline]
+    pub fn end_line(&mut self, ray: u32) {
+        self.lines.push(OpLine { ray, end: self.ops.len() as u32 });
+    }
+
+    /// All ops of all lines.
+    #[inline]
+    pub fn ops(&self) -> &[Op] {
+        &self.ops
+    }
+
+    /// Each line as the ray's number and its ops.
+    pub fn lines(&self) -> impl ExactSizeIterator<Item = (u32, &[Op])> {
+        (0..self.lines.len()).map(|index| {
+            let line = self.lines[index];
+            (line.ray, &self.ops[self.line_start(index)..line.end as usize])
+        })
+    }
+
+    /// The line that op number `index` is in, as the ray's number and the op's position in the line.
+    pub fn locate(&self, index: usize) -> Option<(u32, usize)> {
+        let line = self.lines.partition_point(|line| line.end as usize <= index);
+        self.lines.get(line).map(|found| (found.ray, index - self.line_start(line)))
+    }
+
+    fn line_start(&self, line: usize) -> usize {
+        if line == 0 { 0 } else { self.lines[line - 1].end as usize }
+    }
+
+    /// Forgets all lines but keeps the memory.
+    pub fn clear(&mut self) {
+        self.ops.clear();
+        self.lines.clear();
+    }
+}
+
+/// The ops of the host and of every cell for some rays.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct OpBatch {
+    /// What the host does: `w` to the first cell's X, `a`, `c`.
+    pub host: OpStream,
+    /// What each cell does, from left to right.
+    pub cells: Vec<OpStream>,
+}
+
+impl OpBatch {
+    /// An empty batch for an array of `cells` cells.
+    pub fn new(cells: usize) -> OpBatch {
+        OpBatch { host: OpStream::default(), cells: vec![OpStream::default(); cells] }
+    }
+
+    /// Forgets all ops but keeps the memory.
+    pub fn clear(&mut self) {
+        self.host.clear();
+        self.cells.iter_mut().for_each(OpStream::clear);
+    }
+}

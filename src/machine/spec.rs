@@ -1,0 +1,98 @@
+//! The machine's parameters, as data.
+
+use super::units::{Cycles, Words};
+
+/// An array's clock, links and FIFOs (§4.2, and the readings that the machine file explains).
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineSpec {
+    /// Length of a cycle, in ns.
+    pub clock_ns: f64,
+    /// Size of a word, in bytes.
+    pub word_bytes: u32,
+    /// Words that each input FIFO holds (§4.2: 512).
+    pub fifo_words: Words,
+    /// Rate of a link, in 10^6 bytes a second (§4.2: 80).
+    pub link_mb_s: f64,
+    /// What that rate counts.
+    pub rate_counts: RateCounts,
+    /// Cycles from the write of a word to the first in which it can be read, at least 1.
+    pub latency: Cycles,
+    /// Words of memory of a cell; unlimited if `None`.
+    pub memory_words: Option<Words>,
+}
+
+/// What a link's rate counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum RateCounts {
+    /// The words of both channels together.
+    Link,
+    /// The words of each channel by itself.
+    Channel,
+}
+
+/// A link's rate in cycles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LinkRate {
+    /// Cycles from one word to the next, at least 1; rounded up.
+    pub cycles_per_word: u64,
+    /// Between which words.
+    pub counts: RateCounts,
+}
+
+impl Default for MachineSpec {
+    /// PCS: 50 ns, 32-bit words, 512-word FIFOs, 80 Mbyte/s a link.
+    fn default() -> Self {
+        MachineSpec {
+            clock_ns: 50.0,
+            word_bytes: 4,
+            fifo_words: Words(512),
+            link_mb_s: 80.0,
+            rate_counts: RateCounts::Link,
+            latency: Cycles(1),
+            memory_words: None,
+        }
+    }
+}
+
+impl MachineSpec {
+    /// The largest FIFO that can be simulated, in words.
+    pub const MAX_FIFO_WORDS: u64 = 1 << 20;
+
+    /// The rate of a link in cycles.
+    pub fn link_rate(&self) -> LinkRate {
+        let exact = self.exact_cycles_per_word();
+        LinkRate { cycles_per_word: round_up(exact).max(1), counts: self.rate_counts }
+    }
+
+    /// Cycles from one word to the next as the rate has it, before it is rounded up.
+    pub fn exact_cycles_per_word(&self) -> f64 {
+        let word_ns = self.word_bytes as f64 / self.link_mb_s * 1e3;
+        word_ns / self.clock_ns
+    }
+
+    /// A time in µs as cycles, rounded up, and whether it had to be rounded.
+    pub fn cycles_of_us(&self, us: f64) -> (Cycles, bool) {
+        let exact = us * 1e3 / self.clock_ns;
+        let cycles = round_up(exact);
+        (Cycles(cycles), !is_whole(exact))
+    }
+
+    /// A number of cycles in seconds of simulated time.
+    pub fn seconds(&self, cycles: Cycles) -> f64 {
+        cycles.0 as f64 * self.clock_ns * 1e-9
+    }
+
+    /// Whether the link's rate is no whole number of cycles a word, and so had to be rounded.
+    pub fn rounds_link_rate(&self) -> bool {
+        !is_whole(self.exact_cycles_per_word()) || self.exact_cycles_per_word() < 1.0
+    }
+}
+
+/// Decimal fractions are not exact in binary: 7.8 µs are 156 cycles of 50 ns, not 157.
+fn is_whole(value: f64) -> bool {
+    (value - value.round()).abs() <= 1e-9 * value.abs().max(1.0)
+}
+
+fn round_up(value: f64) -> u64 {
+    if is_whole(value) { value.round() as u64 } else { value.ceil() as u64 }
+}

@@ -1,0 +1,133 @@
+//! The description of an array program: groups of stages (§4.2, §5).
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::InputError;
+use crate::geometry::Partition;
+use crate::ron_input;
+
+/// A step of the geometric computation (§3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kernel {
+    /// Filter 1: the walk through the grid.
+    Grid,
+    /// Filter 2: the slabs test.
+    Slabs,
+    /// The intersection test.
+    Intersection,
+}
+
+/// An array program, as a file describes it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ArrayProgram {
+    /// Its name, for reports.
+    pub name: String,
+    /// How many sub-volumes the scene is cut into, each served by a group of neighbouring cells.
+    pub groups: usize,
+    /// The kernels of each of a group's cells, from left to right.
+    pub stages: Vec<Vec<Kernel>>,
+    /// How the scene is cut.
+    #[serde(default)]
+    pub partition: Partition,
+    /// coeff_grid: voxels a polygon (annex A.1; 50 is UgRay's rule).
+    #[serde(default = "ugray_coefficient")]
+    pub grid_coefficient: f64,
+    /// Whether the grid drops polygons that it has already sent on for the same ray.
+    #[serde(default)]
+    pub mailbox: bool,
+}
+
+fn ugray_coefficient() -> f64 {
+    50.0
+}
+
+/// In which of a group's cells each kernel runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stages {
+    /// The slabs' cell; the grid's is always the first. `None` if the program goes without slabs.
+    pub slabs: Option<usize>,
+    /// The intersection's cell, which is always the last.
+    pub intersection: usize,
+}
+
+impl Stages {
+    /// Cells of a group.
+    pub fn count(&self) -> usize {
+        self.intersection + 1
+    }
+}
+
+const STANDARD: [(&str, &str); 4] = [
+    ("pipeline", include_str!("../../pcs-programs/pipeline.ron")),
+    ("broadcast", include_str!("../../pcs-programs/broadcast.ron")),
+    ("hybrid", include_str!("../../pcs-programs/hybrid.ron")),
+    ("hybrid-3", include_str!("../../pcs-programs/hybrid-3.ron")),
+];
+
+impl ArrayProgram {
+    /// The largest number of cells of an array.
+    pub const MOST_CELLS: usize = 4096;
+
+    /// A standard program by name: `pipeline`, `broadcast`, `hybrid` or `hybrid-3`.
+    pub fn standard(name: &str) -> Option<Result<ArrayProgram, InputError>> {
+        let (name, text) = STANDARD.iter().find(|(standard, _)| *standard == name)?;
+        Some(ArrayProgram::parse(Path::new(&format!("{name}.ron")), text))
+    }
+
+    /// The names of the standard programs.
+    pub fn standard_names() -> impl Iterator<Item = &'static str> {
+        STANDARD.iter().map(|(name, _)| *name)
+    }
+
+    /// Reads a program file.
+    pub fn read(path: &Path) -> Result<ArrayProgram, InputError> {
+        ArrayProgram::parse(path, &ron_input::read_text(path)?)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<ArrayProgram, InputError> {
+        let program: ArrayProgram = ron_input::parse(path, text)?;
+        program.check().map_err(|error| error.found_in(path))?;
+        Ok(program)
+    }
+
+    /// Whether the description can be built: kernels in order and each once, at least one group, a usable coefficient.
+    pub fn check(&self) -> Result<(), InputError> {
+        let order: Vec<Kernel> = self.stages.iter().flatten().copied().collect();
+        let allowed = [Kernel::Grid, Kernel::Slabs, Kernel::Intersection];
+        if order != allowed && order != [Kernel::Grid, Kernel::Intersection] {
+            return Err(InputError::new("the stages must run grid, slabs and intersection once each, in that order")
+                .help("split the three kernels over the stages as you like; slabs may be left out"));
+        }
+        if self.stages.iter().any(Vec::is_empty) {
+            return Err(InputError::new("a stage has no kernel").help("leave the empty stage out"));
+        }
+        if self.groups == 0 {
+            return Err(InputError::new("an array of 0 cells cannot run: there must be at least 1 group"));
+        }
+        if self.cells() > Self::MOST_CELLS {
+            let message =
+                format!("{} cells are more than the {} that can be simulated", self.cells(), Self::MOST_CELLS);
+            return Err(InputError::new(message));
+        }
+        if !(self.grid_coefficient > 0.0 && self.grid_coefficient <= 1e6) {
+            let message = format!("a grid coefficient of {} is not between 0 and 1000000", self.grid_coefficient);
+            return Err(InputError::new(message).help("it is the number of voxels a polygon; UgRay's rule is 50"));
+        }
+        Ok(())
+    }
+
+    /// Cells of the array.
+    pub fn cells(&self) -> usize {
+        self.groups.saturating_mul(self.stages.len())
+    }
+
+    /// Where each kernel runs.
+    pub fn placement(&self) -> Stages {
+        let stage_of = |kernel| self.stages.iter().position(|stage| stage.contains(&kernel));
+        Stages { slabs: stage_of(Kernel::Slabs), intersection: self.stages.len() - 1 }
+    }
+}

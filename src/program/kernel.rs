@@ -1,0 +1,23 @@
+//! What the three kernels cost (Figure 7).
+
+use crate::machine::Cycles;
+
+/// The times of one kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Times {
+    /// Once a ray, when the kernel is entered.
+    pub start: Cycles,
+    /// For each voxel (grid) or polygon (slabs, intersection).
+    pub each: Cycles,
+}
+
+/// The times of all kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KernelTimes {
+    /// The walk through the grid, a voxel.
+    pub grid: Times,
+    /// The slabs test, a polygon.
+    pub slabs: Times,
+    /// The intersection test, a polygon.
+    pub intersection: Times,
+}

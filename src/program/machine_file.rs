@@ -1,0 +1,159 @@
+//! The machine file: the array's parameters and Figure 7's times.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::kernel::{KernelTimes, Times};
+use crate::error::InputError;
+use crate::machine::{Cycles, MachineSpec, RateCounts, Words};
+use crate::ron_input;
+
+/// A machine as a file describes it, in the units that people use.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MachineFile {
+    /// Length of a cycle, in ns.
+    pub clock_ns: f64,
+    /// Size of a word, in bytes.
+    pub word_bytes: u32,
+    /// Words that each of a cell's two input FIFOs holds.
+    pub fifo_words: u64,
+    /// Rate of a link, in 10^6 bytes a second.
+    pub link_mb_s: f64,
+    /// Whether that rate counts both channels of a link together or each by itself.
+    pub rate_counts: RateCounts,
+    /// Cycles from the write of a word to the first in which it can be read.
+    pub latency_cycles: u64,
+    /// Words of memory of a cell; `None` for as many as it needs.
+    #[serde(default)]
+    pub memory_words: Option<u64>,
+    /// Figure 7.
+    pub times_us: TimesUs,
+}
+
+/// Figure 7, in µs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimesUs {
+    /// The grid's start, once a ray.
+    pub grid_start: f64,
+    /// The grid's work, a voxel.
+    pub grid_voxel: f64,
+    /// The slabs' start.
+    pub slabs_start: f64,
+    /// The slabs' work, a polygon.
+    pub slabs_polygon: f64,
+    /// The intersection's start.
+    pub intersection_start: f64,
+    /// The intersection's work, a polygon.
+    pub intersection_polygon: f64,
+}
+
+/// A machine in cycles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// The array.
+    pub spec: MachineSpec,
+    /// What the kernels cost.
+    pub times: KernelTimes,
+    /// What had to be rounded, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// No kernel time may be longer, so that no sum of cycles leaves 64 bits.
+const LONGEST_TIME_CYCLES: u64 = 1_000_000_000;
+
+impl MachineFile {
+    /// PCS, as the paper and the standard machine file have it.
+    pub fn standard() -> Result<MachineFile, InputError> {
+        MachineFile::parse(Path::new("pcs.ron"), include_str!("../../pcs-programs/pcs.ron"))
+    }
+
+    /// Reads a machine file. Whether such a machine is possible is for [`MachineFile::build`] to say.
+    pub fn read(path: &Path) -> Result<MachineFile, InputError> {
+        MachineFile::parse(path, &ron_input::read_text(path)?)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<MachineFile, InputError> {
+        ron_input::parse(path, text)
+    }
+
+    /// The machine in cycles, or why it is impossible.
+    pub fn build(&self) -> Result<Machine, InputError> {
+        self.check()?;
+        let spec = MachineSpec {
+            clock_ns: self.clock_ns,
+            word_bytes: self.word_bytes,
+            fifo_words: Words(self.fifo_words),
+            link_mb_s: self.link_mb_s,
+            rate_counts: self.rate_counts,
+            latency: Cycles(self.latency_cycles),
+            memory_words: self.memory_words.map(Words),
+        };
+        let mut notes = Vec::new();
+        if spec.rounds_link_rate() {
+            notes.push(format!(
+                "{} Mbyte/s are {:.3} cycles a word; rounded up to {}",
+                self.link_mb_s,
+                spec.exact_cycles_per_word(),
+                spec.link_rate().cycles_per_word,
+            ));
+        }
+        let times = self.times_us.in_cycles(&spec, &mut notes)?;
+        Ok(Machine { spec, times, notes })
+    }
+
+    fn check(&self) -> Result<(), InputError> {
+        let positive = |name: &str, value: f64, most: f64| {
+            let possible = value.is_finite() && value > 0.0 && value <= most;
+            if possible { Ok(()) } else { Err(impossible(name, value, format!("above 0 and at most {most}"))) }
+        };
+        let within = |name: &str, value: u64, most: u64| {
+            let possible = (1..=most).contains(&value);
+            if possible { Ok(()) } else { Err(impossible(name, value, format!("from 1 to {most}"))) }
+        };
+        positive("clock_ns", self.clock_ns, 1e9)?;
+        positive("link_mb_s", self.link_mb_s, 1e9)?;
+        within("word_bytes", self.word_bytes as u64, 1024)?;
+        within("fifo_words", self.fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
+        within("latency_cycles", self.latency_cycles, 1_000_000)?;
+        self.memory_words.map_or(Ok(()), |words| within("memory_words", words, u64::MAX))
+    }
+}
+
+impl TimesUs {
+    fn in_cycles(&self, spec: &MachineSpec, notes: &mut Vec<String>) -> Result<KernelTimes, InputError> {
+        let mut convert = |name: &str, us: f64| {
+            if !(us.is_finite() && us >= 0.0) {
+                return Err(impossible(name, us, "0 or more"));
+            }
+            let (cycles, rounded) = spec.cycles_of_us(us);
+            if cycles.0 > LONGEST_TIME_CYCLES {
+                return Err(impossible(name, us, format!("at most {LONGEST_TIME_CYCLES} cycles long")));
+            }
+            if rounded {
+                notes.push(format!("{name}: {us} µs are no whole number of cycles; rounded up to {cycles}"));
+            }
+            Ok(cycles)
+        };
+        Ok(KernelTimes {
+            grid: Times {
+                start: convert("grid_start", self.grid_start)?,
+                each: convert("grid_voxel", self.grid_voxel)?,
+            },
+            slabs: Times {
+                start: convert("slabs_start", self.slabs_start)?,
+                each: convert("slabs_polygon", self.slabs_polygon)?,
+            },
+            intersection: Times {
+                start: convert("intersection_start", self.intersection_start)?,
+                each: convert("intersection_polygon", self.intersection_polygon)?,
+            },
+        })
+    }
+}
+
+fn impossible(name: &str, value: impl std::fmt::Display, range: impl std::fmt::Display) -> InputError {
+    InputError::new(format!("impossible machine: {name} is {value}, it must be {range}"))
+}

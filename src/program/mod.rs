@@ -1,0 +1,16 @@
+//! Array programs: which cell runs which kernels on which part of the scene, and what each cell then does for each ray.
+//!
+//! This is the functional half: it turns rays into hits and into the cells' ops, with no notion of time beyond the
+//! cycles that a kernel computes (Figure 7).
+
+mod array_program;
+mod kernel;
+mod machine_file;
+mod trace;
+mod workload;
+
+pub use array_program::{ArrayProgram, Kernel, Stages};
+pub use kernel::{KernelTimes, Times};
+pub use machine_file::{Machine, MachineFile, TimesUs};
+pub use trace::{Counts, Tracer};
+pub use workload::{CellMemory, Workload};

@@ -1,0 +1,154 @@
+//! Statistics as JSON.
+
+use serde::Serialize;
+
+use super::bottleneck;
+use crate::machine::{CellStats, FifoStats, MachineSpec, RunStats, Work};
+use crate::program::{CellMemory, Counts, MachineFile};
+
+/// What was run, beside its statistics: enough to run it again.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Configuration {
+    /// The simulator's version.
+    pub version: &'static str,
+    /// The scene: its name, or the file.
+    pub scene: String,
+    /// How many polygons it has.
+    pub polygons: usize,
+    /// The array program, as its file would have it.
+    pub program: crate::program::ArrayProgram,
+    /// Words that each cell's memory holds.
+    pub memory: Vec<MemoryWords>,
+    /// The machine, as its file would have it.
+    pub machine: MachineFile,
+}
+
+/// A cell's memory, in words.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MemoryWords {
+    grid: u64,
+    slabs: u64,
+    polygons: u64,
+    total: u64,
+}
+
+impl From<CellMemory> for MemoryWords {
+    fn from(memory: CellMemory) -> MemoryWords {
+        MemoryWords { grid: memory.grid.0, slabs: memory.slabs.0, polygons: memory.polygons.0, total: memory.total().0 }
+    }
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    cycles: u64,
+    seconds: f64,
+    rays: u64,
+    rays_per_second: f64,
+    cells: Vec<Cell>,
+    fifos: Vec<Fifo<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    counts: Option<CountsJson>,
+    bottleneck: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    configuration: Option<&'a Configuration>,
+}
+
+#[derive(Serialize)]
+struct Cell {
+    busy: Busy,
+    moving: u64,
+    waiting_x: u64,
+    waiting_y: u64,
+    blocked_x: u64,
+    blocked_y: u64,
+    idle: u64,
+}
+
+#[derive(Serialize)]
+struct Busy {
+    grid: u64,
+    slabs: u64,
+    intersection: u64,
+    other: u64,
+}
+
+#[derive(Serialize)]
+struct Fifo<'a> {
+    name: &'a str,
+    capacity: u64,
+    words: u64,
+    max: u64,
+    mean: f64,
+    full: f64,
+    empty: f64,
+}
+
+#[derive(Serialize)]
+struct CountsJson {
+    voxels: u64,
+    slab_tests: u64,
+    intersection_tests: u64,
+    hits: u64,
+}
+
+impl From<&CellStats> for Cell {
+    fn from(stats: &CellStats) -> Cell {
+        let busy = |work| stats.busy.of(work).0;
+        Cell {
+            busy: Busy {
+                grid: busy(Work::Grid),
+                slabs: busy(Work::Slabs),
+                intersection: busy(Work::Intersection),
+                other: busy(Work::Other),
+            },
+            moving: stats.moving.0,
+            waiting_x: stats.waiting_x.0,
+            waiting_y: stats.waiting_y.0,
+            blocked_x: stats.blocked_x.0,
+            blocked_y: stats.blocked_y.0,
+            idle: stats.idle.0,
+        }
+    }
+}
+
+impl<'a> Fifo<'a> {
+    fn new(stats: &'a FifoStats, run: &RunStats) -> Fifo<'a> {
+        let share = |cycles: u64| if run.cycles.0 == 0 { 0.0 } else { cycles as f64 / run.cycles.0 as f64 };
+        Fifo {
+            name: &stats.name,
+            capacity: stats.capacity.0,
+            words: stats.words.0,
+            max: stats.max.0,
+            mean: stats.mean(run.cycles),
+            full: share(stats.full.0),
+            empty: share(stats.empty.0),
+        }
+    }
+}
+
+/// The statistics of a run as indented JSON. A replay has no counts and no configuration.
+pub fn to_json(
+    stats: &RunStats,
+    spec: &MachineSpec,
+    counts: Option<&Counts>,
+    configuration: Option<&Configuration>,
+) -> serde_json::Result<String> {
+    let seconds = spec.seconds(stats.cycles);
+    let report = Report {
+        cycles: stats.cycles.0,
+        seconds,
+        rays: stats.rays,
+        rays_per_second: if seconds > 0.0 { stats.rays as f64 / seconds } else { 0.0 },
+        cells: stats.cells.iter().map(Cell::from).collect(),
+        fifos: stats.fifos.iter().map(|fifo| Fifo::new(fifo, stats)).collect(),
+        counts: counts.map(|counts| CountsJson {
+            voxels: counts.voxels,
+            slab_tests: counts.slab_tests,
+            intersection_tests: counts.intersection_tests,
+            hits: counts.hits,
+        }),
+        bottleneck: bottleneck::sentence(stats),
+        configuration,
+    };
+    serde_json::to_string_pretty(&report).map(|json| json + "\n")
+}

@@ -1,0 +1,117 @@
+//! What a person reads after a run.
+
+use comfy_table::{CellAlignment, Table};
+
+use super::bottleneck::{self, percent};
+use crate::machine::{CellStats, Cycles, MachineSpec, RunStats, Work};
+
+/// A number with its thousands set off: `262 144`.
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();
+    groups.join(" ")
+}
+
+/// A time in the unit that suits it: `1.234 ms`.
+pub fn time(seconds: f64) -> String {
+    let (unit, name) = match seconds {
+        s if s >= 1.0 => (1.0, "s"),
+        s if s >= 1e-3 => (1e-3, "ms"),
+        s if s >= 1e-6 => (1e-6, "µs"),
+        _ => (1e-9, "ns"),
+    };
+    format!("{:.3} {name}", seconds / unit)
+}
+
+/// Simulated time and throughput, in one line.
+pub fn speed(stats: &RunStats, spec: &MachineSpec) -> String {
+    let seconds = spec.seconds(stats.cycles);
+    let rate = if seconds > 0.0 { stats.rays as f64 / seconds } else { 0.0 };
+    format!(
+        "simulated time {} ({} cycles of {} ns), {} rays/s",
+        time(seconds),
+        grouped(stats.cycles.0),
+        spec.clock_ns,
+        grouped(rate.round() as u64),
+    )
+}
+
+/// Where every cell's cycles went: a row a cell. `names` tells what each cell runs, as far as that is known.
+pub fn cells(stats: &RunStats, names: &[String]) -> String {
+    let mut table = table(&[
+        "cell",
+        "grid",
+        "slabs",
+        "intersection",
+        "other",
+        "moving",
+        "waiting X",
+        "waiting Y",
+        "blocked X",
+        "blocked Y",
+        "idle",
+    ]);
+    for (index, cell) in stats.cells.iter().enumerate() {
+        let name = names.get(index).map_or(index.to_string(), |name| format!("{index} {name}"));
+        let shares = states(cell).into_iter().map(|part| percent(part, stats.cycles));
+        table.add_row(std::iter::once(name).chain(shares));
+    }
+    aligned(table)
+}
+
+/// All that a cell can spend a cycle on, in the order of the table.
+fn states(cell: &CellStats) -> [Cycles; 10] {
+    let busy = |work| cell.busy.of(work);
+    [
+        busy(Work::Grid),
+        busy(Work::Slabs),
+        busy(Work::Intersection),
+        busy(Work::Other),
+        cell.moving,
+        cell.waiting_x,
+        cell.waiting_y,
+        cell.blocked_x,
+        cell.blocked_y,
+        cell.idle,
+    ]
+}
+
+/// What every FIFO held: a row a FIFO.
+pub fn fifos(stats: &RunStats) -> String {
+    let mut table = table(&["FIFO", "words through", "holds", "max", "mean", "full", "empty"]);
+    for fifo in &stats.fifos {
+        table.add_row([
+            fifo.name.clone(),
+            grouped(fifo.words.0),
+            fifo.capacity.0.to_string(),
+            fifo.max.0.to_string(),
+            format!("{:.2}", fifo.mean(stats.cycles)),
+            percent(fifo.full, stats.cycles),
+            percent(fifo.empty, stats.cycles),
+        ]);
+    }
+    aligned(table)
+}
+
+/// The sentence on what limits the machine.
+pub fn bottleneck(stats: &RunStats) -> String {
+    bottleneck::sentence(stats)
+}
+
+/// A table without lines, for terminals and logs alike.
+pub fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(comfy_table::presets::NOTHING);
+    table.set_header(header);
+    table
+}
+
+/// The table as text, names to the left and figures to the right.
+pub fn aligned(mut table: Table) -> String {
+    for (index, column) in table.column_iter_mut().enumerate() {
+        column.set_cell_alignment(if index == 0 { CellAlignment::Left } else { CellAlignment::Right });
+        column.set_padding((if index == 0 { 0 } else { 1 }, 1));
+    }
+    let text = table.to_string();
+    text.lines().map(|line| format!("{}\n", line.trim_end())).collect()
+}

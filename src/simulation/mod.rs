@@ -1,0 +1,131 @@
+//! A whole run: the functional half on all threads, ahead of the timing half that takes its ops in order.
+
+mod ahead;
+
+use crate::geometry::{Hit, Ray};
+use crate::machine::{Array, Cycles, MachineSpec, OpBatch, RunStats, Stuck, Unfinished};
+use crate::program::{Counts, Tracer, Workload};
+
+/// What a run gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Where every cycle and word went.
+    pub stats: RunStats,
+    /// How often the kernels did their work.
+    pub counts: Counts,
+    /// Each ray's first hit, in the order of the rays.
+    pub hits: Vec<Hit>,
+}
+
+/// Some consecutive rays, traced.
+#[derive(Debug, Default)]
+pub struct TracedBatch {
+    /// What the host and every cell do for them.
+    pub ops: OpBatch,
+    /// Their hits.
+    pub hits: Vec<Hit>,
+    /// What was counted on them.
+    pub counts: Counts,
+}
+
+/// Why a run failed.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError<E> {
+    /// The array can go no further.
+    #[error(transparent)]
+    Stuck(#[from] Stuck),
+    /// `observe` failed.
+    #[error("{0}")]
+    Observer(E),
+}
+
+/// Runs rays through an array: every cycle is accounted for, and the outcome does not depend on `threads`.
+///
+/// `observe` sees each batch of rays, in order, before it is timed: for progress, or to keep the ops.
+pub fn run<E>(
+    workload: &Workload,
+    spec: &MachineSpec,
+    rays: &[Ray],
+    threads: usize,
+    mut observe: impl FnMut(&TracedBatch) -> Result<(), E>,
+) -> Result<Outcome, RunError<E>> {
+    let mut array = Array::new(spec, workload.cells());
+    let mut counts = Counts::default();
+    let mut hits = Vec::with_capacity(rays.len());
+    trace(workload, rays, threads, |mut batch| {
+        observe(&batch).map_err(RunError::Observer)?;
+        counts += batch.counts;
+        hits.append(&mut batch.hits);
+        array.feed(std::mem::take(&mut batch.ops));
+        array.run()?;
+        batch.ops = array.take_spent().unwrap_or_default();
+        Ok::<_, RunError<E>>(batch)
+    })?;
+    let stats = array.finish().map_err(|unfinished| match unfinished {
+        Unfinished::Stuck(stuck) => stuck,
+        // No array program has a cell work on after the last hit has left the array.
+        Unfinished::Outlived(cycles) => unreachable!("a cell outlived the last hit in cycle {cycles}"),
+    })?;
+    Ok(Outcome { stats, counts, hits })
+}
+
+/// Times a trace: `feed` hands it, from its start, batch by batch to the function that it is given. It is called again if
+/// some cell works on after the host has read its last word, which ends the statistics.
+pub fn replay<E: From<Stuck>>(
+    spec: &MachineSpec,
+    cells: usize,
+    mut feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<(), E>) -> Result<(), E>,
+) -> Result<RunStats, E> {
+    let mut attempt = |limit: Cycles| {
+        let mut array = Array::until(spec, cells, limit);
+        feed(&mut |batch| {
+            array.feed(batch);
+            Ok(array.run()?)
+        })?;
+        Ok::<_, E>(array.finish())
+    };
+    let mut result = attempt(Cycles(u64::MAX))?;
+    if let Err(Unfinished::Outlived(cycles)) = result {
+        result = attempt(cycles)?;
+    }
+    result.map_err(|unfinished| match unfinished {
+        Unfinished::Stuck(stuck) => stuck.into(),
+        Unfinished::Outlived(cycles) => unreachable!("nothing happens after the limit of {cycles}"),
+    })
+}
+
+/// The functional half alone: traces the rays in batches on all threads and hands the batches to `take` in order. `take`
+/// gives back a batch whose memory may be used again.
+pub fn trace<E>(
+    workload: &Workload,
+    rays: &[Ray],
+    threads: usize,
+    take: impl FnMut(TracedBatch) -> Result<TracedBatch, E>,
+) -> Result<(), E> {
+    let per_batch = (BATCH_LINES / workload.cells()).clamp(16, 1024);
+    let first = |index: usize| index * per_batch;
+    let make = |tracer: &mut Tracer<'_>, index: usize, mut batch: TracedBatch| {
+        batch.reset(workload.cells());
+        let rays = &rays[first(index)..rays.len().min(first(index + 1))];
+        for (id, ray) in (first(index) as u32..).zip(rays) {
+            batch.hits.push(tracer.trace(id, ray, &mut batch.ops));
+        }
+        batch.counts = std::mem::take(&mut tracer.counts);
+        batch
+    };
+    ahead::in_order(rays.len().div_ceil(per_batch), threads, || Tracer::new(workload), make, take)
+}
+
+/// Lines of ops (one a ray and cell) that a batch has at about the most: small enough to stay in a core's cache.
+const BATCH_LINES: usize = 4096;
+
+impl TracedBatch {
+    /// Empties the batch, for an array of `cells` cells.
+    fn reset(&mut self, cells: usize) {
+        if self.ops.cells.len() != cells {
+            self.ops = OpBatch::new(cells);
+        }
+        self.ops.clear();
+        self.hits.clear();
+    }
+}

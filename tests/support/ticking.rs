@@ -1,0 +1,279 @@
+//! The judge: the machine ticked cycle by cycle, written as plainly as the machine's description and sharing no code
+//! with the simulator's timing half but the types of its input and output.
+
+use std::collections::VecDeque;
+
+use pcs_sim::machine::{
+    Busy, CellStats, Cycles, FifoStats, MachineSpec, Op, OpBatch, OpKind, RateCounts, RunStats, Words,
+};
+
+/// A FIFO as a queue of write cycles, observed at the end of every cycle.
+struct Queue {
+    written_in: VecDeque<u64>,
+    at_start: usize,
+    words: u64,
+    max: u64,
+    word_cycles: u64,
+    full: u64,
+    empty: u64,
+}
+
+struct Actor {
+    ops: Vec<Op>,
+    at: usize,
+    done_of_op: u64,
+    stats: CellStats,
+}
+
+pub struct Ticking<'a> {
+    spec: &'a MachineSpec,
+    host: Actor,
+    cells: Vec<Actor>,
+    x: Vec<Queue>,
+    /// y[i] is read by cell i + 1, the last one by the host.
+    y: Vec<Queue>,
+    /// Per link (0 is the host's) and channel, the first cycle in which the wire is free.
+    wire_free: Vec<[u64; 2]>,
+    returned_words: u64,
+    returned: Vec<u64>,
+    now: u64,
+}
+
+/// Ticks the ops to the end. `None` if they never end.
+pub fn run(spec: &MachineSpec, batches: &[OpBatch]) -> Option<RunStats> {
+    Ticking::new(spec, batches).run(batches)
+}
+
+impl Queue {
+    fn new() -> Queue {
+        Queue { written_in: VecDeque::new(), at_start: 0, words: 0, max: 0, word_cycles: 0, full: 0, empty: 0 }
+    }
+
+    fn observe(&mut self, capacity: u64) {
+        let occupancy = self.written_in.len() as u64;
+        self.max = self.max.max(occupancy);
+        self.word_cycles += occupancy;
+        self.full += (occupancy == capacity) as u64;
+        self.empty += (occupancy == 0) as u64;
+    }
+
+    fn stats(&self, name: String, capacity: u64) -> FifoStats {
+        FifoStats {
+            name,
+            capacity: Words(capacity),
+            words: Words(self.words),
+            max: Words(self.max),
+            word_cycles: self.word_cycles,
+            full: Cycles(self.full),
+            empty: Cycles(self.empty),
+        }
+    }
+}
+
+impl Actor {
+    fn new(ops: Vec<Op>) -> Actor {
+        Actor { ops, at: 0, done_of_op: 0, stats: CellStats::default() }
+    }
+
+    /// One more cycle or word of the op under way.
+    fn step(&mut self) {
+        self.done_of_op += 1;
+        if self.done_of_op == self.ops[self.at].count() as u64 {
+            self.at += 1;
+            self.done_of_op = 0;
+        }
+    }
+}
+
+impl<'a> Ticking<'a> {
+    fn new(spec: &'a MachineSpec, batches: &[OpBatch]) -> Ticking<'a> {
+        let cells = batches[0].cells.len();
+        let join = |stream: &dyn Fn(&OpBatch) -> Vec<Op>| Actor::new(batches.iter().flat_map(stream).collect());
+        Ticking {
+            spec,
+            host: join(&|batch| batch.host.ops().to_vec()),
+            cells: (0..cells).map(|index| join(&|batch| batch.cells[index].ops().to_vec())).collect(),
+            x: (0..cells).map(|_| Queue::new()).collect(),
+            y: (0..cells).map(|_| Queue::new()).collect(),
+            wire_free: vec![[0; 2]; cells + 1],
+            returned_words: 0,
+            returned: Vec::new(),
+            now: 0,
+        }
+    }
+
+    fn run(mut self, batches: &[OpBatch]) -> Option<RunStats> {
+        let last = self.cells.last().unwrap();
+        let to_return: u64 = last.ops.iter().filter(|op| op.kind() == OpKind::WriteY).map(|op| op.count() as u64).sum();
+        let rate = self.spec.link_rate();
+        let patience = self.spec.latency.0 + rate.cycles_per_word + 2;
+        let mut still = 0;
+        while if to_return > 0 { self.returned_words < to_return } else { !self.all_done() } {
+            still = if self.tick() { 0 } else { still + 1 };
+            if still > patience {
+                return None;
+            }
+        }
+        // What can never end must not pass for ended because the host has all its words.
+        let stats = self.stats(batches);
+        if to_return > 0 {
+            let mut still = 0;
+            while !self.all_done() {
+                still = if self.tick() { 0 } else { still + 1 };
+                if still > patience {
+                    return None;
+                }
+            }
+        }
+        Some(stats)
+    }
+
+    fn all_done(&self) -> bool {
+        std::iter::once(&self.host).chain(&self.cells).all(|a| a.ops[a.at..].iter().all(|op| op.count() == 0))
+    }
+
+    /// One cycle. Returns whether anything happened in it.
+    fn tick(&mut self) -> bool {
+        for queue in self.x.iter_mut().chain(&mut self.y) {
+            queue.at_start = queue.written_in.len();
+        }
+        let mut active = self.tick_host();
+        for index in 0..self.cells.len() {
+            active |= self.tick_cell(index);
+        }
+        active |= self.host_reads();
+        for queue in self.x.iter_mut().chain(&mut self.y) {
+            queue.observe(self.spec.fifo_words.0);
+        }
+        self.now += 1;
+        active
+    }
+
+    fn tick_host(&mut self) -> bool {
+        while let Some(op) = self.host.ops.get(self.host.at).copied() {
+            let returned = |message: u32| self.returned.get(message as usize).is_some_and(|&cycle| cycle < self.now);
+            match op.kind() {
+                OpKind::Await if returned(op.count()) => self.host.at += 1,
+                OpKind::Await => return false,
+                _ if op.count() == 0 => self.host.at += 1,
+                OpKind::Compute(_) => {
+                    self.host.step();
+                    return true;
+                }
+                OpKind::WriteX => {
+                    let room = self.room(0, 0);
+                    if room {
+                        self.put(0, 0);
+                        self.host.step();
+                    }
+                    return room;
+                }
+                other => panic!("the host has no op {other:?}"),
+            }
+        }
+        false
+    }
+
+    fn tick_cell(&mut self, index: usize) -> bool {
+        while self.cells[index].ops.get(self.cells[index].at).is_some_and(|op| op.count() == 0) {
+            self.cells[index].at += 1;
+        }
+        let Some(op) = self.cells[index].ops.get(self.cells[index].at).copied() else {
+            self.cells[index].stats.idle += Cycles(1);
+            return false;
+        };
+        let last = index + 1 == self.cells.len();
+        let (reads, writes) = match op.kind() {
+            OpKind::Compute(work) => {
+                let Busy(busy) = &mut self.cells[index].stats.busy;
+                busy[work as usize] += Cycles(1);
+                self.cells[index].step();
+                return true;
+            }
+            OpKind::PassX => (Some(0), (!last).then_some(0)),
+            OpKind::ReadX => (Some(0), None),
+            OpKind::ReadY => (Some(1), None),
+            OpKind::WriteX => (None, Some(0)),
+            OpKind::WriteY => (None, Some(1)),
+            OpKind::Await => panic!("cells await nothing"),
+        };
+        let stats = &self.cells[index].stats;
+        let mut stats = *stats;
+        let moved = if reads.is_some_and(|channel| !self.word(index, channel)) {
+            *[&mut stats.waiting_x, &mut stats.waiting_y][reads.unwrap()] += Cycles(1);
+            false
+        } else if writes.is_some_and(|channel| !self.room(index + 1, channel)) {
+            *[&mut stats.blocked_x, &mut stats.blocked_y][writes.unwrap()] += Cycles(1);
+            false
+        } else {
+            stats.moving += Cycles(1);
+            true
+        };
+        self.cells[index].stats = stats;
+        if moved {
+            if let Some(channel) = reads {
+                self.queue(index, channel).unwrap().written_in.pop_front();
+            }
+            if let Some(channel) = writes {
+                self.put(index + 1, channel);
+            }
+            self.cells[index].step();
+        }
+        moved
+    }
+
+    /// The queue of a link: link i leads into cell i, the last one to the host.
+    fn queue(&mut self, link: usize, channel: usize) -> Option<&mut Queue> {
+        if channel == 0 { self.x.get_mut(link) } else { self.y.get_mut(link.checked_sub(1)?) }
+    }
+
+    fn word(&mut self, link: usize, channel: usize) -> bool {
+        let (latency, now) = (self.spec.latency.0, self.now);
+        self.queue(link, channel).and_then(|q| q.written_in.front().copied()).is_some_and(|w| w + latency <= now)
+    }
+
+    fn room(&mut self, link: usize, channel: usize) -> bool {
+        let wire_free = self.wire_free[link][channel] <= self.now;
+        let capacity = self.spec.fifo_words.0;
+        wire_free && self.queue(link, channel).is_some_and(|q| (q.at_start as u64) < capacity)
+    }
+
+    fn put(&mut self, link: usize, channel: usize) {
+        let now = self.now;
+        let queue = self.queue(link, channel).unwrap();
+        queue.written_in.push_back(now);
+        queue.words += 1;
+        let rate = self.spec.link_rate();
+        let free = now + rate.cycles_per_word;
+        match rate.counts {
+            RateCounts::Link => self.wire_free[link] = [free; 2],
+            RateCounts::Channel => self.wire_free[link][channel] = free,
+        }
+    }
+
+    fn host_reads(&mut self) -> bool {
+        let link = self.cells.len();
+        let read = self.word(link, 1);
+        if read {
+            self.queue(link, 1).unwrap().written_in.pop_front();
+            self.returned_words += 1;
+            if self.returned_words.is_multiple_of(5) {
+                self.returned.push(self.now);
+            }
+        }
+        read
+    }
+
+    fn stats(&self, batches: &[OpBatch]) -> RunStats {
+        let capacity = self.spec.fifo_words.0;
+        let name = |index: usize| if index + 1 == self.y.len() { "Yhost".into() } else { format!("Y{}", index + 1) };
+        let xs = self.x.iter().enumerate().map(|(index, q)| q.stats(format!("X{index}"), capacity));
+        let ys = self.y.iter().enumerate().map(|(index, q)| q.stats(name(index), capacity));
+        RunStats {
+            cycles: Cycles(self.now),
+            rays: batches.iter().map(|batch| batch.host.lines().len() as u64).sum(),
+            cells: self.cells.iter().map(|cell| cell.stats).collect(),
+            fifos: xs.chain(ys).collect(),
+        }
+    }
+}
