@@ -204,7 +204,7 @@ impl Reader<'_> {
         match shape {
             ShapeText::File(name) => self.file(name),
             ShapeText::Builtin { name, size } => {
-                let scene = builtin::generate(&name.read(self.text)?, *size, self.options.resolution);
+                let scene = builtin::generate(&name.read(self.text)?, *size, Some(self.options.resolution));
                 let scene = scene.map_err(|error| InputError {
                     help: error.help,
                     place: error.place.or(name.error(self.text, "").place),
