@@ -96,12 +96,6 @@ impl InputError {
         self.help = Some(help.into());
         self
     }
-
-    /// The same mistake, found to stand in `file`.
-    pub fn found_in(mut self, file: &Path) -> Self {
-        self.place.get_or_insert(Place { file: file.to_owned(), spot: None });
-        self
-    }
 }
 
 impl fmt::Display for InputError {

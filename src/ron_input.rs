@@ -5,25 +5,57 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 
 use crate::error::InputError;
+use crate::scene::ron_text;
+use crate::scene::text::Text;
 
 /// Reads a text file.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::in_file(path, format!("cannot be read: {error}")))?;
-    String::from_utf8(bytes).map_err(|error| {
-        let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count();
-        InputError::in_file(path, format!("is no UTF-8 text (line {line})"))
-    })
+    Ok(Text::decode(path, &bytes)?.text.to_owned())
 }
 
 /// Parses RON; `path` is for the errors.
 pub fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, InputError> {
-    options().from_str(text).map_err(|error| {
-        let (start, end) = (error.span.start, error.span.end);
-        let width = if end.line == start.line { end.col.saturating_sub(start.col) } else { 0 };
-        InputError::in_text(path, text, start.line, start.col, width, error.code.to_string())
-    })
+    ron_text::read(Text { file: path, text }, text)
 }
 
-fn options() -> ron::Options {
-    ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
+/// A value that cannot be, in a field of a RON file or from a flag that stands in for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    field: &'static str,
+    message: String,
+    help: Option<&'static str>,
+}
+
+impl Fault {
+    /// What is wrong with the value of `field`.
+    pub fn new(field: &'static str, message: impl Into<String>) -> Fault {
+        Fault { field, message: message.into(), help: None }
+    }
+
+    /// The same with advice.
+    pub fn help(self, help: &'static str) -> Fault {
+        Fault { help: Some(help), ..self }
+    }
+
+    /// The error, where the field stands in the file.
+    pub fn in_text(self, path: &Path, text: &str) -> InputError {
+        let mut lines =
+            text.lines().enumerate().map(|(index, line)| (index + 1, line.split("//").next().unwrap_or("")));
+        let found = lines.find_map(|(number, line)| Some((number, line, line.find(&format!("{}:", self.field))?)));
+        let error = match found {
+            Some((number, line, at)) => {
+                let column = line[..at].chars().count() + 1;
+                let width = line[at..].trim_end().trim_end_matches(',').chars().count();
+                InputError::in_text(path, text, number, column, width, self.message)
+            }
+            None => InputError::in_file(path, self.message),
+        };
+        InputError { help: self.help.map(str::to_owned), ..error }
+    }
+
+    /// The error of a value that stands in no file.
+    pub fn in_flags(self) -> InputError {
+        InputError { help: self.help.map(str::to_owned), ..InputError::new(self.message) }
+    }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 use crate::geometry::Partition;
-use crate::ron_input;
+use crate::ron_input::{self, Fault};
 
 /// A step of the geometric computation (§3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -90,32 +90,38 @@ impl ArrayProgram {
 
     fn parse(path: &Path, text: &str) -> Result<ArrayProgram, InputError> {
         let program: ArrayProgram = ron_input::parse(path, text)?;
-        program.check().map_err(|error| error.found_in(path))?;
+        program.find_fault().map_err(|fault| fault.in_text(path, text))?;
         Ok(program)
     }
 
     /// Whether the description can be built: kernels in order and each once, at least one group, a usable coefficient.
     pub fn check(&self) -> Result<(), InputError> {
+        self.find_fault().map_err(Fault::in_flags)
+    }
+
+    fn find_fault(&self) -> Result<(), Fault> {
         let order: Vec<Kernel> = self.stages.iter().flatten().copied().collect();
         let allowed = [Kernel::Grid, Kernel::Slabs, Kernel::Intersection];
         if order != allowed && order != [Kernel::Grid, Kernel::Intersection] {
-            return Err(InputError::new("the stages must run grid, slabs and intersection once each, in that order")
-                .help("split the three kernels over the stages as you like; slabs may be left out"));
+            let message = "the stages must run grid, slabs and intersection once each, in that order";
+            let help = "split the three over the stages as you like; slabs may be left out";
+            return Err(Fault::new("stages", message).help(help));
         }
         if self.stages.iter().any(Vec::is_empty) {
-            return Err(InputError::new("a stage has no kernel").help("leave the empty stage out"));
+            return Err(Fault::new("stages", "a stage has no kernel").help("leave the empty stage out"));
         }
         if self.groups == 0 {
-            return Err(InputError::new("an array of 0 cells cannot run: there must be at least 1 group"));
+            return Err(Fault::new("groups", "an array of 0 cells cannot run: there must be at least 1 group"));
         }
         if self.cells() > Self::MOST_CELLS {
             let message =
                 format!("{} cells are more than the {} that can be simulated", self.cells(), Self::MOST_CELLS);
-            return Err(InputError::new(message));
+            return Err(Fault::new("groups", message));
         }
         if !(self.grid_coefficient > 0.0 && self.grid_coefficient <= 1e6) {
-            let message = format!("a grid coefficient of {} is not between 0 and 1000000", self.grid_coefficient);
-            return Err(InputError::new(message).help("it is the number of voxels a polygon; UgRay's rule is 50"));
+            let message = format!("a grid coefficient of {} is not above 0 and at most 1000000", self.grid_coefficient);
+            let help = "it is the number of voxels a polygon; UgRay's rule is 50";
+            return Err(Fault::new("grid_coefficient", message).help(help));
         }
         Ok(())
     }

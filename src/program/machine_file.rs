@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::kernel::{KernelTimes, Times};
 use crate::error::InputError;
 use crate::machine::{Cycles, MachineSpec, RateCounts, Words};
-use crate::ron_input;
+use crate::ron_input::{self, Fault};
 
 /// A machine as a file describes it, in the units that people use.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,17 +70,23 @@ impl MachineFile {
         MachineFile::parse(Path::new("pcs.ron"), include_str!("../../pcs-programs/pcs.ron"))
     }
 
-    /// Reads a machine file. Whether such a machine is possible is for [`MachineFile::build`] to say.
+    /// Reads the file of a machine, which must be a possible one.
     pub fn read(path: &Path) -> Result<MachineFile, InputError> {
         MachineFile::parse(path, &ron_input::read_text(path)?)
     }
 
     fn parse(path: &Path, text: &str) -> Result<MachineFile, InputError> {
-        ron_input::parse(path, text)
+        let file: MachineFile = ron_input::parse(path, text)?;
+        file.convert().map_err(|fault| fault.in_text(path, text))?;
+        Ok(file)
     }
 
     /// The machine in cycles, or why it is impossible.
     pub fn build(&self) -> Result<Machine, InputError> {
+        self.convert().map_err(Fault::in_flags)
+    }
+
+    fn convert(&self) -> Result<Machine, Fault> {
         self.check()?;
         let spec = MachineSpec {
             clock_ns: self.clock_ns,
@@ -104,12 +110,12 @@ impl MachineFile {
         Ok(Machine { spec, times, notes })
     }
 
-    fn check(&self) -> Result<(), InputError> {
-        let positive = |name: &str, value: f64, most: f64| {
+    fn check(&self) -> Result<(), Fault> {
+        let positive = |name: &'static str, value: f64, most: f64| {
             let possible = value.is_finite() && value > 0.0 && value <= most;
             if possible { Ok(()) } else { Err(impossible(name, value, format!("above 0 and at most {most}"))) }
         };
-        let within = |name: &str, value: u64, most: u64| {
+        let within = |name: &'static str, value: u64, most: u64| {
             let possible = (1..=most).contains(&value);
             if possible { Ok(()) } else { Err(impossible(name, value, format!("from 1 to {most}"))) }
         };
@@ -123,8 +129,8 @@ impl MachineFile {
 }
 
 impl TimesUs {
-    fn in_cycles(&self, spec: &MachineSpec, notes: &mut Vec<String>) -> Result<KernelTimes, InputError> {
-        let mut convert = |name: &str, us: f64| {
+    fn in_cycles(&self, spec: &MachineSpec, notes: &mut Vec<String>) -> Result<KernelTimes, Fault> {
+        let mut convert = |name: &'static str, us: f64| {
             if !(us.is_finite() && us >= 0.0) {
                 return Err(impossible(name, us, "0 or more"));
             }
@@ -154,6 +160,6 @@ impl TimesUs {
     }
 }
 
-fn impossible(name: &str, value: impl std::fmt::Display, range: impl std::fmt::Display) -> InputError {
-    InputError::new(format!("impossible machine: {name} is {value}, it must be {range}"))
+fn impossible(name: &'static str, value: impl std::fmt::Display, range: impl std::fmt::Display) -> Fault {
+    Fault::new(name, format!("impossible machine: {name} is {value}, it must be {range}"))
 }

@@ -11,11 +11,11 @@ mod ply;
 mod ply_header;
 mod ply_values;
 mod read;
-mod ron_text;
+pub(crate) mod ron_text;
 mod scene_ron;
 mod statements;
 pub mod tessellate;
-mod text;
+pub(crate) mod text;
 mod transform;
 
 pub use camera::Camera;

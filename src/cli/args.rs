@@ -1,0 +1,210 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use pcs_sim::geometry::Partition;
+use pcs_sim::host::camera::ImageSize;
+use pcs_sim::machine::RateCounts;
+
+/// Simulates ray tracing on a linear array of PCS processors (INRIA RR-0992, 1989), exact to the cycle.
+///
+/// Without a command it traces a scene: `pcs-sim --mode broadcast --cells 8 --scene reference`.
+#[derive(Debug, Parser)]
+#[command(version, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Times a recorded activity trace again, under any machine, without its scene.
+    Replay(Box<ReplayArgs>),
+    /// Lists the built-in scenes.
+    Scenes,
+}
+
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub program: ProgramArgs,
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub results: ResultArgs,
+    /// Write the hits as CSV: ray, t, polygon, alpha, beta.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub hits: Option<PathBuf>,
+    /// Write what every cell did for every ray, for `pcs-sim replay`.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub ops: Option<PathBuf>,
+    /// Write a picture of the primary rays' hits as PNG.
+    #[arg(long, value_name = "FILE", help_heading = "Results", conflicts_with = "rays")]
+    pub image: Option<PathBuf>,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Array program")]
+pub struct ProgramArgs {
+    /// How the array works [default: pipeline].
+    #[arg(long, value_enum)]
+    pub mode: Option<Mode>,
+    /// An array program of your own, or the name of a standard one (pipeline, broadcast, hybrid, hybrid-3).
+    #[arg(long, value_name = "FILE", conflicts_with = "mode")]
+    pub program: Option<PathBuf>,
+    /// Number of cells: a multiple of the program's cells a group.
+    #[arg(long, value_name = "N", conflicts_with = "groups")]
+    pub cells: Option<usize>,
+    /// Number of sub-volumes, each with a group of cells.
+    #[arg(long, value_name = "G")]
+    pub groups: Option<usize>,
+    /// How the scene is cut into sub-volumes: regular, polygons (equally many each) or work (equal work each).
+    #[arg(long, value_name = "HOW")]
+    pub partition: Option<Partition>,
+    /// Voxels of the grid for each polygon.
+    #[arg(long, value_name = "N")]
+    pub grid_coefficient: Option<f64>,
+    /// Let the grid send no polygon twice for the same ray.
+    #[arg(long)]
+    pub mailbox: bool,
+}
+
+/// The paper's two organisations of the array, and both together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Mode {
+    /// Macro-pipeline: grid, slabs and intersection, a cell each (§4.2).
+    Pipeline,
+    /// Parallel broadcast: every cell does all of the work on its part of the scene (§4.2).
+    Broadcast,
+    /// Broadcast to groups of two cells: filters, intersection (§5).
+    Hybrid,
+}
+
+impl Mode {
+    /// The name of the standard program.
+    pub fn program(self) -> &'static str {
+        match self {
+            Mode::Pipeline => "pipeline",
+            Mode::Broadcast => "broadcast",
+            Mode::Hybrid => "hybrid",
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Scene and rays")]
+pub struct SceneArgs {
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    #[arg(long, value_name = "NAME|FILE", default_value = "teapot")]
+    pub scene: String,
+    /// Size factor of a built-in scene.
+    #[arg(long, value_name = "N")]
+    pub size_factor: Option<u32>,
+    /// Slices that spheres and cones are cut into.
+    #[arg(long, value_name = "N")]
+    pub resolution: Option<u32>,
+    /// Size of the image: one primary ray a pixel.
+    #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = image_size)]
+    pub size: ImageSize,
+    /// Take the rays from a CSV file (ox,oy,oz,dx,dy,dz and optionally tmax) instead of the camera.
+    #[arg(long, value_name = "FILE")]
+    pub rays: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Machine")]
+pub struct MachineArgs {
+    /// A machine file of your own; the flags below change it further [default: PCS].
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// Length of a cycle, in ns.
+    #[arg(long, value_name = "NS")]
+    pub clock_ns: Option<f64>,
+    /// Size of a word, in bytes.
+    #[arg(long, value_name = "N")]
+    pub word_bytes: Option<u32>,
+    /// Words that each of a cell's two input FIFOs holds.
+    #[arg(long, value_name = "N")]
+    pub fifo_words: Option<u64>,
+    /// Rate of a link, in 10^6 bytes a second.
+    #[arg(long, value_name = "RATE")]
+    pub link_mb_s: Option<f64>,
+    /// Whether the rate counts both channels of a link together or each by itself: link or channel.
+    #[arg(long, value_name = "WHAT", value_parser = rate_counts)]
+    pub rate_counts: Option<RateCounts>,
+    /// Cycles from the write of a word until it can be read.
+    #[arg(long, value_name = "N")]
+    pub latency_cycles: Option<u64>,
+    /// Words of memory of a cell.
+    #[arg(long, value_name = "N")]
+    pub memory_words: Option<u64>,
+    /// Figure 7: the grid's start, in µs a ray.
+    #[arg(long, value_name = "US")]
+    pub grid_start: Option<f64>,
+    /// Figure 7: the grid's work, in µs a voxel.
+    #[arg(long, value_name = "US")]
+    pub grid_voxel: Option<f64>,
+    /// Figure 7: the slabs' start, in µs a ray.
+    #[arg(long, value_name = "US")]
+    pub slabs_start: Option<f64>,
+    /// Figure 7: the slabs' work, in µs a polygon.
+    #[arg(long, value_name = "US")]
+    pub slabs_polygon: Option<f64>,
+    /// Figure 7: the intersection's start, in µs a ray.
+    #[arg(long, value_name = "US")]
+    pub intersection_start: Option<f64>,
+    /// Figure 7: the intersection's work, in µs a polygon.
+    #[arg(long, value_name = "US")]
+    pub intersection_polygon: Option<f64>,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Results")]
+pub struct ResultArgs {
+    /// Write all statistics as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+    /// Replace result files that exist.
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// The trace, as --ops wrote it.
+    #[arg(value_name = "OPS")]
+    pub ops: PathBuf,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub results: ResultArgs,
+}
+
+/// The largest number of pixels: rays are numbered in 32 bits, and kept in memory.
+const MOST_PIXELS: u64 = 1 << 28;
+
+fn image_size(text: &str) -> Result<ImageSize, String> {
+    let (width, height) = text.split_once(['x', 'X']).ok_or("expected a width and a height, as in 640x480")?;
+    let side = |side: &str| side.parse::<u32>().ok().filter(|&n| n > 0).ok_or("width and height must be 1 or more");
+    let size = ImageSize { width: side(width)?, height: side(height)? };
+    if size.width as u64 * size.height as u64 > MOST_PIXELS {
+        return Err(format!("an image can have at most {MOST_PIXELS} pixels"));
+    }
+    Ok(size)
+}
+
+fn rate_counts(text: &str) -> Result<RateCounts, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "link" => Ok(RateCounts::Link),
+        "channel" => Ok(RateCounts::Channel),
+        _ => Err("expected link or channel".to_owned()),
+    }
+}

@@ -1,0 +1,67 @@
+//! Errors as people see them.
+
+use std::fmt::Write;
+use std::io::IsTerminal;
+
+use annotate_snippets::{AnnotationKind, Level, Origin, Renderer, Snippet};
+use pcs_sim::error::{InputError, Place, Spot};
+use pcs_sim::machine::{Stuck, StuckKind};
+
+/// Longer source lines are cut down to this many characters around the fault.
+const WIDEST_SOURCE: usize = 160;
+
+/// Draws an error with its place: the line with a caret under the fault, or just the file.
+pub fn draw(error: &InputError) -> String {
+    let title = Level::ERROR.primary_title(error.message.as_str());
+    let path = error.place.as_ref().map(|place| place.file.display().to_string()).unwrap_or_default();
+    let excerpt = error.place.as_ref().and_then(excerpt);
+    let mut group = match (&error.place, &excerpt) {
+        (Some(_), Some(excerpt)) => {
+            let annotation = AnnotationKind::Primary.span(excerpt.start..excerpt.end);
+            let snippet = Snippet::source(excerpt.source.as_str()).line_start(excerpt.line).path(path.as_str());
+            title.element(snippet.annotation(annotation))
+        }
+        (Some(Place { spot: Some(Spot::Byte { offset }), .. }), _) => {
+            title.element(Origin::path(format!("{path}, byte {offset}")))
+        }
+        (Some(_), None) => title.element(Origin::path(path.as_str())),
+        (None, _) => annotate_snippets::Group::with_title(title),
+    };
+    if let Some(help) = &error.help {
+        group = group.element(Level::HELP.message(help.as_str()));
+    }
+    let renderer = if std::io::stderr().is_terminal() { Renderer::styled() } else { Renderer::plain() };
+    renderer.render(&[group])
+}
+
+/// The part of a source line that is shown, and where in it the fault is, in bytes.
+struct Excerpt {
+    line: usize,
+    source: String,
+    start: usize,
+    end: usize,
+}
+
+fn excerpt(place: &Place) -> Option<Excerpt> {
+    let Some(Spot::Text { line, column, width, source }) = &place.spot else { return None };
+    let before = column.saturating_sub(1);
+    let skipped = if source.chars().count() > WIDEST_SOURCE { before.saturating_sub(WIDEST_SOURCE / 4) } else { 0 };
+    let source: String = source.chars().skip(skipped).take(WIDEST_SOURCE).collect();
+    let byte = |char: usize| source.char_indices().nth(char).map_or(source.len(), |(at, _)| at);
+    let (start, end) = (byte(before - skipped), byte(before - skipped + width));
+    Some(Excerpt { line: *line, start, end, source })
+}
+
+/// Draws a standstill: the chain of waits, one a line.
+pub fn draw_stuck(stuck: &Stuck) -> String {
+    let mut text = format!("error: {}\n", stuck.kind);
+    for wait in &stuck.waits {
+        let _ = writeln!(text, "  {wait}");
+    }
+    let help = match stuck.kind {
+        StuckKind::Deadlock => "each waits for the next, and the last for the first; deeper FIFOs may break the loop",
+        StuckKind::Starved { .. } => "what the last of them waits for is never done: the ops do not match",
+    };
+    let _ = writeln!(text, "  = help: {help}");
+    text
+}

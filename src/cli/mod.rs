@@ -1,0 +1,90 @@
+//! The command line: one file a command; each parses, calls the library, prints.
+
+mod args;
+mod diagnostics;
+mod outputs;
+mod progress;
+mod replay;
+mod run;
+mod scenes;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser;
+use clap::error::ErrorKind;
+
+use args::{Cli, Command};
+use pcs_sim::error::InputError;
+use pcs_sim::machine::Stuck;
+
+/// Why a command failed.
+#[derive(Debug)]
+enum Failure {
+    /// Bad usage or input: exit status 2.
+    Input(Box<InputError>),
+    /// The array can go no further: exit status 1.
+    Stuck(Stuck),
+    /// A result could not be written: exit status 1.
+    Output(String),
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Failure {
+        Failure::Input(Box::new(error))
+    }
+}
+
+impl From<Stuck> for Failure {
+    fn from(stuck: Stuck) -> Failure {
+        Failure::Stuck(stuck)
+    }
+}
+
+/// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let _ = error.print();
+            let asked_for = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
+            return ExitCode::from(if asked_for { 0 } else { 2 });
+        }
+    };
+    let result = match &cli.command {
+        None => run::run(&cli.run),
+        Some(Command::Replay(args)) => replay::replay(args),
+        Some(Command::Scenes) => scenes::scenes(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => report(&failure),
+    }
+}
+
+fn report(failure: &Failure) -> ExitCode {
+    match failure {
+        Failure::Input(error) => {
+            eprintln!("{}", diagnostics::draw(error));
+            ExitCode::from(2)
+        }
+        Failure::Stuck(stuck) => {
+            eprint!("{}", diagnostics::draw_stuck(stuck));
+            ExitCode::from(1)
+        }
+        Failure::Output(message) => {
+            eprintln!("error: {message}");
+            ExitCode::from(1)
+        }
+    }
+}
+
+/// Prints to stdout. A reader that has gone away (`| head`) is no failure.
+fn print(text: &str) -> Result<(), Failure> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::Output(format!("cannot write to stdout: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,22 @@
+//! The progress bar: on a terminal only.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar that counts rays, with the time that is left. It draws on stderr, and only if that is a terminal.
+pub fn rays(count: u64) -> ProgressBar {
+    bar(count, "tracing {human_pos} of {human_len} rays {wide_bar} {per_sec}, {eta} left")
+}
+
+/// A bar that has no end in sight.
+pub fn waiting(message: &'static str) -> ProgressBar {
+    let bar = ProgressBar::new_spinner().with_message(message);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+fn bar(count: u64, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(count).with_style(style)
+}

@@ -1,0 +1,41 @@
+//! `pcs-sim replay OPS`: a recorded trace under any machine.
+
+use std::io::Write;
+
+use pcs_sim::report::activity::ActivityTrace;
+use pcs_sim::report::stats;
+use pcs_sim::report::summary::{self, grouped};
+use pcs_sim::simulation;
+
+use super::args::ReplayArgs;
+use super::run::{machine_file, machine_line};
+use super::{Failure, outputs, print, progress};
+
+/// Times the trace and reports as a run does, but for what only the scene tells.
+pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
+    let machine = machine_file(&args.machine)?.build()?;
+    let stats_file = outputs::open(args.results.stats.as_deref(), args.results.force)?;
+    let spinner = progress::waiting("reading the trace");
+    let mut trace = ActivityTrace::open(&args.ops)?;
+    let cells = trace.cells();
+    spinner.set_message("timing the trace");
+    let result = simulation::replay(&machine.spec, cells, |take| trace.for_each_batch::<Failure>(take))?;
+    spinner.finish_and_clear();
+    machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    print(&format!(
+        "replay of {} on {cells} cells: {} rays\n{}\n{}\n\n{}\n{}\n{}\n",
+        args.ops.display(),
+        grouped(trace.rays()),
+        machine_line(&machine.spec),
+        summary::speed(&result, &machine.spec),
+        summary::cells(&result, &[]),
+        summary::fifos(&result),
+        summary::bottleneck(&result),
+    ))?;
+    let mut written = Vec::new();
+    outputs::finish(stats_file, &mut written, |file| {
+        let json = stats::to_json(&result, &machine.spec, None, None)?;
+        file.write_all(json.as_bytes())
+    })?;
+    print(&outputs::list(&written))
+}

@@ -1,0 +1,281 @@
+//! The main job: a scene, an array program and a machine, run.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use pcs_sim::error::InputError;
+use pcs_sim::geometry::Ray;
+use pcs_sim::host::{camera, image, ray_file};
+use pcs_sim::machine::MachineSpec;
+use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
+use pcs_sim::report::files::OutputFile;
+use pcs_sim::report::stats::Configuration;
+use pcs_sim::report::summary::{self, grouped};
+use pcs_sim::report::{activity, hits, stats};
+use pcs_sim::scene::{ReadOptions, Scene, builtin};
+use pcs_sim::simulation::{self, Outcome, RunError};
+
+use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs};
+use super::{Failure, outputs, print, progress};
+
+/// The files that a run writes.
+struct Outputs {
+    stats: Option<OutputFile>,
+    hits: Option<OutputFile>,
+    ops: Option<OutputFile>,
+    image: Option<OutputFile>,
+}
+
+/// What a run is made of.
+struct Setup {
+    scene: Scene,
+    program: ArrayProgram,
+    machine_file: MachineFile,
+    machine: Machine,
+    rays: Vec<Ray>,
+    workload: Workload,
+}
+
+/// `pcs-sim [--mode ...] [...]`
+pub fn run(args: &RunArgs) -> Result<(), Failure> {
+    let machine_file = machine_file(&args.machine)?;
+    let machine = machine_file.build()?;
+    let program = array_program(&args.program)?;
+    let mut files = open_outputs(args)?;
+    let spinner = progress::waiting("preparing the scene");
+    let scene = scene(&args.scene)?;
+    let rays = match &args.scene.rays {
+        Some(path) => ray_file::read(path)?,
+        None => camera::primary_rays(&scene.camera, args.scene.size),
+    };
+    let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
+    workload.check_memory(machine.spec.memory_words)?;
+    spinner.finish_and_clear();
+    let setup = Setup { scene, program, machine_file, machine, rays, workload };
+    notes(&setup);
+    let outcome = simulate(&setup, threads(args), &mut files.ops)?;
+    print(&report(&setup, &outcome))?;
+    let written = write_outputs(args, &setup, &outcome, files)?;
+    print(&outputs::list(&written))
+}
+
+fn threads(args: &RunArgs) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get());
+    args.threads.map_or_else(cores, usize::from)
+}
+
+/// The machine: PCS or a file's, changed by the flags.
+pub fn machine_file(args: &MachineArgs) -> Result<MachineFile, InputError> {
+    let mut file = args.machine.as_deref().map_or_else(MachineFile::standard, MachineFile::read)?;
+    fn set<T: Copy>(field: &mut T, flag: Option<T>) {
+        *field = flag.unwrap_or(*field);
+    }
+    set(&mut file.clock_ns, args.clock_ns);
+    set(&mut file.word_bytes, args.word_bytes);
+    set(&mut file.fifo_words, args.fifo_words);
+    set(&mut file.link_mb_s, args.link_mb_s);
+    set(&mut file.rate_counts, args.rate_counts);
+    set(&mut file.latency_cycles, args.latency_cycles);
+    file.memory_words = args.memory_words.or(file.memory_words);
+    set(&mut file.times_us.grid_start, args.grid_start);
+    set(&mut file.times_us.grid_voxel, args.grid_voxel);
+    set(&mut file.times_us.slabs_start, args.slabs_start);
+    set(&mut file.times_us.slabs_polygon, args.slabs_polygon);
+    set(&mut file.times_us.intersection_start, args.intersection_start);
+    set(&mut file.times_us.intersection_polygon, args.intersection_polygon);
+    Ok(file)
+}
+
+fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
+    let mut program = match &args.program {
+        Some(path) => named_program(path)?,
+        None => named_program(Path::new(args.mode.unwrap_or(Mode::Pipeline).program()))?,
+    };
+    let stages = program.stages.len();
+    if let Some(cells) = args.cells {
+        if cells == 0 || !cells.is_multiple_of(stages) {
+            let message = format!("{cells} cells are no whole number of groups of {stages}");
+            let help = format!(
+                "program '{}' takes {stages} cells a group: give 1 x {stages}, 2 x {stages}, ...",
+                program.name
+            );
+            return Err(InputError::new(message).help(help));
+        }
+        program.groups = cells / stages;
+    }
+    program.groups = args.groups.unwrap_or(program.groups);
+    if args.program.is_none() && args.mode.unwrap_or(Mode::Pipeline) == Mode::Pipeline && program.groups != 1 {
+        let message = format!("the macro-pipeline is one group of {stages} cells, not {}", program.groups);
+        return Err(InputError::new(message).help("several macro-pipelines side by side are --program hybrid-3"));
+    }
+    program.partition = args.partition.unwrap_or(program.partition);
+    program.grid_coefficient = args.grid_coefficient.unwrap_or(program.grid_coefficient);
+    program.mailbox |= args.mailbox;
+    program.check()?;
+    Ok(program)
+}
+
+/// A program file, or a standard program where there is no such file.
+fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
+    match path.to_str().filter(|_| !path.exists()).and_then(ArrayProgram::standard) {
+        Some(standard) => standard,
+        None => ArrayProgram::read(path),
+    }
+}
+
+fn scene(args: &SceneArgs) -> Result<Scene, InputError> {
+    let path = Path::new(&args.scene);
+    let is_name = !args.scene.contains(['.', '/', '\\']);
+    if is_name {
+        return builtin::generate(&args.scene, args.size_factor, args.resolution);
+    }
+    if args.size_factor.is_some() {
+        let error = InputError::new("--size-factor is for built-in scenes, not for files");
+        return Err(error.help("`pcs-sim scenes` lists the built-in scenes"));
+    }
+    let default = ReadOptions::default();
+    pcs_sim::scene::load(path, &ReadOptions { resolution: args.resolution.unwrap_or(default.resolution) })
+}
+
+fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
+    outputs::check_distinct(&[
+        args.results.stats.as_ref(),
+        args.hits.as_ref(),
+        args.ops.as_ref(),
+        args.image.as_ref(),
+    ])?;
+    let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
+    Ok(Outputs {
+        stats: open(&args.results.stats)?,
+        hits: open(&args.hits)?,
+        ops: open(&args.ops)?,
+        image: open(&args.image)?,
+    })
+}
+
+/// What the user should know before the figures: what had to be rounded, cut or assumed.
+fn notes(setup: &Setup) {
+    for note in setup.machine.notes.iter().chain(&setup.scene.notes) {
+        eprintln!("note: {note}");
+    }
+}
+
+fn simulate(setup: &Setup, threads: usize, ops: &mut Option<OutputFile>) -> Result<Outcome, Failure> {
+    let bar = progress::rays(setup.rays.len() as u64);
+    let failed = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
+    if let Some(file) = ops {
+        activity::write_header(file, setup.workload.cells()).map_err(failed)?;
+    }
+    let outcome = simulation::run(&setup.workload, &setup.machine.spec, &setup.rays, threads, |batch| {
+        bar.inc(batch.hits.len() as u64);
+        ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, &batch.ops))
+    });
+    bar.finish_and_clear();
+    outcome.map_err(|error| match error {
+        RunError::Stuck(stuck) => Failure::Stuck(stuck),
+        RunError::Observer(error) => failed(error),
+    })
+}
+
+fn report(setup: &Setup, outcome: &Outcome) -> String {
+    let Setup { scene, program, machine, rays, workload, .. } = setup;
+    let spec = &machine.spec;
+    let hits = outcome.counts.hits;
+    let names: Vec<String> = (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect();
+    let mut lines = vec![
+        format!(
+            "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays",
+            program.name,
+            workload.cells(),
+            plural(workload.groups(), "group"),
+            program.stages.len(),
+            scene.name,
+            grouped(workload.polygons().len() as u64),
+            grouped(rays.len() as u64),
+        ),
+        machine_line(spec),
+        summary::speed(&outcome.stats, spec),
+        format!(
+            "{} rays hit ({:.1} %); {} voxels, {} slabs tests and {} intersection tests a ray",
+            grouped(hits),
+            100.0 * hits as f64 / rays.len().max(1) as f64,
+            per_ray(outcome.counts.voxels, rays.len()),
+            per_ray(outcome.counts.slab_tests, rays.len()),
+            per_ray(outcome.counts.intersection_tests, rays.len()),
+        ),
+    ];
+    lines.push(memory_line(workload));
+    format!(
+        "{}\n\n{}\n{}\n{}\n",
+        lines.join("\n"),
+        summary::cells(&outcome.stats, &names),
+        summary::fifos(&outcome.stats),
+        summary::bottleneck(&outcome.stats),
+    )
+}
+
+/// The machine in one line.
+pub fn machine_line(spec: &MachineSpec) -> String {
+    format!(
+        "machine: {} ns a cycle, {}-word FIFOs, {} Mbyte/s links ({}), latency {}",
+        spec.clock_ns,
+        spec.fifo_words.0,
+        spec.link_mb_s,
+        match spec.link_rate().cycles_per_word {
+            1 => "a word a cycle".to_owned(),
+            cycles => format!("a word in {cycles} cycles"),
+        },
+        spec.latency,
+    )
+}
+
+fn memory_line(workload: &Workload) -> String {
+    let largest = (0..workload.cells()).map(|cell| (workload.memory_of(cell).total(), std::cmp::Reverse(cell))).max();
+    let (words, std::cmp::Reverse(cell)) = largest.unwrap_or_default();
+    format!("memory: {} words in the fullest cell, {cell}", grouped(words.0))
+}
+
+fn kernel_names(kernels: &[Kernel]) -> String {
+    let name = |kernel: &Kernel| match kernel {
+        Kernel::Grid => "grid",
+        Kernel::Slabs => "slabs",
+        Kernel::Intersection => "intersection",
+    };
+    if kernels.len() == 3 { "all".to_owned() } else { kernels.iter().map(name).collect::<Vec<_>>().join("+") }
+}
+
+fn per_ray(count: u64, rays: usize) -> String {
+    format!("{:.2}", count as f64 / rays.max(1) as f64)
+}
+
+fn plural(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}
+
+fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
+    let mut written = Vec::new();
+    let polygons = setup.workload.polygons();
+    let configuration = configuration(setup);
+    outputs::finish(files.stats, &mut written, |file| {
+        let spec = &setup.machine.spec;
+        let json = stats::to_json(&outcome.stats, spec, Some(&outcome.counts), Some(&configuration))?;
+        file.write_all(json.as_bytes())
+    })?;
+    outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;
+    outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
+    outputs::finish(files.image, &mut written, |file| {
+        image::write_png(file, args.scene.size, &setup.scene, polygons, &setup.rays, &outcome.hits)
+    })?;
+    Ok(written)
+}
+
+fn configuration(setup: &Setup) -> Configuration {
+    Configuration {
+        version: env!("CARGO_PKG_VERSION"),
+        scene: setup.scene.name.clone(),
+        polygons: setup.workload.polygons().len(),
+        program: setup.program.clone(),
+        memory: (0..setup.workload.cells()).map(|cell| setup.workload.memory_of(cell).into()).collect(),
+        machine: setup.machine_file.clone(),
+    }
+}
