@@ -11,7 +11,7 @@ use super::mesh::{Face, Mesh};
 const UNEVENNESS: f64 = 1e-3;
 
 /// Largest number of corners for which ears are looked for: beyond, it would take minutes.
-const MOST_CORNERS: usize = 1 << 20;
+const MOST_CORNERS: usize = 1 << 17;
 
 /// What [`split_concave`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -121,6 +121,8 @@ struct Outline {
     flat: Vec<DVec2>,
     /// Newell's normal: as long as twice the face's area.
     normal: DVec3,
+    /// The coordinate that the projection drops.
+    dropped: usize,
     /// How far rounding to 32 bits may have moved a point.
     rounding: f64,
 }
@@ -129,9 +131,10 @@ impl Outline {
     fn of(points: impl Iterator<Item = glam::Vec3>) -> Self {
         let points: Vec<DVec3> = points.map(|p| p.as_dvec3()).collect();
         let normal = newell(&points);
-        let flat = points.iter().map(|&p| project(p, normal)).collect();
+        let dropped = largest_axis(plane(&points, normal));
+        let flat = points.iter().map(|&p| project(p, dropped)).collect();
         let largest = points.iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
-        Outline { points, flat, normal, rounding: 2.0 * f64::from(f32::EPSILON) * largest }
+        Outline { points, flat, normal, dropped, rounding: 2.0 * f64::from(f32::EPSILON) * largest }
     }
 
     fn shape(&self) -> Shape {
@@ -197,7 +200,7 @@ impl Outline {
 
     /// Twice the signed area of the projection.
     fn area(&self) -> f64 {
-        self.normal[largest_axis(self.normal)]
+        self.normal[self.dropped]
     }
 }
 
@@ -232,13 +235,21 @@ fn newell(points: &[DVec3]) -> DVec3 {
     points.windows(2).map(|pair| (pair[0] - origin).cross(pair[1] - origin)).sum()
 }
 
+/// A normal to tell the face's plane by: Newell's, unless the face's parts cancel out.
+fn plane(points: &[DVec3], normal: DVec3) -> DVec3 {
+    let n = points.len();
+    let turns = (0..n).map(|i| (points[(i + 1) % n] - points[i]).cross(points[(i + 2) % n] - points[i]));
+    let sharpest = turns.fold(DVec3::ZERO, |most, turn| if turn.length() > most.length() { turn } else { most });
+    if normal.length() > 1e-6 * sharpest.length() { normal } else { sharpest }
+}
+
 fn largest_axis(normal: DVec3) -> usize {
     normal.abs().max_position()
 }
 
-/// Drops the coordinate along the largest component of the normal, keeping the sense of rotation.
-fn project(point: DVec3, normal: DVec3) -> DVec2 {
-    match largest_axis(normal) {
+/// Drops a coordinate, keeping the sense of rotation around its axis.
+fn project(point: DVec3, dropped: usize) -> DVec2 {
+    match dropped {
         0 => DVec2::new(point.y, point.z),
         1 => DVec2::new(point.z, point.x),
         _ => DVec2::new(point.x, point.y),

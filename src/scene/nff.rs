@@ -11,6 +11,9 @@ use super::text::{Text, Token, nearest, too_few_corners};
 use super::{Camera, Light, Material, tessellate};
 use crate::error::InputError;
 
+/// The words that an entity begins with.
+const ENTITIES: [&str; 8] = ["v", "b", "l", "f", "p", "pp", "s", "c"];
+
 /// Reads an NFF file. Spheres, cones and cylinders become polygons.
 ///
 /// Words are read one after the other, whatever the lines: programs that write NFF do not agree on where lines end.
@@ -68,7 +71,10 @@ impl<'a> Reader<'a> {
                 _ => break,
             }
         }
-        let missing = |name| self.text.error_at(entity, format!("view has no `{name}`"));
+        let missing = |name| match self.peek() {
+            Some(word) if !ENTITIES.contains(&word.text) => self.unknown(word),
+            _ => self.text.error_at(entity, format!("view has no `{name}`")),
+        };
         let camera = Camera {
             from: from.ok_or_else(|| missing("from"))?,
             at: at.ok_or_else(|| missing("at"))?,
@@ -231,8 +237,7 @@ impl<'a> Reader<'a> {
 
     /// The next word, which belongs to an entity.
     fn argument(&mut self, entity: Token<'a>) -> Result<Token<'a>, InputError> {
-        let end = self.text.text.len();
-        let missing = || self.text.error(end..end, format!("file ends in the middle of `{}`", entity.text));
+        let missing = || self.text.error(self.text.end(), format!("file ends in the middle of `{}`", entity.text));
         let token = self.peek().ok_or_else(missing)?;
         self.next();
         Ok(token)
@@ -265,7 +270,7 @@ impl<'a> Reader<'a> {
         }
         match nearest(entity.text, ["from", "at", "up", "angle", "hither", "resolution"]) {
             Some(name) => error.help(format!("did you mean `{name}`, a part of the view?")),
-            None => error.help("known are v, b, l, f, p, pp, s and c"),
+            None => error.help(format!("known are {}", ENTITIES.join(", "))),
         }
     }
 }

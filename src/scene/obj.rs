@@ -138,8 +138,8 @@ impl<'a> Reader<'a> {
         match *arguments {
             [x, y, z, ..] => self.text.vector([x, y, z]),
             _ => {
-                let found = plural(arguments.len() as u64, "number");
-                Err(self.text.error_at(keyword, format!("`{}` needs 3 numbers and has {found}", keyword.text)))
+                let message = format!("`{}` needs 3 numbers and has {}", keyword.text, arguments.len());
+                Err(self.text.error_at(keyword, message))
             }
         }
     }
@@ -195,8 +195,8 @@ impl<'a> Reader<'a> {
         match count.checked_sub(index.unsigned_abs()) {
             Some(index) => Ok(index as u32),
             None => {
-                let (noun, before) = (kind.noun(), plural(count, kind.noun()));
-                Err(self.text.error(span, format!("there is no {noun} {index}, before this line stand {before}")))
+                let (noun, so_far) = (kind.noun(), plural(count, kind.noun()));
+                Err(self.text.error(span, format!("there is no {noun} {index}, the file has {so_far} up to here")))
             }
         }
     }

@@ -16,7 +16,7 @@ pub(crate) fn read(path: &Path) -> Result<Draft, InputError> {
     let bytes = read_file(path)?;
     let length = extent(path, &bytes)?;
     let text = Text::decode(path, &bytes[..length])?;
-    let header = parse(text, length)?;
+    let header = parse(text)?;
     let body = Body::new(text, &header)?;
     let mut draft = Draft::new(Vec3::Z);
     draft.mesh = match header.encoding {
@@ -41,8 +41,7 @@ struct Body<'a> {
 impl<'a> Body<'a> {
     fn new(text: Text, header: &'a Header) -> Result<Self, InputError> {
         let Some(vertex) = header.element("vertex") else {
-            let end = header.length;
-            return Err(text.error(end..end, "header has no element `vertex`"));
+            return Err(text.error(text.end(), "header has no element `vertex`"));
         };
         let position = ["x", "y", "z"];
         let normal = ["nx", "ny", "nz"];

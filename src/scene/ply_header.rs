@@ -10,8 +10,6 @@ use crate::error::InputError;
 pub(crate) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
-    /// Bytes up to the first element's data.
-    pub length: usize,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -125,7 +123,7 @@ pub(crate) fn extent(file: &Path, bytes: &[u8]) -> Result<usize, InputError> {
         return Err(InputError::in_file(file, "file is empty"));
     }
     let text = Text::decode(file, bytes)?;
-    Err(text.error(bytes.len()..bytes.len(), "file ends in its header, before `end_header`"))
+    Err(text.error(text.end(), "file ends in its header, before `end_header`"))
 }
 
 fn no_ply(file: &Path, line: &[u8]) -> InputError {
@@ -133,11 +131,11 @@ fn no_ply(file: &Path, line: &[u8]) -> InputError {
     InputError::in_text(file, &shown, 1, 1, shown.chars().count(), "no PLY file: its first line must be `ply`")
 }
 
-/// Reads a header of `length` bytes, of which `text` may be more.
-pub(crate) fn parse(text: Text, length: usize) -> Result<Header, InputError> {
+/// Reads a header, `end_header` included.
+pub(crate) fn parse(text: Text) -> Result<Header, InputError> {
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
-    for line in text.text[..length].lines().skip(1) {
+    for line in text.text.lines().skip(1) {
         let tokens: Vec<Token> = text.tokens(line).collect();
         let Some((&keyword, arguments)) = tokens.split_first() else { continue };
         match keyword.text {
@@ -161,7 +159,7 @@ pub(crate) fn parse(text: Text, length: usize) -> Result<Header, InputError> {
     let Some(encoding) = encoding else {
         return Err(text.error(0..3, "header has no `format` line"));
     };
-    Ok(Header { encoding, elements, length })
+    Ok(Header { encoding, elements })
 }
 
 fn format(text: Text, keyword: Token, arguments: &[Token]) -> Result<Encoding, InputError> {

@@ -72,8 +72,7 @@ impl Values for Ascii<'_> {
         self.line = "";
         while self.line.is_empty() {
             if self.rest.is_empty() {
-                let end = self.text.text.len();
-                return Err(self.text.error(end..end, format!("file ends before {row}")));
+                return Err(self.text.error(self.text.end(), format!("file ends before {row}")));
             }
             let (line, rest) = self.rest.split_once('\n').unwrap_or((self.rest, ""));
             self.line = line.trim_ascii_end();

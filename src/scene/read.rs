@@ -21,13 +21,15 @@ const MOST_CORNERS: u64 = 1 << 31;
 /// How a scene file is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadOptions {
-    /// Slices that spheres and cones are cut into; one of [`ReadOptions::RESOLUTIONS`].
+    /// Slices that the spheres and cones of a file are cut into; one of [`ReadOptions::RESOLUTIONS`].
+    ///
+    /// Built-in scenes that a RON file takes as meshes are not meant: the file says their resolution itself.
     pub resolution: u32,
 }
 
 impl ReadOptions {
     /// The values that [`ReadOptions::resolution`] can have.
-    pub const RESOLUTIONS: RangeInclusive<u32> = 3..=1024;
+    pub const RESOLUTIONS: RangeInclusive<u32> = 3..=256;
 }
 
 impl Default for ReadOptions {

@@ -72,7 +72,6 @@ fn explain(file: Text, part: &str, error: &SpannedError) -> InputError {
 pub(crate) fn suggest(error: InputError, found: &str, known: &[&str], what: &str) -> InputError {
     match nearest(found, known.iter().copied()) {
         Some(name) => error.help(format!("did you mean `{name}`?")),
-        None if known.is_empty() => error,
         None => error.help(format!("known {what} are {}", known.join(", "))),
     }
 }

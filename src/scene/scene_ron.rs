@@ -71,7 +71,7 @@ struct MeshText<'a> {
 #[serde(deny_unknown_fields, rename = "Shape", bound(deserialize = "'de: 'a"))]
 enum ShapeText<'a> {
     File(Located<'a, String>),
-    Builtin { name: Located<'a, String>, size: Option<u32> },
+    Builtin { name: Located<'a, String>, size: Option<u32>, resolution: Option<u32> },
     Polygons { points: Vec<Triple<'a>>, faces: Vec<Located<'a, Vec<i64>>> },
 }
 
@@ -173,6 +173,9 @@ impl Reader<'_> {
         let wanted = name.read(self.text)?;
         self.names.get(&wanted).copied().ok_or_else(|| {
             let error = name.error(self.text, format!("there is no material `{wanted}`"));
+            if self.names.is_empty() {
+                return error.help("the file defines no materials");
+            }
             let mut known: Vec<&str> = self.names.keys().map(String::as_str).collect();
             known.sort_unstable();
             suggest(error, &wanted, &known, "materials")
@@ -203,8 +206,8 @@ impl Reader<'_> {
     fn shape(&self, shape: &ShapeText) -> Result<Shape, InputError> {
         match shape {
             ShapeText::File(name) => self.file(name),
-            ShapeText::Builtin { name, size } => {
-                let scene = builtin::generate(&name.read(self.text)?, *size, Some(self.options.resolution));
+            ShapeText::Builtin { name, size, resolution } => {
+                let scene = builtin::generate(&name.read(self.text)?, *size, *resolution);
                 let scene = scene.map_err(|error| InputError {
                     help: error.help,
                     place: error.place.or(name.error(self.text, "").place),

@@ -10,6 +10,9 @@ use crate::error::InputError;
 /// Largest coordinate taken, in absolute value: its square and its cube's products still fit 32-bit arithmetic.
 pub(crate) const LARGEST_COORDINATE: f64 = 1e15;
 
+/// Longest word for which a similar one is looked for, in bytes.
+const LONGEST_NAME: usize = 100;
+
 /// A text file.
 #[derive(Clone, Copy)]
 pub(crate) struct Text<'a> {
@@ -48,6 +51,12 @@ impl<'a> Text<'a> {
     /// Where a part of this text begins, in bytes from its start.
     pub fn offset_of(&self, part: &str) -> usize {
         part.as_ptr().addr().saturating_sub(self.text.as_ptr().addr())
+    }
+
+    /// The place behind the last word, for what is missing there.
+    pub fn end(&self) -> Range<usize> {
+        let end = self.text.trim_end().len();
+        end..end
     }
 
     /// A mistake at a stretch of the file, given in bytes; an empty one points between two characters.
@@ -116,9 +125,16 @@ pub(crate) fn finite(number: f64) -> Result<f64, String> {
 /// Checks that a number can be a coordinate.
 pub(crate) fn coordinate(number: f64) -> Result<f32, String> {
     if finite(number)?.abs() > LARGEST_COORDINATE {
-        return Err(format!("{number:e} is too large for the array's 32-bit arithmetic, which takes up to 1e15"));
+        let shown = shortest(number);
+        return Err(format!("{shown} is too large for the array's 32-bit arithmetic, which takes up to 1e15"));
     }
     Ok(number as f32)
+}
+
+/// A number as its author may have written it, were it in single or in double precision.
+fn shortest(number: f64) -> String {
+    let single = number as f32;
+    if f64::from(single) == number { format!("{single:e}") } else { format!("{number:e}") }
 }
 
 /// Checks that a number can be a colour's component or a material's coefficient.
@@ -127,7 +143,7 @@ pub(crate) fn amount(number: f64) -> Result<f32, String> {
         return Err(format!("{number} is negative"));
     }
     if number > LARGEST_COORDINATE {
-        return Err(format!("{number:e} is too large"));
+        return Err(format!("{} is too large", shortest(number)));
     }
     Ok(number as f32)
 }
@@ -149,21 +165,30 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
         let shorter = candidate.len().min(name.len());
         distance <= 1 + shorter / 4 && distance < shorter
     };
+    if name.len() > LONGEST_NAME {
+        return None;
+    }
     known.into_iter().map(|candidate| (edits(name, candidate), candidate)).filter(close).min().map(|(_, best)| best)
 }
 
-/// How many insertions, deletions and replacements lead from one word to the other, whatever the case of letters.
+/// How many insertions, deletions, replacements and swaps of neighbours lead from one word to the other, whatever the
+/// case of letters.
 fn edits(from: &str, to: &str) -> usize {
+    let from: Vec<char> = from.to_lowercase().chars().collect();
     let to: Vec<char> = to.to_lowercase().chars().collect();
-    let mut row: Vec<usize> = (0..=to.len()).collect();
-    for (i, from) in from.to_lowercase().chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &to) in to.iter().enumerate() {
-            let replaced = diagonal + usize::from(from != to);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+    let mut two_rows_up: Vec<usize> = Vec::new();
+    let mut row_above: Vec<usize> = (0..=to.len()).collect();
+    for i in 1..=from.len() {
+        let mut row = vec![i];
+        for j in 1..=to.len() {
+            let replaced = row_above[j - 1] + usize::from(from[i - 1] != to[j - 1]);
+            let mut least = replaced.min(row_above[j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1] {
+                least = least.min(two_rows_up[j - 2] + 1);
+            }
+            row.push(least);
         }
+        two_rows_up = std::mem::replace(&mut row_above, row);
     }
-    row[to.len()]
+    row_above[to.len()]
 }
