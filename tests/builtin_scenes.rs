@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use glam::DVec3;
 use pcs_sim::scene::builtin::{self, Builtin, Primitives};
-use pcs_sim::scene::{Mesh, Scene};
+use pcs_sim::scene::{Mesh, ReadOptions, Scene};
 
 fn generate(name: &str, size: u32) -> Scene {
     builtin::generate(name, Some(size), None).unwrap()
@@ -203,9 +203,11 @@ fn sizes_out_of_range_are_refused() {
 
 #[test]
 fn resolutions_out_of_range_are_refused() {
-    for resolution in [0, 2, 1025, u32::MAX] {
+    let (least, most) = ReadOptions::RESOLUTIONS.into_inner();
+    for resolution in [0, least - 1, most + 1, u32::MAX] {
         let error = builtin::generate("balls", Some(1), Some(resolution)).unwrap_err();
-        assert!(error.message.contains("is not in 3 to 1024"), "{error}");
+        let expected = format!("resolution {resolution} of scene `balls` is not in {least} to {most}");
+        assert_eq!(error.message, expected);
     }
 }
 
