@@ -7,6 +7,21 @@
 //! All coordinates are worked out in double precision and rounded once. Sines, exponentials and logarithms come from
 //! the platform's library, so the last bit of a coordinate may differ from one platform to another; on one machine the
 //! same name, size and resolution always give the same bits.
+//!
+//! | name      | default size | primitives at that size          |
+//! | --------- | -----------: | -------------------------------- |
+//! | balls     |            4 | 7 381 spheres, 1 polygon         |
+//! | gears     |            4 | 9 345 polygons, 128 of them concave |
+//! | lattice   |           12 | 2 197 spheres, 6 084 cylinders   |
+//! | mountain  |            6 | 8 192 polygons, 4 spheres        |
+//! | rings     |            7 | 4 200 spheres, 4 200 cylinders, 1 polygon |
+//! | shells    |            5 | 5 761 spheres                    |
+//! | sombrero  |            1 | 1 922 polygons                   |
+//! | teapot    |           12 | 9 264 polygons                   |
+//! | tetra     |            6 | 4 096 polygons                   |
+//! | tree      |           11 | 4 095 cones, 4 095 spheres, 1 polygon |
+//! | room      |            1 | 45 polygons                      |
+//! | reference |          100 | 100 000 polygons                 |
 
 mod balls;
 mod gears;
@@ -26,13 +41,12 @@ mod tree;
 use std::ops::RangeInclusive;
 
 use super::Scene;
+use super::read::ReadOptions;
+use super::text::nearest;
 use crate::error::InputError;
 
 /// The most faces that are generated; more would not fit into the memory of many machines.
-const MOST_FACES: u64 = 1 << 24;
-
-/// The resolutions that are taken.
-const RESOLUTIONS: RangeInclusive<u32> = 3..=256;
+const MOST_FACES: u64 = 20_000_000;
 
 /// A scene that can be generated.
 #[derive(Clone, Debug)]
@@ -77,9 +91,10 @@ impl Primitives {
 }
 
 impl Builtin {
-    /// What the scene is made of at a size factor, by its definition.
+    /// What the scene is made of at a size factor, by its definition; at one outside of the range that is taken, the
+    /// nearest that is.
     pub fn primitives(&self, size: u32) -> Primitives {
-        (self.count)(size)
+        (self.count)(size.clamp(*self.size_range.start(), *self.size_range.end()))
     }
 
     /// How many faces the scene has at a size factor with `resolution` slices, or with its default number of them;
@@ -89,18 +104,14 @@ impl Builtin {
     }
 
     fn slices(&self, resolution: Option<u32>) -> u32 {
-        resolution.or(self.default_resolution).unwrap_or(*RESOLUTIONS.start())
+        resolution.or(self.default_resolution).unwrap_or(*ReadOptions::RESOLUTIONS.start())
     }
 
     /// The scene at a size factor, with `resolution` slices to a sphere or cone.
     fn generate(&self, size: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
         let size = size.unwrap_or(self.default_size);
         self.check(size, resolution)?;
-        let mut scene = (self.build)(size, self.slices(resolution));
-        if let (None, Some(slices)) = (self.default_resolution, resolution) {
-            scene.notes.push(format!("the resolution of {slices} changes nothing in scene `{}`", self.name));
-        }
-        Ok(scene)
+        Ok((self.build)(size, self.slices(resolution)))
     }
 
     fn check(&self, size: u32, resolution: Option<u32>) -> Result<(), InputError> {
@@ -110,8 +121,8 @@ impl Builtin {
             return Err(InputError::new(format!("size {size} of scene `{name}` is not in {least} to {most}"))
                 .help(format!("leave it out for {}", self.default_size)));
         }
-        if let Some(slices) = resolution.filter(|slices| !RESOLUTIONS.contains(slices)) {
-            let (least, most) = (RESOLUTIONS.start(), RESOLUTIONS.end());
+        if let Some(slices) = resolution.filter(|slices| !ReadOptions::RESOLUTIONS.contains(slices)) {
+            let (least, most) = ReadOptions::RESOLUTIONS.into_inner();
             return Err(InputError::new(format!("resolution {slices} of scene `{name}` is not in {least} to {most}"))
                 .help("it is the number of slices of a sphere or cone"));
         }
@@ -142,7 +153,11 @@ pub fn all() -> &'static [Builtin] {
 
 fn unknown(name: &str) -> InputError {
     let names: Vec<&str> = ALL.iter().map(|scene| scene.name).collect();
-    InputError::new(format!("there is no built-in scene `{name}`")).help(format!("there are {}", names.join(", ")))
+    let error = InputError::new(format!("there is no built-in scene `{name}`, there are {}", names.join(", ")));
+    match nearest(name, names) {
+        Some(close) => error.help(format!("did you mean `{close}`?")),
+        None => error,
+    }
 }
 
 static ALL: &[Builtin] = &[

@@ -38,7 +38,7 @@ fn build(size: u32) -> Scene {
     table(&mut mesh);
     boxes(&mut mesh, size);
     let camera = kit::camera(dvec3(0.3, 0.3, 1.8), dvec3(3.9, 2.5, 0.95), DVec3::Z, 62.0);
-    let lamp = Light { at: Vec3::new(2.6, 1.6, 2.8), color: Vec3::new(0.75, 0.72, 0.65) };
+    let lamp = Light { at: Vec3::new(2.2, 1.8, 2.5), color: Vec3::new(0.75, 0.72, 0.65) };
     let sun = Light { at: Vec3::new(12.0, -1.0, 7.0), color: Vec3::new(0.6, 0.6, 0.55) };
     kit::scene("room", mesh, materials(), vec![lamp, sun], camera, Vec3::new(0.55, 0.75, 0.95))
 }
@@ -86,14 +86,14 @@ fn table(mesh: &mut Mesh) {
 /// Piles `count` boxes along a wall, layer by layer; a box fills its cell in height, so that each stands on another.
 fn boxes(mesh: &mut Mesh, count: u32) {
     let side = (1..).find(|side| side * side * side >= count).unwrap_or(count);
-    let low = dvec3(0.8, 2.7, 0.0);
-    let cell = dvec3(4.6, 1.1, 1.7) / f64::from(side);
+    let low = dvec3(2.8, 2.8, 0.0);
+    let cell = dvec3(3.0, 1.1, 1.8) / f64::from(side);
     for number in 0..count {
         let place = dvec3(f64::from(number % side), f64::from(number / side % side), f64::from(number / (side * side)));
         let share = |lane: u32| 0.5 + 0.4 * unit(7, [number as i32, lane as i32]);
         let margin = dvec3(1.0 - share(0), 1.0 - share(1), 0.0) * cell / 2.0;
         let corner = low + place * cell;
-        let material = FIRST_BOX + number % BOX_COLORS.len() as u32;
-        kit::cuboid(mesh, corner + margin, corner + cell - margin, material);
+        let color = (unit(8, [number as i32, 0]) * BOX_COLORS.len() as f64) as u32;
+        kit::cuboid(mesh, corner + margin, corner + cell - margin, FIRST_BOX + color);
     }
 }

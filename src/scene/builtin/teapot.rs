@@ -169,9 +169,13 @@ impl Patch {
         let point = blend(bernstein(s), bernstein(t));
         let along_s = blend(bernstein_slope(s), bernstein(t));
         let along_t = blend(bernstein(s), bernstein_slope(t));
-        // At a pole all of a row is one point, and one of the tangents is zero.
-        let at_pole = if point.z > 1.5 { DVec3::Z } else { DVec3::NEG_Z };
-        (point, along_t.cross(along_s).normalize_or(at_pole))
+        // At a pole all of a row is one point, and one of the tangents is zero but for rounding.
+        let normal = match on_axis(point) {
+            true if point.z > 1.5 => DVec3::Z,
+            true => DVec3::NEG_Z,
+            false => along_t.cross(along_s).normalize(),
+        };
+        (point, normal)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, dvec2};
 
-use super::land::{HALF, Land};
+use super::land::{self, HALF};
 use super::stuff::Stuff;
 use super::{EYE, village};
 use crate::scene::Mesh;
@@ -17,10 +17,10 @@ const TRIES_IN_WOODS: i32 = 24;
 const TRIES: i32 = 200;
 
 /// Adds `count` trees.
-pub fn add(mesh: &mut Mesh, land: &Land, count: u32) {
+pub fn add(mesh: &mut Mesh, count: u32) {
     for number in 0..count as i32 {
-        let at = place(land, number);
-        let foot = at.extend(land.height(at) - 0.1);
+        let at = place(number);
+        let foot = at.extend(land::height(at) - 0.1);
         let height = 1.2 + 1.6 * unit(200, [number, 0]);
         if unit(201, [number, 0]) < 0.35 + 0.09 * foot.z {
             fir(mesh, foot, height);
@@ -31,7 +31,7 @@ pub fn add(mesh: &mut Mesh, land: &Land, count: u32) {
 }
 
 /// Where a tree stands: at random, on dry even ground outside of the village, mostly in woods.
-fn place(land: &Land, number: i32) -> DVec2 {
+fn place(number: i32) -> DVec2 {
     let candidate = |trial: i32| {
         let along = |seed: u64| (2.0 * unit(seed, [number, trial]) - 1.0) * 0.98 * HALF;
         dvec2(along(202), along(203))
@@ -39,13 +39,13 @@ fn place(land: &Land, number: i32) -> DVec2 {
     let fit = |trial: &i32| {
         let at = candidate(*trial);
         let in_woods = *trial >= TRIES_IN_WOODS || fractal(204, at * 0.09, 3) > 0.52;
-        in_woods && at.distance(EYE.truncate()) > 10.0 && village::ground(at) < 0.2 && grows(land, at)
+        in_woods && at.distance(EYE.truncate()) > 10.0 && village::ground(at) < 0.2 && grows(at)
     };
     candidate((0..TRIES).find(fit).unwrap_or(TRIES))
 }
 
-fn grows(land: &Land, at: DVec2) -> bool {
-    (0.5..9.5).contains(&land.height(at)) && land.slope(at) < 1.0
+fn grows(at: DVec2) -> bool {
+    (0.5..9.5).contains(&land::height(at)) && land::slope(at) < 1.0
 }
 
 fn trunk(mesh: &mut Mesh, foot: DVec3, height: f64, radius: f64) {

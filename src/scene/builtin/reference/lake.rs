@@ -15,7 +15,7 @@ const BALLS: u32 = 9;
 const TILES: u32 = 8;
 
 /// The middle of the terrace's floor, and half a side.
-const TERRACE: DVec3 = dvec3(8.5, -19.0, 0.5);
+const TERRACE: DVec3 = dvec3(5.8, -19.0, 0.5);
 const TERRACE_HALF: f64 = 5.5;
 
 /// How many polygons all balls have together.
@@ -32,16 +32,16 @@ pub fn add(mesh: &mut Mesh, pot_steps: u32, ball_slices: u32) {
     let place = DAffine3::from_mat3_translation(turn, TERRACE + DVec3::Z * 0.01);
     teapot::pot(mesh, pot_steps, place, Stuff::Gold.index());
     for ball in 0..BALLS {
-        sphere(mesh, hop(ball), 0.95, ball_slices, Stuff::Mirror.index());
+        sphere(mesh, hop(ball), 0.6, ball_slices, Stuff::Mirror.index());
     }
 }
 
 /// Where the hopping ball is at a step: three hops, each lower than the one before.
 fn hop(step: u32) -> DVec3 {
     let phase = f64::from(step % 3) / 3.0 + 1.0 / 6.0;
-    let height = 5.0 * 0.65f64.powi((step / 3) as i32);
+    let height = 4.5 * 0.65f64.powi((step / 3) as i32);
     let up = 4.0 * phase * (1.0 - phase) * height;
-    dvec3(-15.0 + 1.95 * f64::from(step), -27.0 + 0.9 * f64::from(step), 0.6 + up)
+    dvec3(-7.6 + 0.98 * f64::from(step), -28.0 + 0.8 * f64::from(step), 0.5 + up)
 }
 
 fn terrace(mesh: &mut Mesh) {

@@ -8,7 +8,6 @@ mod village;
 
 use glam::{DVec3, Vec3, dvec3};
 
-use self::land::Land;
 use super::kit;
 use super::teapot;
 use super::{Builtin, Primitives};
@@ -44,16 +43,15 @@ const EYE: DVec3 = dvec3(0.0, -47.0, 8.5);
 
 fn build(size: u32) -> Scene {
     let shares = Shares::new(size * 1000);
-    let land = Land;
     let mut mesh = Mesh::default();
-    land.add(&mut mesh, shares.cells);
+    land::add(&mut mesh, shares.cells);
     lake::add(&mut mesh, shares.pot_steps, shares.ball_slices);
     village::add(&mut mesh, shares.houses);
-    forest::add(&mut mesh, &land, shares.trees);
+    forest::add(&mut mesh, shares.trees);
     lake::gliders(&mut mesh, shares.gliders);
     let sun = Light { at: Vec3::new(-90.0, -80.0, 80.0), color: Vec3::new(0.9, 0.82, 0.68) };
     let sky = Light { at: Vec3::new(60.0, -60.0, 120.0), color: Vec3::new(0.2, 0.25, 0.35) };
-    let camera = kit::camera(EYE, dvec3(0.0, -10.0, 3.2), DVec3::Z, 45.0);
+    let camera = kit::camera(EYE, dvec3(0.0, -10.0, 1.0), DVec3::Z, 45.0);
     kit::scene("reference", mesh, stuff::materials(), vec![sun, sky], camera, Vec3::new(0.45, 0.62, 0.85))
 }
 

@@ -62,7 +62,7 @@ fn house(mesh: &mut Mesh, place: [i32; 2], middle: DVec2) {
     let wall = if random(8) < 0.7 { Stuff::Plaster } else { Stuff::Brick };
     walls(mesh, &house, [length, width, eaves, ridge], wall);
     roof(mesh, &house, [length, width, eaves, ridge]);
-    chimney(mesh, &house, ridge);
+    chimney(mesh, &house, [eaves, ridge]);
     openings(mesh, &house, [length, width]);
 }
 
@@ -100,8 +100,8 @@ fn roof(mesh: &mut Mesh, house: &House, [length, width, eaves, ridge]: [f64; 4])
 }
 
 /// A chimney of four sides and a top, which grows out of the roof.
-fn chimney(mesh: &mut Mesh, house: &House, ridge: f64) {
-    let (half, low, high) = (0.1, ridge - 0.3, ridge + 0.35);
+fn chimney(mesh: &mut Mesh, house: &House, [eaves, ridge]: [f64; 2]) {
+    let (half, low, high) = (0.1, eaves, ridge + 0.35);
     let corners = [(half, half), (-half, half), (-half, -half), (half, -half)];
     let ring = |up: f64| corners.map(|(along, across)| house.at(0.3 + along, 0.15 + across, up));
     let (bottom, top) = (ring(low), ring(high));
