@@ -3,9 +3,9 @@
 pub mod error;
 pub mod geometry;
 pub mod host;
+mod input;
 pub mod machine;
 pub mod program;
 pub mod report;
-mod ron_input;
 pub mod scene;
 pub mod simulation;

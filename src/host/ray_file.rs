@@ -14,7 +14,7 @@ const SHORTEST: f32 = 1e-15;
 
 /// Reads a CSV file with the header `ox,oy,oz,dx,dy,dz` and optionally `tmax`, one ray a line.
 pub fn read(path: &Path) -> Result<Vec<Ray>, InputError> {
-    let text = crate::ron_input::read_text(path)?;
+    let text = crate::input::fields::read_text(path)?;
     let mut lines = text.lines().enumerate().map(|(index, line)| Line { path, number: index + 1, text: line });
     let header =
         lines.next().ok_or_else(|| InputError::in_file(path, "is empty: expected the header ox,oy,oz,dx,dy,dz"))?;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 use crate::geometry::Partition;
-use crate::ron_input::{self, Fault};
+use crate::input::fields::{self, Fault};
 
 /// A step of the geometric computation (§3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -85,11 +85,11 @@ impl ArrayProgram {
 
     /// Reads a program file.
     pub fn read(path: &Path) -> Result<ArrayProgram, InputError> {
-        ArrayProgram::parse(path, &ron_input::read_text(path)?)
+        ArrayProgram::parse(path, &fields::read_text(path)?)
     }
 
     fn parse(path: &Path, text: &str) -> Result<ArrayProgram, InputError> {
-        let program: ArrayProgram = ron_input::parse(path, text)?;
+        let program: ArrayProgram = fields::parse(path, text)?;
         program.find_fault().map_err(|fault| fault.in_text(path, text))?;
         Ok(program)
     }

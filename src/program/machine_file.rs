@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::kernel::{KernelTimes, Times};
 use crate::error::InputError;
+use crate::input::fields::{self, Fault};
 use crate::machine::{Cycles, MachineSpec, RateCounts, Words};
-use crate::ron_input::{self, Fault};
 
 /// A machine as a file describes it, in the units that people use.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,11 +72,11 @@ impl MachineFile {
 
     /// Reads the file of a machine, which must be a possible one.
     pub fn read(path: &Path) -> Result<MachineFile, InputError> {
-        MachineFile::parse(path, &ron_input::read_text(path)?)
+        MachineFile::parse(path, &fields::read_text(path)?)
     }
 
     fn parse(path: &Path, text: &str) -> Result<MachineFile, InputError> {
-        let file: MachineFile = ron_input::parse(path, text)?;
+        let file: MachineFile = fields::parse(path, text)?;
         file.convert().map_err(|fault| fault.in_text(path, text))?;
         Ok(file)
     }

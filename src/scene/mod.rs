@@ -3,25 +3,14 @@
 pub mod builtin;
 pub mod camera;
 pub mod convex;
+pub mod format;
 pub mod mesh;
-mod mtl;
-mod nff;
-mod obj;
-mod ply;
-mod ply_header;
-mod ply_values;
-mod read;
-pub(crate) mod ron_text;
-mod scene_ron;
-mod statements;
 pub mod tessellate;
-pub(crate) mod text;
-mod transform;
 
 pub use camera::Camera;
 pub use convex::split_concave;
+pub use format::{ReadOptions, load};
 pub use mesh::{Corner, Face, Mesh};
-pub use read::{ReadOptions, load};
 
 use glam::Vec3;
 

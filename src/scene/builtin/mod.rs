@@ -40,10 +40,10 @@ mod tree;
 
 use std::ops::RangeInclusive;
 
+use super::ReadOptions;
 use super::Scene;
-use super::read::ReadOptions;
-use super::text::nearest;
 use crate::error::InputError;
+use crate::input::text::nearest;
 
 /// The most faces that are generated; more would not fit into the memory of many machines.
 const MOST_FACES: u64 = 20_000_000;

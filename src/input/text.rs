@@ -168,27 +168,6 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
     if name.len() > LONGEST_NAME {
         return None;
     }
-    known.into_iter().map(|candidate| (edits(name, candidate), candidate)).filter(close).min().map(|(_, best)| best)
-}
-
-/// How many insertions, deletions, replacements and swaps of neighbours lead from one word to the other, whatever the
-/// case of letters.
-fn edits(from: &str, to: &str) -> usize {
-    let from: Vec<char> = from.to_lowercase().chars().collect();
-    let to: Vec<char> = to.to_lowercase().chars().collect();
-    let mut two_rows_up: Vec<usize> = Vec::new();
-    let mut row_above: Vec<usize> = (0..=to.len()).collect();
-    for i in 1..=from.len() {
-        let mut row = vec![i];
-        for j in 1..=to.len() {
-            let replaced = row_above[j - 1] + usize::from(from[i - 1] != to[j - 1]);
-            let mut least = replaced.min(row_above[j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1] {
-                least = least.min(two_rows_up[j - 2] + 1);
-            }
-            row.push(least);
-        }
-        two_rows_up = std::mem::replace(&mut row_above, row);
-    }
-    row_above[to.len()]
+    let edits = |candidate: &str| strsim::osa_distance(&name.to_lowercase(), &candidate.to_lowercase());
+    known.into_iter().map(|candidate| (edits(candidate), candidate)).filter(close).min().map(|(_, best)| best)
 }

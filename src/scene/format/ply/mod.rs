@@ -1,15 +1,18 @@
 //! Reads PLY files, as text and in either byte order.
 
+mod header;
+mod values;
+
 use std::path::Path;
 
 use glam::Vec3;
 
-use super::mesh::{Corner, Mesh, NO_NORMAL};
-use super::ply_header::{Element, Encoding, Header, Property, Shape, Type, extent, parse};
-use super::ply_values::{Ascii, Binary, Row, Values};
-use super::read::{Draft, check_size, read_file};
-use super::text::{Text, coordinate, plural, too_few_corners};
+use super::{Draft, check_size, read_file};
 use crate::error::InputError;
+use crate::input::text::{Text, coordinate, plural, too_few_corners};
+use crate::scene::mesh::{Corner, Mesh, NO_NORMAL};
+use header::{Element, Encoding, Header, Property, Shape, Type, extent, parse};
+use values::{Ascii, Binary, Row, Values};
 
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];

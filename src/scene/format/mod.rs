@@ -1,5 +1,13 @@
 //! Scene files: opening one, choosing its reader, and what is done to every scene that was read.
 
+mod mtl;
+mod nff;
+mod obj;
+mod ply;
+mod ron_scene;
+mod statements;
+mod transform;
+
 use std::fs::File;
 use std::io::{self, Read};
 use std::ops::RangeInclusive;
@@ -7,10 +15,10 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::mesh::Mesh;
-use super::text::nearest;
-use super::{Camera, Light, Material, Scene, nff, obj, ply, scene_ron, split_concave};
 use crate::error::InputError;
+use crate::input::text::nearest;
+use crate::scene::mesh::Mesh;
+use crate::scene::{Camera, Light, Material, Scene, split_concave};
 
 /// Largest scene file taken, in bytes.
 const LARGEST_FILE: u64 = 1 << 32;
@@ -54,7 +62,7 @@ pub fn load(path: &Path, options: &ReadOptions) -> Result<Scene, InputError> {
         return Err(InputError::new(message));
     }
     let draft = match Format::of(path)? {
-        Format::Ron => scene_ron::read(path, options)?,
+        Format::Ron => ron_scene::read(path, options)?,
         Format::Obj => obj::read(path)?,
         Format::Ply => ply::read(path)?,
         Format::Nff => nff::read(path, options)?,

@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::text::{Text, Token, nearest};
 use crate::error::InputError;
+use crate::input::text::{Text, Token, nearest};
 
 /// What a PLY file says of itself.
 pub(crate) struct Header {

@@ -6,12 +6,13 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::mesh::{Corner, NO_NORMAL};
-use super::read::{Draft, read_file};
+use super::mtl;
 use super::statements::{Statements, name_of};
-use super::text::{Text, Token, nearest, plural, too_few_corners};
-use super::{Material, mtl};
+use super::{Draft, read_file};
 use crate::error::InputError;
+use crate::input::text::{Text, Token, nearest, plural, too_few_corners};
+use crate::scene::Material;
+use crate::scene::mesh::{Corner, NO_NORMAL};
 
 /// The statements that mean something here.
 const HANDLED: &[&str] = &["v", "vn", "vt", "f", "fo", "usemtl", "mtllib"];

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
+use super::ron_text;
+use super::text::Text;
 use crate::error::InputError;
-use crate::scene::ron_text;
-use crate::scene::text::Text;
 
 /// Reads a text file.
 pub fn read_text(path: &Path) -> Result<String, InputError> {

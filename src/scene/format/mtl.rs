@@ -4,11 +4,11 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::Material;
-use super::read::read_file;
+use super::read_file;
 use super::statements::{Statements, name_of};
-use super::text::{Text, Token};
 use crate::error::InputError;
+use crate::input::text::{Text, Token};
+use crate::scene::Material;
 
 /// Reads a file of materials, in file order.
 ///

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::path::Path;
 
-use super::ply_header::{Element, Type};
-use super::text::{Text, Token};
+use super::header::{Element, Type};
 use crate::error::InputError;
+use crate::input::text::{Text, Token};
 
 const GOES_ON: &str = "file goes on after the last element that its header tells of";
 

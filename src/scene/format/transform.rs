@@ -2,9 +2,9 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 
-use super::mesh::{Corner, Mesh, NO_NORMAL};
-use super::read::check_size;
-use super::text::coordinate;
+use super::check_size;
+use crate::input::text::coordinate;
+use crate::scene::mesh::{Corner, Mesh, NO_NORMAL};
 
 /// An affine map for points, and the one that goes with it for normals.
 pub(crate) struct Transform {

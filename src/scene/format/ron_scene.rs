@@ -6,14 +6,15 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
-use super::camera::CameraFault;
-use super::mesh::Mesh;
-use super::read::{Draft, Format, ReadOptions, read_file};
-use super::ron_text::{self, Located, suggest};
-use super::text::{Text, amount, coordinate, plural, too_few_corners};
 use super::transform::{Step, Transform};
-use super::{Camera, Light, Material, builtin, nff, obj, ply};
+use super::{Draft, Format, ReadOptions, read_file};
+use super::{nff, obj, ply};
 use crate::error::InputError;
+use crate::input::ron_text::{self, Located, suggest};
+use crate::input::text::{Text, amount, coordinate, plural, too_few_corners};
+use crate::scene::camera::CameraFault;
+use crate::scene::mesh::Mesh;
+use crate::scene::{Camera, Light, Material, builtin};
 
 /// Three numbers in parentheses.
 type Triple<'a> = Located<'a, (f64, f64, f64)>;

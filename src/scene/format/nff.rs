@@ -4,12 +4,12 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::camera::CameraFault;
-use super::mesh::Corner;
-use super::read::{Draft, ReadOptions, check_size, read_file};
-use super::text::{Text, Token, nearest, too_few_corners};
-use super::{Camera, Light, Material, tessellate};
+use super::{Draft, ReadOptions, check_size, read_file};
 use crate::error::InputError;
+use crate::input::text::{Text, Token, nearest, too_few_corners};
+use crate::scene::camera::CameraFault;
+use crate::scene::mesh::Corner;
+use crate::scene::{Camera, Light, Material, tessellate};
 
 /// The words that an entity begins with.
 const ENTITIES: [&str; 8] = ["v", "b", "l", "f", "p", "pp", "s", "c"];

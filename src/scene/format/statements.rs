@@ -1,6 +1,6 @@
 //! The lines of OBJ and MTL files.
 
-use super::text::{Text, Token};
+use crate::input::text::{Text, Token};
 
 /// Goes through the statements of a file: lines, joined where a backslash ends one, without comments.
 pub(crate) struct Statements<'a> {
