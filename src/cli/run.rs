@@ -11,7 +11,7 @@ use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
 use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{activity, hits, stats};
+use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
@@ -210,7 +210,7 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
         lines.join("\n"),
         summary::cells(&outcome.stats, &names),
         summary::fifos(&outcome.stats),
-        summary::bottleneck(&outcome.stats),
+        bottleneck::sentence(&outcome.stats, spec),
     )
 }
 
