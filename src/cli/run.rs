@@ -95,10 +95,7 @@ fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
     if let Some(cells) = args.cells {
         if cells == 0 || !cells.is_multiple_of(stages) {
             let message = format!("{cells} cells are no whole number of groups of {stages}");
-            let help = format!(
-                "program '{}' takes {stages} cells a group: give 1 x {stages}, 2 x {stages}, ...",
-                program.name
-            );
+            let help = format!("program '{}' takes {stages}, {}, {}, ... cells", program.name, 2 * stages, 3 * stages);
             return Err(InputError::new(message).help(help));
         }
         program.groups = cells / stages;
