@@ -264,7 +264,8 @@ fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Output
     outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
     outputs::finish(files.image, &mut written, |file| {
-        image::write_png(file, args.scene.size, &setup.scene, polygons, &setup.rays, &outcome.hits)
+        let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
+        image::write_png(file, args.scene.size, &pixels)
     })?;
     Ok(written)
 }

@@ -6,7 +6,7 @@ use crate::machine::Words;
 use crate::scene::Mesh;
 
 use super::array_program::{ArrayProgram, Kernel, Stages};
-use super::kernel::KernelTimes;
+use super::kernel::{HostTimes, KernelTimes};
 use super::trace::{Tracer, WorkSample};
 
 /// One ray in so many is traced ahead to find where the work is (§4.1: 1.5 % of the pixels).
@@ -72,6 +72,11 @@ impl Workload {
         let boxes = workload.cut(program, rays)?;
         workload.groups = workload.fill_groups(&boxes, program.grid_coefficient)?;
         Ok(workload)
+    }
+
+    /// What the host spends.
+    pub fn host_times(&self) -> HostTimes {
+        self.times.host
     }
 
     /// Number of cells.
