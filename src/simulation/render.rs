@@ -9,7 +9,7 @@ use super::{BATCH_LINES, RunError};
 use crate::geometry::Hit;
 use crate::host::camera::{ImageSize, View};
 use crate::host::sampling::{Pass, Sampling};
-use crate::host::shading::{Limits, RayKind, Shader};
+use crate::host::shading::{Limits, Shader};
 use crate::machine::{Cycles, MachineSpec, OpBatch, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
 use crate::scene::Scene;
