@@ -155,7 +155,7 @@ impl ClosedLoop {
         let may_send = self.rules.in_flight.is_none_or(|most| (self.in_flight.len() as u64) < most);
         match may_send.then(|| self.choose()).flatten() {
             Some((place, parent)) => self.send(place, parent, observe),
-            None if self.wait() => Ok(()),
+            None if self.open == 0 || self.wait() => Ok(()),
             None => Err(self.array.stuck().into()),
         }
     }
