@@ -12,7 +12,7 @@ use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::{Branch, Limits, RayKind, Shader, reflect, refract};
 use pcs_sim::machine::{Cycles, MachineSpec, OpBatch, OpKind};
-use pcs_sim::program::{KernelTimes, Workload};
+use pcs_sim::program::{KernelTimes, MachineFile, Workload};
 use pcs_sim::scene::{Material, Mesh, ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, Seen, Timing};
 use support::whitted::Judge;
@@ -270,6 +270,14 @@ fn the_recorded_trace_replays_to_the_same_stats() {
         }
         assert_eq!(json("replay.json"), expected, "{flags}");
     }
+}
+
+#[test]
+fn a_sun3_differs_from_the_standard_machine_by_its_time_alone() {
+    let standard = MachineFile::standard().unwrap();
+    let sun3 = MachineFile::read(Path::new("pcs-programs/pcs-sun3.ron")).unwrap();
+    assert_eq!(MachineFile { host_hit_us: 20000.0, ..standard }, sun3);
+    assert_eq!(sun3.build().unwrap().times.host.hit, Cycles(400_000));
 }
 
 #[test]
