@@ -2,6 +2,7 @@
 
 mod args;
 mod diagnostics;
+mod image;
 mod outputs;
 mod progress;
 mod replay;
@@ -27,6 +28,8 @@ enum Failure {
     Stuck(Stuck),
     /// A result could not be written: exit status 1.
     Output(String),
+    /// It was told to stop: exit status 130.
+    Interrupted(String),
 }
 
 impl From<InputError> for Failure {
@@ -53,6 +56,7 @@ pub fn main() -> ExitCode {
     };
     let result = match &cli.command {
         None => run::run(&cli.run),
+        Some(Command::Image(args)) => image::image(args),
         Some(Command::Replay(args)) => replay::replay(args),
         Some(Command::Scenes) => scenes::scenes(),
     };
@@ -75,6 +79,10 @@ fn report(failure: &Failure) -> ExitCode {
         Failure::Output(message) => {
             eprintln!("error: {message}");
             ExitCode::from(1)
+        }
+        Failure::Interrupted(message) => {
+            eprintln!("stopped: {message}");
+            ExitCode::from(130)
         }
     }
 }

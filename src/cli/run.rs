@@ -15,7 +15,7 @@ use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
-use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs};
+use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, ShapeArgs};
 use super::{Failure, outputs, print, progress};
 
 /// The files that a run writes.
@@ -43,25 +43,26 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let program = array_program(&args.program)?;
     let mut files = open_outputs(args)?;
     let spinner = progress::waiting("preparing the scene");
-    let scene = scene(&args.scene)?;
+    let scene = scene(&args.scene.scene, &args.scene.shape)?;
     let rays = match &args.scene.rays {
         Some(path) => ray_file::read(path)?,
-        None => camera::primary_rays(&scene.camera, args.scene.size),
+        None => camera::primary_rays(&scene.camera, args.scene.shape.size),
     };
     let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
     notes(&setup);
-    let outcome = simulate(&setup, threads(args), &mut files.ops)?;
+    let outcome = simulate(&setup, threads(args.threads), &mut files.ops)?;
     print(&report(&setup, &outcome))?;
     let written = write_outputs(args, &setup, &outcome, files)?;
     print(&outputs::list(&written))
 }
 
-fn threads(args: &RunArgs) -> usize {
+/// How many threads to use: so many, or one a core.
+pub fn threads(count: Option<u16>) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    args.threads.map_or_else(cores, usize::from)
+    count.map_or_else(cores, usize::from)
 }
 
 /// The machine: PCS or a file's, changed by the flags.
@@ -77,6 +78,8 @@ pub fn machine_file(args: &MachineArgs) -> Result<MachineFile, InputError> {
     set(&mut file.rate_counts, args.rate_counts);
     set(&mut file.latency_cycles, args.latency_cycles);
     file.memory_words = args.memory_words.or(file.memory_words);
+    set(&mut file.host_ray_us, args.host_ray_us);
+    set(&mut file.host_hit_us, args.host_hit_us);
     set(&mut file.times_us.grid_start, args.grid_start);
     set(&mut file.times_us.grid_voxel, args.grid_voxel);
     set(&mut file.times_us.slabs_start, args.slabs_start);
@@ -86,7 +89,8 @@ pub fn machine_file(args: &MachineArgs) -> Result<MachineFile, InputError> {
     Ok(file)
 }
 
-fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
+/// The array program: a standard one or a file's, changed by the flags.
+pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
     let mut program = match &args.program {
         Some(path) => named_program(path)?,
         None => named_program(Path::new(args.mode.unwrap_or(Mode::Pipeline).program()))?,
@@ -120,11 +124,12 @@ fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
     }
 }
 
-fn scene(args: &SceneArgs) -> Result<Scene, InputError> {
-    let path = Path::new(&args.scene);
-    let is_name = !args.scene.contains(['.', '/', '\\']);
+/// A built-in scene or a file's.
+pub fn scene(scene: &str, args: &ShapeArgs) -> Result<Scene, InputError> {
+    let path = Path::new(scene);
+    let is_name = !scene.contains(['.', '/', '\\']);
     if is_name {
-        return builtin::generate(&args.scene, args.size_factor, args.resolution);
+        return builtin::generate(scene, args.size_factor, args.resolution);
     }
     if args.size_factor.is_some() {
         let error = InputError::new("--size-factor is for built-in scenes, not for files");
@@ -226,13 +231,15 @@ pub fn machine_line(spec: &MachineSpec) -> String {
     )
 }
 
-fn memory_line(workload: &Workload) -> String {
+/// The fullest cell's memory, in one line.
+pub fn memory_line(workload: &Workload) -> String {
     let largest = (0..workload.cells()).map(|cell| (workload.memory_of(cell).total(), std::cmp::Reverse(cell))).max();
     let (words, std::cmp::Reverse(cell)) = largest.unwrap_or_default();
     format!("memory: {} words in the fullest cell, {cell}", grouped(words.0))
 }
 
-fn kernel_names(kernels: &[Kernel]) -> String {
+/// What a cell runs, in a word or two.
+pub fn kernel_names(kernels: &[Kernel]) -> String {
     let name = |kernel: &Kernel| match kernel {
         Kernel::Grid => "grid",
         Kernel::Slabs => "slabs",
@@ -245,14 +252,16 @@ fn per_ray(count: u64, rays: usize) -> String {
     format!("{:.2}", count as f64 / rays.max(1) as f64)
 }
 
-fn plural(count: usize, noun: &str) -> String {
+/// `1 group`, `2 groups`.
+pub fn plural(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
 fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let polygons = setup.workload.polygons();
-    let configuration = configuration(setup);
+    let Setup { scene, program, machine_file, workload, .. } = setup;
+    let configuration = Configuration::new(scene, workload, program, machine_file);
     outputs::finish(files.stats, &mut written, |file| {
         let spec = &setup.machine.spec;
         let json = stats::to_json(&outcome.stats, spec, Some(&outcome.counts), Some(&configuration))?;
@@ -261,18 +270,8 @@ fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Output
     outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
     outputs::finish(files.image, &mut written, |file| {
-        image::write_png(file, args.scene.size, &setup.scene, polygons, &setup.rays, &outcome.hits)
+        let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
+        image::write_png(file, args.scene.shape.size, &pixels)
     })?;
     Ok(written)
-}
-
-fn configuration(setup: &Setup) -> Configuration {
-    Configuration {
-        version: env!("CARGO_PKG_VERSION"),
-        scene: setup.scene.name.clone(),
-        polygons: setup.workload.polygons().len(),
-        program: setup.program.clone(),
-        memory: (0..setup.workload.cells()).map(|cell| setup.workload.memory_of(cell).into()).collect(),
-        machine: setup.machine_file.clone(),
-    }
 }

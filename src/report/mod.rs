@@ -4,5 +4,6 @@ pub mod activity;
 pub mod bottleneck;
 pub mod files;
 pub mod hits;
+pub mod kinds;
 pub mod stats;
 pub mod summary;
