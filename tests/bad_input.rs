@@ -75,5 +75,10 @@ refusals! {
     output_unwritable: "x", "", "--scene room --size 4x4 --stats nowhere/s.json";
     output_is_a_folder: "x", "", "--scene room --size 4x4 --stats .";
     output_named_twice: "x", "", "--scene room --size 4x4 --stats s.out --hits s.out";
+    output_named_twice_in_two_ways: "x", "", "--scene room --size 4x4 --stats s.out --hits ./s.out";
+    output_is_an_input: "m.ron", MACHINE, "--scene room --size 4x4 --machine m.ron --stats ./m.ron --force";
+    machine_link_too_slow: "m.ron", &MACHINE.replace("80.0", "1e-13"), "--machine m.ron --scene room";
+    trace_last_cell_writes_x: "a.ops", "0 host w8\n0 0 x8 w8 o5\n", "replay a.ops";
+    trace_endless_line: "a.ops", &"0 ".repeat(9_000_000), "replay a.ops";
     image_of_a_ray_file: "x", "", "--scene room --rays rays_ok.csv --image i.png";
 }

@@ -83,6 +83,42 @@ fn files_that_exist_are_kept_unless_asked() {
     assert!(folder.read("s.json").starts_with("{\n  \"cycles\": "));
 }
 
+/// A camera far off, and a scene far from the origin of coordinates, cost the array about what they cost nearby.
+#[test]
+fn distance_makes_rays_no_dearer() {
+    let folder = Folder::new();
+    let voxels = |translate: u32, distance: u32| {
+        let scene = format!(
+            "Scene(camera: Camera(from: ({x}, -{distance}, 10), at: ({x}, 0, 1), up: (0, 0, 1), angle: {}), \
+             meshes: [Mesh(shape: Builtin(name: \"teapot\"), transform: [Translate({translate}, 0, 0)])])",
+            600.0 / distance as f64,
+            x = translate,
+        );
+        folder.file("far.ron", scene);
+        folder.run("--scene far.ron --size 32x32 --stats s.json --force").success();
+        let stats: serde_json::Value = serde_json::from_str(&folder.read("s.json")).unwrap();
+        stats["counts"]["voxels"].as_u64().unwrap() + stats["counts"]["slab_tests"].as_u64().unwrap()
+    };
+    let near = voxels(0, 100);
+    for (translate, distance) in [(0, 1000), (0, 5000), (1000, 100)] {
+        let far = voxels(translate, distance);
+        assert!(far < 2 * near, "{far} voxels and tests, not {near}, with {translate} and {distance}");
+    }
+}
+
+/// A device is written to, not replaced, and so is the file that a link leads to.
+#[cfg(unix)]
+#[test]
+fn devices_and_links_are_written_through() {
+    let folder = Folder::new();
+    folder.run("--scene room --size 4x4 --stats /dev/null --hits /dev/null").success();
+    folder.file("target.json", "old");
+    std::os::unix::fs::symlink(folder.path("target.json"), folder.path("link.json")).unwrap();
+    folder.run("--scene room --size 4x4 --stats link.json --force").success();
+    assert!(folder.path("link.json").is_symlink());
+    assert!(folder.read("target.json").starts_with('{'));
+}
+
 #[test]
 fn a_reader_that_goes_away_is_no_failure() {
     use std::process::{Command, Stdio};

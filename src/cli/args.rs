@@ -288,7 +288,7 @@ pub struct ReplayArgs {
 }
 
 /// The largest number of pixels: rays are numbered in 32 bits, and kept in memory.
-const MOST_PIXELS: u64 = 1 << 28;
+const MOST_PIXELS: u64 = 1 << 26;
 
 fn image_size(text: &str) -> Result<ImageSize, String> {
     let (width, height) = text.split_once(['x', 'X']).ok_or("expected a width and a height, as in 640x480")?;

@@ -1,7 +1,7 @@
 //! `pcs-sim image SCENE -o FILE`: a whole image, with the host and the array in a closed loop.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -112,7 +112,8 @@ fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
 
 fn open_outputs(args: &ImageArgs) -> Result<Outputs, InputError> {
     let (stats, hits, ops) = (args.results.stats.as_ref(), args.hits.as_ref(), args.ops.as_ref());
-    outputs::check_distinct(&[Some(&args.output), stats, hits, ops])?;
+    let inputs = [Some(Path::new(&args.scene)), args.program.program.as_deref(), args.machine.machine.as_deref()];
+    outputs::check_distinct(&[Some(&args.output), stats, hits, ops], &inputs)?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
     Ok(Outputs { image: open(Some(&args.output))?, stats: open(stats)?, hits: open(hits)?, ops: open(ops)? })
 }

@@ -13,13 +13,29 @@ pub fn open(path: Option<&Path>, force: bool) -> Result<Option<OutputFile>, Inpu
     path.map(|path| OutputFile::create(path, force)).transpose()
 }
 
-/// Fails if two results have the same file.
-pub fn check_distinct(files: &[Option<&PathBuf>]) -> Result<(), InputError> {
-    let files: Vec<&PathBuf> = files.iter().copied().flatten().collect();
-    match files.iter().enumerate().find(|(index, file)| files[..*index].contains(file)) {
-        Some((_, file)) => Err(InputError::in_file(file, "the file is named for two results")),
-        None => Ok(()),
+/// Fails if two results have the same file, or if a result would replace an input.
+pub fn check_distinct(outputs: &[Option<&PathBuf>], inputs: &[Option<&Path>]) -> Result<(), InputError> {
+    let outputs: Vec<(&PathBuf, PathBuf)> = outputs.iter().copied().flatten().map(|path| (path, place(path))).collect();
+    for (index, (path, its_place)) in outputs.iter().enumerate() {
+        if outputs[..index].iter().any(|(_, other)| other == its_place) && !is_device(path) {
+            return Err(InputError::in_file(path, "the file is named for two results"));
+        }
+        if inputs.iter().flatten().any(|input| place(input) == *its_place) {
+            return Err(InputError::in_file(path, "the file is an input of this run"));
+        }
     }
+    Ok(())
+}
+
+fn is_device(path: &Path) -> bool {
+    path.exists() && !path.is_file()
+}
+
+/// One name for each place, however it is spelt: the file's true path, or its folder's where it does not exist yet.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let beside = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+    path.canonicalize().ok().or_else(beside).unwrap_or_else(|| path.to_owned())
 }
 
 /// Writes a result file, if there is one, and puts it in its place; notes its name in `written`.

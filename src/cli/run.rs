@@ -140,12 +140,14 @@ pub fn scene(scene: &str, args: &ShapeArgs) -> Result<Scene, InputError> {
 }
 
 fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
-    outputs::check_distinct(&[
-        args.results.stats.as_ref(),
-        args.hits.as_ref(),
-        args.ops.as_ref(),
-        args.image.as_ref(),
-    ])?;
+    let named = [args.results.stats.as_ref(), args.hits.as_ref(), args.ops.as_ref(), args.image.as_ref()];
+    let inputs = [
+        Some(Path::new(&args.scene.scene)),
+        args.scene.rays.as_deref(),
+        args.program.program.as_deref(),
+        args.machine.machine.as_deref(),
+    ];
+    outputs::check_distinct(&named, &inputs)?;
     let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
     Ok(Outputs {
         stats: open(&args.results.stats)?,

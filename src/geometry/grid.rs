@@ -108,19 +108,20 @@ impl Grid {
     /// Calls `visit` for each voxel along a ray, from the one it starts in or enters by, until it leaves the volume,
     /// passes t_max, or is told to stop. A ray that misses the volume visits none.
     ///
-    /// A ray that starts out of reach (see [`super::rounding`]) visits every voxel, at any of which it might be.
+    /// A ray from out of reach (see [`super::rounding`]) is `strayed` from its true course by up to so much: if it enters the
+    /// volume grown by that, it visits every voxel, at any of which it might be.
     #[inline]
-    pub fn walk<'a>(&'a self, ray: &Ray, in_reach: bool, mut visit: impl FnMut(Visit<'a>) -> ControlFlow<()>) {
+    pub fn walk<'a>(&'a self, ray: &Ray, strayed: f32, mut visit: impl FnMut(Visit<'a>) -> ControlFlow<()>) {
         if self.lists.is_empty() {
             return;
         }
-        if !in_reach {
+        let Some(t_enter) = self.enter(ray, strayed) else { return };
+        if strayed > 0.0 {
             let all =
                 (0..self.voxel_count()).map(|voxel| Visit { polygons: self.list(voxel), t_exit: f32::NEG_INFINITY });
             let _ = { all }.try_for_each(visit);
             return;
         }
-        let Some(t_enter) = self.enter(ray) else { return };
         let mut walk = Walk::new(self, ray, t_enter);
         loop {
             let (axis, t_exit) = walk.next_crossing();
@@ -133,11 +134,12 @@ impl Grid {
         }
     }
 
-    /// Where a ray enters the volume, or 0 if it starts inside; `None` if it misses it.
-    fn enter(&self, ray: &Ray) -> Option<f32> {
+    /// Where a ray enters the volume grown by `margin`, or 0 if it starts inside; `None` if it misses it.
+    fn enter(&self, ray: &Ray, margin: f32) -> Option<f32> {
         let (mut enters, mut leaves) = (0.0f32, ray.t_max);
         for axis in 0..3 {
-            let (low, high) = (self.planes[axis][0], self.planes[axis][self.lattice.size[axis] as usize]);
+            let low = self.planes[axis][0] - margin;
+            let high = self.planes[axis][self.lattice.size[axis] as usize] + margin;
             let (o, inverse) = (ray.origin[axis], 1.0 / ray.direction[axis]);
             if inverse.is_finite() {
                 let (a, b) = ((low - o) * inverse, (high - o) * inverse);

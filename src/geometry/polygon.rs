@@ -26,6 +26,8 @@ pub struct Polygons {
     /// For each polygon, the number of the file's face that it is, or is a piece of.
     faces: Vec<u32>,
     largest_coordinate: f64,
+    /// How far out rays may start for the margin to be wide enough.
+    reach: f64,
 }
 
 /// A polygon's plane N.P = d (equation 8), and where its vertices are.
@@ -55,18 +57,28 @@ pub struct PolygonHit {
 }
 
 impl Polygons {
-    /// Takes the polygons of a mesh, whose faces must be convex and finite, with at least 3 corners.
+    /// Takes the polygons of a mesh, whose faces must be convex and finite, with at least 3 corners; for rays that start
+    /// among them.
     pub fn new(mesh: &Mesh) -> Polygons {
+        Polygons::for_rays(mesh, &[])
+    }
+
+    /// The same, for rays that start as far out as some do.
+    pub fn for_rays(mesh: &Mesh, rays: &[Ray]) -> Polygons {
         let mut polygons = Polygons {
             records: Vec::with_capacity(mesh.faces().len()),
             vertices: Vec::new(),
             projected: Vec::new(),
             faces: Vec::with_capacity(mesh.faces().len()),
             largest_coordinate: 0.0,
+            reach: 0.0,
         };
         for face in mesh.faces() {
             polygons.add(mesh, face);
         }
+        let farthest = rays.iter().map(|ray| largest_coordinate(ray.origin)).fold(0.0, f32::max) as f64;
+        let scene = polygons.largest_coordinate;
+        polygons.reach = farthest.clamp(rounding::NEAREST * scene, rounding::FARTHEST * scene);
         polygons
     }
 
@@ -128,13 +140,14 @@ impl Polygons {
 
     /// How far from a polygon the grid must list it; see [`rounding`].
     pub fn margin(&self) -> f64 {
-        rounding::reach_error(rounding::REACH * self.largest_coordinate, self.largest_coordinate)
+        rounding::reach_error(self.reach, self.largest_coordinate)
     }
 
-    /// Whether the margin is wide enough for rays that start at `origin`.
+    /// By how much hits of a ray that starts at `origin` can lie outside what the margin allows for: 0 within reach.
     #[inline]
-    pub fn in_reach(&self, origin: Vec3) -> bool {
-        largest_coordinate(origin) as f64 <= rounding::REACH * self.largest_coordinate
+    pub fn beyond_margin(&self, origin: Vec3) -> f32 {
+        let out = largest_coordinate(origin) as f64;
+        if out <= self.reach { 0.0 } else { rounding::reach_error(out, self.largest_coordinate) as f32 }
     }
 
     /// Words that some polygons take in the memory of an intersection cell.

@@ -10,15 +10,18 @@
 //!   triangle's rectangle.
 //!
 //! All together stay below [`reach_error`], which takes 32 for the sum of the factors. The slabs test allows each ray
-//! its own error. The grid is filled before the rays are known: it allows the error of rays that start within
-//! [`REACH`] times M; others look into every voxel.
+//! its own error. The grid is filled once for all rays: it allows the error of those that start within the *reach*, which
+//! is taken from the rays of the run, but for outliers beyond [`FARTHEST`] times M. Such a ray, if it comes near the
+//! volume at all, looks into every voxel.
 
 /// u, half the distance from 1 to the next larger 32-bit number.
 pub const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// How far from the coordinates' origin, in multiples of the scene's largest coordinate, a ray may start to be walked
-/// through a grid.
-pub const REACH: f64 = 64.0;
+/// The least reach, in multiples of the scene's largest coordinate: rays start on the scene's own surfaces, too.
+pub const NEAREST: f64 = 2.0;
+
+/// The largest reach, in the same: one ray from far out must not make the grid coarse for all.
+pub const FARTHEST: f64 = 4096.0;
 
 /// The largest distance, per coordinate, between a computed hit and both its ray and its polygon.
 pub fn reach_error(origin: f64, scene: f64) -> f64 {

@@ -5,6 +5,9 @@ use glam::DVec3;
 use super::bounds::Bounds;
 use super::polygon::Polygons;
 
+/// Polygons with more edges are voxelised by their box and plane alone.
+const MOST_EDGES: usize = 256;
+
 /// A volume cut into equal voxels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
@@ -109,6 +112,8 @@ impl Lattice {
 fn separators(polygons: &Polygons, polygon: u32, points: &[DVec3], half: DVec3) -> Vec<Separator> {
     let normal = polygons.normal(polygon).as_dvec3();
     let edges = (0..points.len()).map(|k| points[(k + 1) % points.len()] - points[k]);
+    // Each edge is held against each corner: with very many, the box and the plane must do.
+    let edges = edges.filter(|_| points.len() <= MOST_EDGES);
     let crossed = edges.flat_map(|edge| DVec3::AXES.map(|axis| edge.cross(axis)));
     std::iter::once(normal)
         .chain(crossed.filter(|direction| direction.length_squared() > 0.0))

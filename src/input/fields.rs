@@ -1,5 +1,6 @@
 //! RON files that people write: read whole, with errors that point.
 
+use std::io::Read;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
@@ -8,9 +9,18 @@ use super::ron_text;
 use super::text::Text;
 use crate::error::InputError;
 
+/// The largest text file that is read whole, in bytes: more than 10 million rays.
+const LARGEST_TEXT: u64 = 1 << 30;
+
 /// Reads a text file.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    file.take(LARGEST_TEXT + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > LARGEST_TEXT {
+        return Err(InputError::in_file(path, "the file is too large: it may have up to 1 GiB"));
+    }
     Ok(Text::decode(path, &bytes)?.text.to_owned())
 }
 

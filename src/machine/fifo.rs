@@ -30,6 +30,10 @@ pub(super) struct Fifo {
     max_scanned: u64,
 }
 
+/// Words that are looked at together for the maximum: enough for vector instructions, few enough that one that raises it
+/// does not make many be looked at again.
+const MAX_STRETCH: usize = 64;
+
 /// A ring's length is a power of two.
 #[inline(always)]
 fn slot(word: u64, ring: &[u64]) -> usize {
@@ -179,7 +183,7 @@ impl Fifo {
             let early = slot(self.max_scanned, &self.free_from);
             let late = slot(self.max_scanned + self.max, &self.ready_at);
             let length = known.saturating_sub(self.max_scanned) as usize;
-            let stretch = length.min(self.free_from.len() - early.max(late));
+            let stretch = length.min(self.free_from.len() - early.max(late)).min(MAX_STRETCH);
             if stretch == 0 {
                 return;
             }

@@ -90,7 +90,7 @@ impl MachineSpec {
 
 /// Decimal fractions are not exact in binary: 7.8 µs are 156 cycles of 50 ns, not 157.
 fn is_whole(value: f64) -> bool {
-    (value - value.round()).abs() <= 1e-9 * value.abs().max(1.0)
+    (value - value.round()).abs() <= 1e-12 * value.abs()
 }
 
 fn round_up(value: f64) -> u64 {

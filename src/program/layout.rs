@@ -19,7 +19,7 @@ impl Workload {
     /// Fails if there are more groups than polygons, or if a grid would be too large.
     pub fn new(mesh: &Mesh, program: &ArrayProgram, times: KernelTimes, rays: &[Ray]) -> Result<Workload, InputError> {
         program.check()?;
-        let polygons = Polygons::new(mesh);
+        let polygons = Polygons::for_rays(mesh, rays);
         if program.groups > polygons.len() {
             let message = format!("{} groups are more than the scene's {} polygons", program.groups, polygons.len());
             return Err(InputError::new(message).help("use fewer cells or a larger scene"));

@@ -67,6 +67,9 @@ pub struct Machine {
     pub notes: Vec<String>,
 }
 
+/// No link may be slower, in cycles a word, so that no clock leaves 64 bits.
+const LONGEST_WORD_CYCLES: f64 = 1e6;
+
 /// No kernel time may be longer, so that no sum of cycles leaves 64 bits.
 const LONGEST_TIME_CYCLES: u64 = 1_000_000_000;
 
@@ -112,6 +115,9 @@ impl MachineFile {
                 spec.link_rate().cycles_per_word,
             ));
         }
+        if spec.exact_cycles_per_word() > LONGEST_WORD_CYCLES {
+            return Err(impossible("link_mb_s", self.link_mb_s, "at least a word in a million cycles"));
+        }
         let times = self.times(&spec, &mut notes)?;
         Ok(Machine { spec, times, notes })
     }
@@ -132,9 +138,7 @@ impl MachineFile {
         within("latency_cycles", self.latency_cycles, 1_000_000)?;
         self.memory_words.map_or(Ok(()), |words| within("memory_words", words, u64::MAX))
     }
-}
 
-impl MachineFile {
     fn times(&self, spec: &MachineSpec, notes: &mut Vec<String>) -> Result<KernelTimes, Fault> {
         let us = &self.times_us;
         let mut convert = |name: &'static str, us: f64| {

@@ -116,7 +116,7 @@ impl<'a> Tracer<'a> {
             hit: Hit::MISS,
         };
         let mut t_enter = 0.0;
-        group.grid.walk(ray, workload.polygons.in_reach(ray.origin), |voxel| {
+        group.grid.walk(ray, workload.polygons.beyond_margin(ray.origin), |voxel| {
             for &polygon in voxel.polygons {
                 visit.candidate(polygon, &mut self.counts);
             }
@@ -176,7 +176,7 @@ impl GroupVisit<'_> {
         let workload = self.workload;
         let each = workload.times.grid.each.0;
         let mut voxels = 0;
-        group.grid.walk(self.ray, workload.polygons.in_reach(self.ray.origin), |voxel| {
+        group.grid.walk(self.ray, workload.polygons.beyond_margin(self.ray.origin), |voxel| {
             voxels += 1;
             if voxel.polygons.is_empty() {
                 return self.done_in(voxel.t_exit);

@@ -13,7 +13,7 @@ use crate::program::ArrayProgram;
 const BATCH_LINES: usize = 4096;
 
 /// The longest line that is read, in bytes: far more than any ray makes.
-const LONGEST_LINE: u64 = 1 << 28;
+const LONGEST_LINE: u64 = 1 << 24;
 
 /// Writes the comment that heads a trace.
 pub fn write_header(out: &mut impl Write, cells: usize) -> std::io::Result<()> {
@@ -131,6 +131,8 @@ impl ActivityTrace {
     /// Counts cells and rays, and checks every line.
     fn survey(&mut self) -> Result<(), InputError> {
         let (mut cells, mut order, mut awaited) = (0, HashMap::new(), Vec::new());
+        // The last of the cells that write rays themselves, and the line.
+        let mut writes_x: Option<(usize, usize)> = None;
         let mut rays = 0;
         self.for_each_line(|line| {
             let ray = line.ray()?;
@@ -146,13 +148,21 @@ impl ActivityTrace {
                 }
                 Actor::Cell(index) => {
                     cells = cells.max(index + 1);
-                    line.ops().try_for_each(|op| op.map(drop))
+                    line.ops().try_for_each(|op| {
+                        let writes = op?.0 == OpKind::WriteX;
+                        writes_x = writes_x.max(writes.then_some((index, line.number)));
+                        Ok(())
+                    })
                 }
             }
         })?;
         let sent = |ray: &u64| u32::try_from(*ray).is_ok_and(|ray| order.contains_key(&ray));
         if let Some((ray, line)) = awaited.iter().find(|(ray, _)| !sent(ray)) {
             let message = format!("line {line}: the host waits for ray {ray}, which it never sends");
+            return Err(InputError::in_file(&self.path, message));
+        }
+        if let Some((_, line)) = writes_x.filter(|(cell, _)| cell + 1 == cells) {
+            let message = format!("line {line}: the last cell writes to X, which has nobody to read it");
             return Err(InputError::in_file(&self.path, message));
         }
         if cells == 0 || rays == 0 {
@@ -181,6 +191,10 @@ impl ActivityTrace {
             number += 1;
             if reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes).map_err(unreadable)? == 0 {
                 return Ok(());
+            }
+            if bytes.len() as u64 == LONGEST_LINE {
+                let message = format!("line {number} is longer than any ray's can be: {LONGEST_LINE} bytes");
+                return Err(InputError::in_file(path, message).into());
             }
             let not_text = |_| InputError::in_file(path, format!("line {number} is no text"));
             let text = std::str::from_utf8(&bytes).map_err(not_text)?.trim_end();
@@ -282,8 +296,8 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The longest op of a trace, in cycles or words: a hundred runs of the reference image.
-const MOST_OF_AN_OP: u64 = 1 << 40;
+/// The longest op of a trace, in cycles or words.
+const MOST_OF_AN_OP: u64 = Op::MAX_COUNT as u64;
 
 fn split_word(text: &str) -> (&str, &str) {
     let text = text.trim_start();
