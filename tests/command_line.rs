@@ -133,3 +133,12 @@ fn a_reader_that_goes_away_is_no_failure() {
     assert!(output.status.success());
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
 }
+
+/// The README's sample is what the command prints.
+#[test]
+fn the_readme_shows_a_real_run() {
+    let readme = include_str!("../README.md");
+    let command = "$ pcs-sim --mode pipeline --scene reference --size 512x512\n";
+    let shown = readme.split(command).nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert_eq!(Folder::new().run(command["$ pcs-sim ".len()..].trim()).success(), shown);
+}

@@ -147,7 +147,7 @@ struct RayPlan {
 fn ray_plan() -> impl Strategy<Value = RayPlan> {
     let on_face = || prop::option::of((any::<usize>(), -0.01f32..1.01, -0.01f32..1.01));
     (
-        prop_oneof![3 => point(), 1 => point().prop_map(|p| p * 30.0), 1 => point().prop_map(|p| p * 300.0)],
+        prop_oneof![3 => point(), 1 => point().prop_map(|p| p * 30.0), 1 => point().prop_map(|p| p * 300.0), 1 => point().prop_map(|p| p * 3e5)],
         on_face(),
         on_face(),
         point(),
