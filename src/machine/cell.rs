@@ -3,7 +3,7 @@
 use super::fifo::Fifo;
 use super::op::{Op, OpKind};
 use super::spec::{LinkRate, RateCounts};
-use super::stats::CellStats;
+use super::stats::{CellState, CellStats};
 use super::units::Cycles;
 use super::{Channel, Work};
 
@@ -103,6 +103,32 @@ pub(super) struct Now {
     limit: u64,
 }
 
+/// Sees where a cell's cycles go, all but those in which it moves a word or has nothing left to do. `()` sees nothing and
+/// costs nothing.
+pub(super) trait Watcher {
+    /// The cell spent `cycles` cycles, from cycle `from` on, in one state.
+    fn spent(&mut self, state: CellState, from: u64, cycles: u64);
+}
+
+impl Watcher for () {
+    #[inline(always)]
+    fn spent(&mut self, _: CellState, _: u64, _: u64) {}
+}
+
+/// Where a cell's cycles are entered.
+struct Ledger<'a, W> {
+    stats: &'a mut CellStats,
+    watcher: W,
+}
+
+impl<W: Watcher> Ledger<'_, W> {
+    #[inline(always)]
+    fn spend(&mut self, state: CellState, from: u64, cycles: u64) {
+        *self.stats.of_mut(state) += Cycles(cycles);
+        self.watcher.spent(state, from, cycles);
+    }
+}
+
 /// What an op, or the part of it that could be done, ends with: the words of it that are left, and why.
 type Moved = Result<(), (Halt, u64)>;
 
@@ -113,20 +139,28 @@ impl Cell {
 
     /// Does a cell's ops, counting the finished ones up in `done`, until it can go no further. The last cell has no right
     /// neighbour to pass rays on to (`is_last`).
-    pub fn run(&mut self, ops: &[Op], done: &mut usize, input: &mut Link, output: &mut Link, is_last: bool) -> Halt {
-        let stats = &mut self.stats;
+    pub fn run(
+        &mut self,
+        ops: &[Op],
+        done: &mut usize,
+        input: &mut Link,
+        output: &mut Link,
+        is_last: bool,
+        watcher: impl Watcher,
+    ) -> Halt {
+        let ledger = &mut Ledger { stats: &mut self.stats, watcher };
         self.now.run(ops, done, |now, op, left| {
             // Asked first, and not in the match: two of three ops compute, and a branch is cheaper than a jump table.
             if let Some(work) = op.work() {
-                return now.compute(work, left, stats);
+                return now.compute(work, left, ledger);
             }
             match op.kind() {
-                OpKind::Compute(work) => now.compute(work, left, stats),
-                OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, stats),
-                OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, stats),
-                OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, stats),
-                OpKind::WriteX => now.write(left, Channel::X, output, stats),
-                OpKind::WriteY => now.write(left, Channel::Y, output, stats),
+                OpKind::Compute(work) => now.compute(work, left, ledger),
+                OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, ledger),
+                OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, ledger),
+                OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
+                OpKind::WriteX => now.write(left, Channel::X, output, ledger),
+                OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
                 OpKind::Await => Err((Halt::NotReturned(left), left)),
             }
         })
@@ -135,11 +169,11 @@ impl Cell {
     /// Does the host's ops likewise. It only writes, computes and waits for messages, of which `returned` tells when the
     /// last word of each was read.
     pub fn run_host(&mut self, ops: &[Op], done: &mut usize, output: &mut Link, returned: &[u64]) -> Halt {
-        let stats = &mut self.stats;
+        let ledger = &mut Ledger { stats: &mut self.stats, watcher: () };
         self.now.run(ops, done, |now, op, left| match op.kind() {
-            OpKind::Compute(work) => now.compute(work, left, stats),
-            OpKind::WriteX => now.write(left, Channel::X, output, stats),
-            OpKind::WriteY => now.write(left, Channel::Y, output, stats),
+            OpKind::Compute(work) => now.compute(work, left, ledger),
+            OpKind::WriteX => now.write(left, Channel::X, output, ledger),
+            OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
             OpKind::Await => now.wait_for_return(left, returned),
             OpKind::PassX | OpKind::ReadX => Err((Halt::NoWord(Channel::X), left)),
             OpKind::ReadY => Err((Halt::NoWord(Channel::Y), left)),
@@ -147,16 +181,18 @@ impl Cell {
     }
 
     /// Spends the cycles up to the limit on what the cell stood at, op `op`, when its neighbour reached the limit.
-    pub fn stall_to_limit(&mut self, halt: Halt, op: Op, input: &Link) {
-        let (now, stats) = (&mut self.now, &mut self.stats);
+    pub fn stall_to_limit(&mut self, halt: Halt, op: Op, input: &Link, watcher: impl Watcher) {
+        let now = &mut self.now;
+        let ledger = &mut Ledger { stats: &mut self.stats, watcher };
         match halt {
-            Halt::NoWord(channel) => *stats.waiting(channel) += now.stall_until(now.limit),
+            Halt::NoWord(channel) => now.stall_until(now.limit, CellState::Waiting(channel), ledger),
             Halt::NoRoom(channel) => {
                 // A ray word that waits for room still has to come in first.
                 if op.kind() == OpKind::PassX {
-                    stats.waiting_x += now.stall_until(input.x.ready().unwrap_or(now.limit));
+                    let ready = input.x.ready().unwrap_or(now.limit);
+                    now.stall_until(ready, CellState::Waiting(Channel::X), ledger);
                 }
-                *stats.blocked(channel) += now.stall_until(now.limit);
+                now.stall_until(now.limit, CellState::Blocked(channel), ledger);
             }
             Halt::OutOfOps | Halt::NotReturned(_) | Halt::Limit => {}
         }
@@ -194,15 +230,21 @@ impl Now {
     }
 
     #[inline(always)]
-    fn compute(&mut self, work: Work, count: u64, stats: &mut CellStats) -> Moved {
+    fn compute(&mut self, work: Work, count: u64, ledger: &mut Ledger<'_, impl Watcher>) -> Moved {
         let cycles = count.min(self.limit - self.clock);
-        stats.busy.0[work as usize] += Cycles(cycles);
+        ledger.spend(CellState::Busy(work), self.clock, cycles);
         self.clock += cycles;
         if cycles < count { Err((Halt::Limit, count - cycles)) } else { Ok(()) }
     }
 
     #[inline(always)]
-    fn read(&mut self, mut left: u64, channel: Channel, input: &mut Fifo, stats: &mut CellStats) -> Moved {
+    fn read(
+        &mut self,
+        mut left: u64,
+        channel: Channel,
+        input: &mut Fifo,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Moved {
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && input.can_read(self.clock, left) {
                 input.read(self.clock, left);
@@ -210,7 +252,7 @@ impl Now {
                 return Ok(());
             }
             let ready = input.ready().ok_or((Halt::NoWord(channel), left))?;
-            *stats.waiting(channel) += self.stall_until(ready);
+            self.stall_until(ready, CellState::Waiting(channel), ledger);
             self.within_limit(left)?;
             input.read(self.clock, 1);
             self.clock += 1;
@@ -220,7 +262,13 @@ impl Now {
     }
 
     #[inline(always)]
-    fn write(&mut self, mut left: u64, channel: Channel, output: &mut Link, stats: &mut CellStats) -> Moved {
+    fn write(
+        &mut self,
+        mut left: u64,
+        channel: Channel,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Moved {
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && output.can_write(channel, self.clock, left) {
                 output.write(channel, self.clock, left);
@@ -228,7 +276,7 @@ impl Now {
                 return Ok(());
             }
             let room = output.room(channel).ok_or((Halt::NoRoom(channel), left))?;
-            *stats.blocked(channel) += self.stall_until(room);
+            self.stall_until(room, CellState::Blocked(channel), ledger);
             self.within_limit(left)?;
             output.write(channel, self.clock, 1);
             self.clock += 1;
@@ -239,7 +287,13 @@ impl Now {
 
     /// Reads words from X and writes each to the right neighbour's X in the cycle in which it is read.
     #[inline(always)]
-    fn pass_on(&mut self, mut left: u64, input: &mut Fifo, output: &mut Link, stats: &mut CellStats) -> Moved {
+    fn pass_on(
+        &mut self,
+        mut left: u64,
+        input: &mut Fifo,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Moved {
         while left > 0 {
             if self.clock + left <= self.limit
                 && input.can_read(self.clock, left)
@@ -253,8 +307,8 @@ impl Now {
             // Both times must be known before a cycle is spent, as the cell may have to come back to this word.
             let ready = input.ready().ok_or((Halt::NoWord(Channel::X), left))?;
             let room = output.room(Channel::X).ok_or((Halt::NoRoom(Channel::X), left))?;
-            stats.waiting_x += self.stall_until(ready);
-            stats.blocked_x += self.stall_until(room);
+            self.stall_until(ready, CellState::Waiting(Channel::X), ledger);
+            self.stall_until(room, CellState::Blocked(Channel::X), ledger);
             self.within_limit(left)?;
             input.read(self.clock, 1);
             output.write(Channel::X, self.clock, 1);
@@ -272,11 +326,10 @@ impl Now {
     }
 
     #[inline(always)]
-    fn stall_until(&mut self, cycle: u64) -> Cycles {
+    fn stall_until(&mut self, cycle: u64, state: CellState, ledger: &mut Ledger<'_, impl Watcher>) {
         let until = cycle.min(self.limit).max(self.clock);
-        let stall = until - self.clock;
+        ledger.spend(state, self.clock, until - self.clock);
         self.clock = until;
-        Cycles(stall)
     }
 
     #[inline(always)]
