@@ -217,7 +217,7 @@ impl Array {
     fn collect_returns(&mut self) {
         let inbox = &mut self.links[self.cells.len()].y;
         while let Some(ready) = inbox.ready().filter(|ready| *ready < self.limit) {
-            inbox.read(ready, 1);
+            inbox.read_one(ready, ready);
             if inbox.words_read().is_multiple_of(RETURN_WORDS) {
                 self.returned.push(ready);
                 if let Some(probe) = &mut self.probe {
@@ -291,21 +291,20 @@ impl Array {
         };
         let op = *stream.ops().get(station.done)?;
         let (ray, position) = stream.locate(station.done).unwrap_or((u32::MAX, station.done));
-        let link = |index: usize, channel: Channel| {
-            let fifo = self.links[index].fifo(channel);
-            (fifo.fill(), fifo.capacity())
-        };
-        Some(stuck::Standing {
+        let left = if station.cell.now.left > 0 { station.cell.now.left } else { op.count() as u64 };
+        let mut standing = stuck::Standing {
             party,
             halt: station.halt,
             cycle: station.cell.now.clock,
             op,
-            moved: station.cell.now.moved,
+            moved: op.count() as u64 - left,
             ray,
             position,
             cells: self.cells.len(),
-            link: stuck::fifo_of(party, station.halt).map(|(index, channel)| link(index, channel)),
-        })
+            capacity: None,
+        };
+        standing.capacity = standing.fifo().map(|(link, channel)| self.links[link].fifo(channel).capacity());
+        Some(standing)
     }
 
     fn station(&self, party: Party) -> &Station {
@@ -328,6 +327,6 @@ impl Station {
     }
 
     fn place(&self) -> (usize, usize, u64) {
-        (self.batch, self.done, self.cell.now.moved)
+        (self.batch, self.done, self.cell.now.left)
     }
 }

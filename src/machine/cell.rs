@@ -22,6 +22,7 @@ impl Link {
         Link { x: Fifo::new(capacity, latency), y: Fifo::new(capacity, latency), rate, wire_free: [0; 2] }
     }
 
+    #[inline(always)]
     pub fn fifo(&self, channel: Channel) -> &Fifo {
         match channel {
             Channel::X => &self.x,
@@ -29,7 +30,7 @@ impl Link {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn fifo_mut(&mut self, channel: Channel) -> &mut Fifo {
         match channel {
             Channel::X => &mut self.x,
@@ -37,29 +38,33 @@ impl Link {
         }
     }
 
-    /// The first cycle in which the next word of `channel` can be written, if it is known.
-    #[inline]
-    fn room(&self, channel: Channel) -> Option<u64> {
-        self.fifo(channel).room().map(|room| room.max(self.wire_free[channel as usize]))
+    /// The first cycle in which the wire takes the next word of `channel`.
+    #[inline(always)]
+    fn wire_free(&self, channel: Channel) -> u64 {
+        self.wire_free[channel as usize]
     }
 
     /// Whether `count` words can be written in as many cycles from `at` on.
-    #[inline]
+    #[inline(always)]
     fn can_write(&self, channel: Channel, at: u64, count: u64) -> bool {
         self.rate.cycles_per_word == 1 && self.fifo(channel).can_write(at, count)
     }
 
-    /// Writes `count` words in as many cycles from `at` on.
-    #[inline]
-    fn write(&mut self, channel: Channel, at: u64, count: u64) {
-        self.fifo_mut(channel).write(at, count);
+    /// Writes a word in cycle `at`, which found room in the FIFO from cycle `room` on.
+    #[inline(always)]
+    fn write_one(&mut self, channel: Channel, at: u64, room: u64) {
+        self.fifo_mut(channel).write_one(at, room);
         // The writer's own clock keeps words one cycle apart.
         if self.rate.cycles_per_word > 1 {
-            let free = at + self.rate.cycles_per_word;
-            match self.rate.counts {
-                RateCounts::Link => self.wire_free = [free; 2],
-                RateCounts::Channel => self.wire_free[channel as usize] = free,
-            }
+            self.occupy_wire(channel, at);
+        }
+    }
+
+    fn occupy_wire(&mut self, channel: Channel, at: u64) {
+        let free = at + self.rate.cycles_per_word;
+        match self.rate.counts {
+            RateCounts::Link => self.wire_free = [free; 2],
+            RateCounts::Channel => self.wire_free[channel as usize] = free,
         }
     }
 
@@ -70,17 +75,17 @@ impl Link {
     }
 }
 
-/// Why a cell has stopped.
+/// Why a cell has stopped. Its op tells the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Halt {
     /// It has done all the ops that it has been given.
     OutOfOps,
     /// It reads, and it is not known when there will be a word.
-    NoWord(Channel),
+    NoWord,
     /// It writes, and it is not known when there will be room.
-    NoRoom(Channel),
+    NoRoom,
     /// The host waits for a message whose last word is not known to have come back.
-    NotReturned(u64),
+    NotReturned,
     /// Its clock has reached the last cycle that is to be simulated.
     Limit,
 }
@@ -97,8 +102,8 @@ pub(super) struct Cell {
 pub(super) struct Now {
     /// The first cycle that has not been spent yet.
     pub clock: u64,
-    /// Words of the op under way that have been moved.
-    pub moved: u64,
+    /// Cycles or words that are left of the op under way; 0 if none is.
+    pub left: u64,
     /// Cycles from this one on are not simulated.
     limit: u64,
 }
@@ -129,12 +134,12 @@ impl<W: Watcher> Ledger<'_, W> {
     }
 }
 
-/// What an op, or the part of it that could be done, ends with: the words of it that are left, and why.
-type Moved = Result<(), (Halt, u64)>;
+/// What an op ends with, or the part of it that could be done.
+type Done = Result<(), Halt>;
 
 impl Cell {
     pub fn new(limit: u64) -> Cell {
-        Cell { now: Now { clock: 0, moved: 0, limit }, stats: CellStats::default() }
+        Cell { now: Now { clock: 0, left: 0, limit }, stats: CellStats::default() }
     }
 
     /// Does a cell's ops, counting the finished ones up in `done`, until it can go no further. The last cell has no right
@@ -161,7 +166,7 @@ impl Cell {
                 OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
                 OpKind::WriteX => now.write(left, Channel::X, output, ledger),
                 OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
-                OpKind::Await => Err((Halt::NotReturned(left), left)),
+                OpKind::Await => Err(Halt::NotReturned),
             }
         })
     }
@@ -175,8 +180,8 @@ impl Cell {
             OpKind::WriteX => now.write(left, Channel::X, output, ledger),
             OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
             OpKind::Await => now.wait_for_return(left, returned),
-            OpKind::PassX | OpKind::ReadX => Err((Halt::NoWord(Channel::X), left)),
-            OpKind::ReadY => Err((Halt::NoWord(Channel::Y), left)),
+            OpKind::PassX | OpKind::ReadX => Err(Halt::NoWord),
+            OpKind::ReadY => Err(Halt::NoWord),
         })
     }
 
@@ -184,17 +189,14 @@ impl Cell {
     pub fn stall_to_limit(&mut self, halt: Halt, op: Op, input: &Link, watcher: impl Watcher) {
         let now = &mut self.now;
         let ledger = &mut Ledger { stats: &mut self.stats, watcher };
-        match halt {
-            Halt::NoWord(channel) => now.stall_until(now.limit, CellState::Waiting(channel), ledger),
-            Halt::NoRoom(channel) => {
-                // A ray word that waits for room still has to come in first.
-                if op.kind() == OpKind::PassX {
-                    let ready = input.x.ready().unwrap_or(now.limit);
-                    now.stall_until(ready, CellState::Waiting(Channel::X), ledger);
-                }
-                now.stall_until(now.limit, CellState::Blocked(channel), ledger);
-            }
-            Halt::OutOfOps | Halt::NotReturned(_) | Halt::Limit => {}
+        let (reads, writes) = (op.kind().reads(), op.kind().writes());
+        // A word that is passed on and waits for room still has to come in first.
+        if let (Some(channel), Halt::NoWord | Halt::NoRoom) = (reads, halt) {
+            let ready = if halt == Halt::NoWord { None } else { input.fifo(channel).ready() };
+            now.stall_until(ready.unwrap_or(now.limit), CellState::Waiting(channel), ledger);
+        }
+        if let (Some(channel), Halt::NoRoom) = (writes, halt) {
+            now.stall_until(now.limit, CellState::Blocked(channel), ledger);
         }
     }
 
@@ -209,19 +211,18 @@ impl Cell {
 impl Now {
     /// Does one op after the other until one halts. `step` does one, of which so much is left to do.
     #[inline(always)]
-    fn run(&mut self, ops: &[Op], done: &mut usize, mut step: impl FnMut(&mut Now, Op, u64) -> Moved) -> Halt {
+    fn run(&mut self, ops: &[Op], done: &mut usize, mut step: impl FnMut(&mut Now, Op, u64) -> Done) -> Halt {
         let mut now = *self;
         let mut halt = Halt::OutOfOps;
         let mut finished = *done;
+        let mut resume = std::mem::take(&mut now.left);
         while let Some(&op) = ops.get(finished) {
-            let count = op.count() as u64;
-            let left = count - now.moved;
-            if let Err((why, left)) = step(&mut now, op, left) {
-                now.moved = count - left;
+            let left = if resume > 0 { resume } else { op.count() as u64 };
+            if let Err(why) = step(&mut now, op, left) {
                 halt = why;
                 break;
             }
-            now.moved = 0;
+            resume = 0;
             finished += 1;
         }
         *done = finished;
@@ -230,11 +231,11 @@ impl Now {
     }
 
     #[inline(always)]
-    fn compute(&mut self, work: Work, count: u64, ledger: &mut Ledger<'_, impl Watcher>) -> Moved {
+    fn compute(&mut self, work: Work, count: u64, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
         let cycles = count.min(self.limit - self.clock);
         ledger.spend(CellState::Busy(work), self.clock, cycles);
         self.clock += cycles;
-        if cycles < count { Err((Halt::Limit, count - cycles)) } else { Ok(()) }
+        if cycles < count { self.halt(Halt::Limit, count - cycles) } else { Ok(()) }
     }
 
     #[inline(always)]
@@ -244,17 +245,19 @@ impl Now {
         channel: Channel,
         input: &mut Fifo,
         ledger: &mut Ledger<'_, impl Watcher>,
-    ) -> Moved {
+    ) -> Done {
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && input.can_read(self.clock, left) {
-                input.read(self.clock, left);
+                input.read_burst(self.clock, left);
                 self.clock += left;
                 return Ok(());
             }
-            let ready = input.ready().ok_or((Halt::NoWord(channel), left))?;
+            let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
             self.stall_until(ready, CellState::Waiting(channel), ledger);
-            self.within_limit(left)?;
-            input.read(self.clock, 1);
+            if self.clock >= self.limit {
+                return self.halt(Halt::Limit, left);
+            }
+            input.read_one(self.clock, ready);
             self.clock += 1;
             left -= 1;
         }
@@ -268,17 +271,19 @@ impl Now {
         channel: Channel,
         output: &mut Link,
         ledger: &mut Ledger<'_, impl Watcher>,
-    ) -> Moved {
+    ) -> Done {
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && output.can_write(channel, self.clock, left) {
-                output.write(channel, self.clock, left);
+                output.fifo_mut(channel).write_burst(self.clock, left);
                 self.clock += left;
                 return Ok(());
             }
-            let room = output.room(channel).ok_or((Halt::NoRoom(channel), left))?;
-            self.stall_until(room, CellState::Blocked(channel), ledger);
-            self.within_limit(left)?;
-            output.write(channel, self.clock, 1);
+            let Some(room) = output.fifo(channel).room() else { return self.halt(Halt::NoRoom, left) };
+            self.stall_until(room.max(output.wire_free(channel)), CellState::Blocked(channel), ledger);
+            if self.clock >= self.limit {
+                return self.halt(Halt::Limit, left);
+            }
+            output.write_one(channel, self.clock, room);
             self.clock += 1;
             left -= 1;
         }
@@ -293,25 +298,27 @@ impl Now {
         input: &mut Fifo,
         output: &mut Link,
         ledger: &mut Ledger<'_, impl Watcher>,
-    ) -> Moved {
+    ) -> Done {
         while left > 0 {
             if self.clock + left <= self.limit
                 && input.can_read(self.clock, left)
                 && output.can_write(Channel::X, self.clock, left)
             {
-                input.read(self.clock, left);
-                output.write(Channel::X, self.clock, left);
+                input.read_burst(self.clock, left);
+                output.x.write_burst(self.clock, left);
                 self.clock += left;
                 return Ok(());
             }
             // Both times must be known before a cycle is spent, as the cell may have to come back to this word.
-            let ready = input.ready().ok_or((Halt::NoWord(Channel::X), left))?;
-            let room = output.room(Channel::X).ok_or((Halt::NoRoom(Channel::X), left))?;
+            let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
+            let Some(room) = output.x.room() else { return self.halt(Halt::NoRoom, left) };
             self.stall_until(ready, CellState::Waiting(Channel::X), ledger);
-            self.stall_until(room, CellState::Blocked(Channel::X), ledger);
-            self.within_limit(left)?;
-            input.read(self.clock, 1);
-            output.write(Channel::X, self.clock, 1);
+            self.stall_until(room.max(output.wire_free(Channel::X)), CellState::Blocked(Channel::X), ledger);
+            if self.clock >= self.limit {
+                return self.halt(Halt::Limit, left);
+            }
+            input.read_one(self.clock, ready);
+            output.write_one(Channel::X, self.clock, room);
             self.clock += 1;
             left -= 1;
         }
@@ -319,8 +326,8 @@ impl Now {
     }
 
     /// The wait ends in the cycle in which the message's last word is read; the next op starts in the cycle after it.
-    fn wait_for_return(&mut self, message: u64, returned: &[u64]) -> Moved {
-        let read_at = *returned.get(message as usize).ok_or((Halt::NotReturned(message), message))?;
+    fn wait_for_return(&mut self, message: u64, returned: &[u64]) -> Done {
+        let Some(read_at) = returned.get(message as usize) else { return Err(Halt::NotReturned) };
         self.clock = self.clock.max(read_at + 1).min(self.limit);
         Ok(())
     }
@@ -332,8 +339,10 @@ impl Now {
         self.clock = until;
     }
 
+    /// Stops in the middle of an op.
     #[inline(always)]
-    fn within_limit(&self, left: u64) -> Moved {
-        if self.clock < self.limit { Ok(()) } else { Err((Halt::Limit, left)) }
+    fn halt(&mut self, why: Halt, left: u64) -> Done {
+        self.left = left;
+        Err(why)
     }
 }

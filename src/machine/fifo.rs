@@ -132,28 +132,54 @@ impl Fifo {
         self.write_time(self.read)
     }
 
-    /// Writes `count` words, one a cycle, the first in cycle `at`.
+    /// Writes a word in cycle `at`. It found room from cycle `room` on, as [`Fifo::room`] told.
     #[inline(always)]
-    pub fn write(&mut self, at: u64, count: u64) {
-        // Full from the write before this one until the read that made room. Inside a burst each word finds room at
-        // once, so only its first can end such a time.
-        self.full += self.slot_free_from(self.written).saturating_sub(self.last_write + 1);
+    pub fn write_one(&mut self, at: u64, room: u64) {
+        self.ready_at[slot(self.written, &self.ready_at)] = at + self.latency;
+        self.count_writes(at, 1, room);
+    }
+
+    /// Reads a word in cycle `at`. It was ready from cycle `ready` on, as [`Fifo::ready`] told.
+    #[inline(always)]
+    pub fn read_one(&mut self, at: u64, ready: u64) {
+        self.free_from[slot(self.read, &self.free_from)] = at + 1;
+        self.count_reads(at, 1, ready - self.latency);
+    }
+
+    /// Writes `count` words, one a cycle, the first in cycle `at`; [`Fifo::can_write`] has allowed it.
+    #[inline(always)]
+    pub fn write_burst(&mut self, at: u64, count: u64) {
+        let room = self.slot_free_from(self.written);
         for k in 0..count {
             self.ready_at[slot(self.written + k, &self.ready_at)] = at + k + self.latency;
         }
+        self.count_writes(at, count, room);
+    }
+
+    /// Reads `count` words, one a cycle, the first in cycle `at`; [`Fifo::can_read`] has allowed it.
+    #[inline(always)]
+    pub fn read_burst(&mut self, at: u64, count: u64) {
+        let written_in = self.next_written_in();
+        for k in 0..count {
+            self.free_from[slot(self.read + k, &self.free_from)] = at + k + 1;
+        }
+        self.count_reads(at, count, written_in);
+    }
+
+    #[inline(always)]
+    fn count_writes(&mut self, at: u64, count: u64, room: u64) {
+        // Full from the write before this one until the read that made room. Inside a burst each word finds room at
+        // once, so only its first can end such a time.
+        self.full += room.saturating_sub(self.last_write + 1);
         self.write_times = self.write_times.wrapping_add(sum_of_run(at, count));
         self.written += count;
         self.last_write = at + count - 1;
     }
 
-    /// Reads `count` words, one a cycle, the first in cycle `at`.
     #[inline(always)]
-    pub fn read(&mut self, at: u64, count: u64) {
+    fn count_reads(&mut self, at: u64, count: u64, written_in: u64) {
         // Empty from the read before this one until the write of this word; as with `full`, only a burst's first.
-        self.empty += self.next_written_in().saturating_sub(self.last_read);
-        for k in 0..count {
-            self.free_from[slot(self.read + k, &self.free_from)] = at + k + 1;
-        }
+        self.empty += written_in.saturating_sub(self.last_read);
         self.read_times = self.read_times.wrapping_add(sum_of_run(at, count));
         self.read += count;
         self.last_read = at + count - 1;

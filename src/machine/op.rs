@@ -1,5 +1,7 @@
 //! The seam between the two halves: what a cell does, op by op, without a clock.
 
+use super::Channel;
+
 /// What a computing cell is busy with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Work {
@@ -38,19 +40,20 @@ pub enum OpKind {
 }
 
 impl OpKind {
-    /// All ops with their letters, each at the place of its code.
-    const TABLE: [(OpKind, char); 10] = [
-        (OpKind::PassX, 'x'),
-        (OpKind::Compute(Work::Grid), 'g'),
-        (OpKind::Compute(Work::Slabs), 's'),
-        (OpKind::Compute(Work::Intersection), 'n'),
-        (OpKind::Compute(Work::Other), 'c'),
-        (OpKind::ReadY, 'i'),
-        (OpKind::WriteY, 'o'),
-        (OpKind::ReadX, 'r'),
-        (OpKind::WriteX, 'w'),
-        (OpKind::Await, 'a'),
-    ];
+    /// All ops with their letters, each at the place of its code; the codes between are never used.
+    const TABLE: [(OpKind, char); 16] = {
+        let mut table = [(OpKind::Await, 'a'); 16];
+        table[OpKind::PassX.code() as usize] = (OpKind::PassX, 'x');
+        table[OpKind::ReadY.code() as usize] = (OpKind::ReadY, 'i');
+        table[OpKind::WriteY.code() as usize] = (OpKind::WriteY, 'o');
+        table[OpKind::ReadX.code() as usize] = (OpKind::ReadX, 'r');
+        table[OpKind::WriteX.code() as usize] = (OpKind::WriteX, 'w');
+        table[OpKind::Compute(Work::Grid).code() as usize] = (OpKind::Compute(Work::Grid), 'g');
+        table[OpKind::Compute(Work::Slabs).code() as usize] = (OpKind::Compute(Work::Slabs), 's');
+        table[OpKind::Compute(Work::Intersection).code() as usize] = (OpKind::Compute(Work::Intersection), 'n');
+        table[OpKind::Compute(Work::Other).code() as usize] = (OpKind::Compute(Work::Other), 'c');
+        table
+    };
 
     /// The letter of the op in an activity trace.
     pub fn letter(self) -> char {
@@ -62,32 +65,35 @@ impl OpKind {
         Self::TABLE.iter().find(|entry| entry.1 == letter).map(|entry| entry.0)
     }
 
-    #[inline]
-    fn from_code(code: u32) -> OpKind {
-        match code {
-            0 => OpKind::PassX,
-            1 => OpKind::Compute(Work::Grid),
-            2 => OpKind::Compute(Work::Slabs),
-            3 => OpKind::Compute(Work::Intersection),
-            4 => OpKind::Compute(Work::Other),
-            5 => OpKind::ReadY,
-            6 => OpKind::WriteY,
-            7 => OpKind::ReadX,
-            8 => OpKind::WriteX,
-            _ => OpKind::Await,
+    /// The channel that the op reads from.
+    pub fn reads(self) -> Option<Channel> {
+        match self {
+            OpKind::PassX | OpKind::ReadX => Some(Channel::X),
+            OpKind::ReadY => Some(Channel::Y),
+            OpKind::Compute(_) | OpKind::WriteX | OpKind::WriteY | OpKind::Await => None,
         }
     }
 
+    /// The channel that the op writes to.
+    pub fn writes(self) -> Option<Channel> {
+        match self {
+            OpKind::PassX | OpKind::WriteX => Some(Channel::X),
+            OpKind::WriteY => Some(Channel::Y),
+            OpKind::Compute(_) | OpKind::ReadX | OpKind::ReadY | OpKind::Await => None,
+        }
+    }
+
+    /// Four bits; the highest says that the op computes.
     #[inline]
-    fn code(self) -> u32 {
+    const fn code(self) -> u32 {
         match self {
             OpKind::PassX => 0,
-            OpKind::Compute(work) => 1 + work as u32,
-            OpKind::ReadY => 5,
-            OpKind::WriteY => 6,
-            OpKind::ReadX => 7,
-            OpKind::WriteX => 8,
-            OpKind::Await => 9,
+            OpKind::ReadY => 1,
+            OpKind::WriteY => 2,
+            OpKind::ReadX => 3,
+            OpKind::WriteX => 4,
+            OpKind::Await => 5,
+            OpKind::Compute(work) => 8 + work as u32,
         }
     }
 }
@@ -110,14 +116,14 @@ impl Op {
     /// What the op does.
     #[inline]
     pub fn kind(self) -> OpKind {
-        OpKind::from_code(self.0 >> 28)
+        OpKind::TABLE[(self.0 >> 28) as usize].0
     }
 
     /// What the op computes, if it does.
     #[inline]
     pub(super) fn work(self) -> Option<Work> {
-        let index = (self.0 >> 28).wrapping_sub(OpKind::Compute(Work::Grid).code());
-        Work::ALL.get(index as usize).copied()
+        let code = self.0 >> 28;
+        (code >= 8).then(|| Work::ALL[code as usize % 4])
     }
 
     /// For how many cycles or words.

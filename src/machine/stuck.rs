@@ -96,39 +96,38 @@ pub(super) struct Standing {
     pub position: usize,
     /// The number of cells of the array.
     pub cells: usize,
-    /// Fill and capacity of the FIFO it stands at.
-    pub link: Option<(u64, u64)>,
-}
-
-/// The FIFO that a party stands at, as the link's index and the channel.
-pub(super) fn fifo_of(party: Party, halt: Halt) -> Option<(usize, Channel)> {
-    match (party, halt) {
-        (Party::Cell(index), Halt::NoWord(channel)) => Some((index, channel)),
-        (Party::Cell(index), Halt::NoRoom(channel)) => Some((index + 1, channel)),
-        (Party::Host, Halt::NoRoom(channel)) => Some((0, channel)),
-        _ => None,
-    }
+    /// Words that the FIFO can hold at which it stands, if it stands at one.
+    pub capacity: Option<u64>,
 }
 
 impl Standing {
+    /// The FIFO that it stands at, as the number of the link that leads there and the channel.
+    pub fn fifo(&self) -> Option<(usize, Channel)> {
+        match (self.party, self.halt) {
+            (Party::Cell(index), Halt::NoWord) => Some((index, self.op.kind().reads()?)),
+            (Party::Cell(index), Halt::NoRoom) => Some((index + 1, self.op.kind().writes()?)),
+            (Party::Host, Halt::NoRoom) => Some((0, self.op.kind().writes()?)),
+            _ => None,
+        }
+    }
+
     fn waits_on(&self) -> Party {
         match (self.party, self.halt) {
-            (Party::Cell(0), Halt::NoWord(_)) => Party::Host,
-            (Party::Cell(index), Halt::NoWord(_)) => Party::Cell(index - 1),
-            (Party::Cell(index), Halt::NoRoom(_)) if index + 1 == self.cells => Party::Host,
+            (Party::Cell(0), Halt::NoWord) => Party::Host,
+            (Party::Cell(index), Halt::NoWord) => Party::Cell(index - 1),
+            (Party::Cell(index), Halt::NoRoom) if index + 1 == self.cells => Party::Host,
             (Party::Cell(index), _) => Party::Cell(index + 1),
-            (Party::Host, Halt::NoRoom(_)) => Party::Cell(0),
+            (Party::Host, Halt::NoRoom) => Party::Cell(0),
             (Party::Host, _) => Party::Cell(self.cells - 1),
         }
     }
 
     fn for_what(&self) -> WaitFor {
-        let capacity = Words(self.link.map_or(0, |(_, capacity)| capacity));
-        match self.halt {
-            Halt::NoWord(channel) if self.link.is_some() => WaitFor::Word { channel, capacity },
-            Halt::NoRoom(channel) => WaitFor::Room { channel, capacity },
-            Halt::NotReturned(message) => WaitFor::Return { message },
-            Halt::NoWord(_) | Halt::OutOfOps | Halt::Limit => WaitFor::Nothing,
+        match (self.halt, self.fifo(), self.capacity.map(Words)) {
+            (Halt::NoWord, Some((_, channel)), Some(capacity)) => WaitFor::Word { channel, capacity },
+            (Halt::NoRoom, Some((_, channel)), Some(capacity)) => WaitFor::Room { channel, capacity },
+            (Halt::NotReturned, ..) => WaitFor::Return { message: self.op.count() as u64 },
+            _ => WaitFor::Nothing,
         }
     }
 
