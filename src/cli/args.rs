@@ -37,6 +37,8 @@ pub struct RunArgs {
     pub machine: MachineArgs,
     #[command(flatten)]
     pub results: ResultArgs,
+    #[command(flatten)]
+    pub views: ViewArgs,
     /// Write the hits as CSV: ray, t, polygon, alpha, beta.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub hits: Option<PathBuf>,
@@ -186,6 +188,16 @@ pub struct ReplayArgs {
     pub machine: MachineArgs,
     #[command(flatten)]
     pub results: ResultArgs,
+    #[command(flatten)]
+    pub views: ViewArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Views of the run over time")]
+pub struct ViewArgs {
+    /// Draw the run as SVG and PNG: FIFO levels and histograms, cell states, rays done, latencies.
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
 }
 
 /// The largest number of pixels: rays are numbered in 32 bits, and kept in memory.

@@ -7,6 +7,7 @@ mod progress;
 mod replay;
 mod run;
 mod scenes;
+mod views;
 
 use std::io::Write;
 use std::process::ExitCode;

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::{camera, image, ray_file};
-use pcs_sim::machine::MachineSpec;
+use pcs_sim::machine::{Array, MachineSpec};
 use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
 use pcs_sim::report::files::OutputFile;
+use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{activity, hits, stats};
@@ -16,6 +17,7 @@ use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs};
+use super::views::Views;
 use super::{Failure, outputs, print, progress};
 
 /// The files that a run writes.
@@ -24,6 +26,7 @@ struct Outputs {
     hits: Option<OutputFile>,
     ops: Option<OutputFile>,
     image: Option<OutputFile>,
+    views: Views,
 }
 
 /// What a run is made of.
@@ -53,7 +56,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
     notes(&setup);
-    let outcome = simulate(&setup, threads(args), &mut files.ops)?;
+    let outcome = simulate(&setup, threads(args), &mut files)?;
     print(&report(&setup, &outcome))?;
     let written = write_outputs(args, &setup, &outcome, files)?;
     print(&outputs::list(&written))
@@ -150,6 +153,7 @@ fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
         hits: open(&args.hits)?,
         ops: open(&args.ops)?,
         image: open(&args.image)?,
+        views: Views::open(&args.views, args.results.force)?,
     })
 }
 
@@ -160,13 +164,15 @@ fn notes(setup: &Setup) {
     }
 }
 
-fn simulate(setup: &Setup, threads: usize, ops: &mut Option<OutputFile>) -> Result<Outcome, Failure> {
+fn simulate(setup: &Setup, threads: usize, files: &mut Outputs) -> Result<Outcome, Failure> {
     let bar = progress::rays(setup.rays.len() as u64);
     let failed = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
+    let Outputs { ops, views, .. } = files;
     if let Some(file) = ops {
         activity::write_header(file, setup.workload.cells()).map_err(failed)?;
     }
-    let outcome = simulation::run(&setup.workload, &setup.machine.spec, &setup.rays, threads, |batch| {
+    let array = views.fit(Array::new(&setup.machine.spec, setup.workload.cells()));
+    let outcome = simulation::run_in(array, &setup.workload, &setup.rays, threads, |batch| {
         bar.inc(batch.hits.len() as u64);
         ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, &batch.ops))
     });
@@ -178,21 +184,12 @@ fn simulate(setup: &Setup, threads: usize, ops: &mut Option<OutputFile>) -> Resu
 }
 
 fn report(setup: &Setup, outcome: &Outcome) -> String {
-    let Setup { scene, program, machine, rays, workload, .. } = setup;
+    let Setup { machine, rays, workload, .. } = setup;
     let spec = &machine.spec;
     let hits = outcome.counts.hits;
     let names: Vec<String> = (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect();
     let mut lines = vec![
-        format!(
-            "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays",
-            program.name,
-            workload.cells(),
-            plural(workload.groups(), "group"),
-            program.stages.len(),
-            scene.name,
-            grouped(workload.polygons().len() as u64),
-            grouped(rays.len() as u64),
-        ),
+        title(setup),
         machine_line(spec),
         summary::speed(&outcome.stats, spec),
         format!(
@@ -211,6 +208,21 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
         summary::cells(&outcome.stats, &names),
         summary::fifos(&outcome.stats),
         summary::bottleneck(&outcome.stats),
+    )
+}
+
+/// What runs, in one line.
+fn title(setup: &Setup) -> String {
+    let Setup { scene, program, rays, workload, .. } = setup;
+    format!(
+        "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays",
+        program.name,
+        workload.cells(),
+        plural(workload.groups(), "group"),
+        program.stages.len(),
+        scene.name,
+        grouped(workload.polygons().len() as u64),
+        grouped(rays.len() as u64),
     )
 }
 
@@ -266,6 +278,8 @@ fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Output
     outputs::finish(files.image, &mut written, |file| {
         image::write_png(file, args.scene.size, &setup.scene, polygons, &setup.rays, &outcome.hits)
     })?;
+    let caption = Caption { title: title(setup), machine: machine_line(&setup.machine.spec) };
+    files.views.write(outcome.profile.as_ref(), &setup.machine.spec, &caption, &mut written)?;
     Ok(written)
 }
 

@@ -1,8 +1,11 @@
-//! What a run tells: statistics, tables, hits, activity traces. Nothing here measures anything.
+//! What a run tells: statistics, tables, hits, activity traces, pictures. Nothing here measures anything.
 
 pub mod activity;
 pub mod bottleneck;
 pub mod files;
 pub mod hits;
+pub mod palette;
+pub mod plot;
 pub mod stats;
 pub mod summary;
+pub mod time_unit;

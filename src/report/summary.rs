@@ -3,6 +3,7 @@
 use comfy_table::{CellAlignment, Table};
 
 use super::bottleneck::{self, percent};
+use super::time_unit::TimeUnit;
 use crate::machine::{CellState, MachineSpec, RunStats};
 
 /// A number with its thousands set off: `262 144`.
@@ -14,13 +15,8 @@ pub fn grouped(number: u64) -> String {
 
 /// A time in the unit that suits it: `1.234 ms`.
 pub fn time(seconds: f64) -> String {
-    let (unit, name) = match seconds {
-        s if s >= 1.0 => (1.0, "s"),
-        s if s >= 1e-3 => (1e-3, "ms"),
-        s if s >= 1e-6 => (1e-6, "µs"),
-        _ => (1e-9, "ns"),
-    };
-    format!("{:.3} {name}", seconds / unit)
+    let unit = TimeUnit::of(seconds);
+    format!("{:.3} {}", seconds / unit.seconds, unit.name)
 }
 
 /// Simulated time and throughput, in one line.
