@@ -198,6 +198,9 @@ pub struct ViewArgs {
     /// Draw the run as SVG and PNG: FIFO levels and histograms, cell states, rays done, latencies.
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
+    /// Write a page (HTML) to look at the run in a browser: the array, and charts to zoom into.
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
 }
 
 /// The largest number of pixels: rays are numbered in 32 bits, and kept in memory.

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use pcs_sim::machine::Array;
 use pcs_sim::report::activity::ActivityTrace;
+use pcs_sim::report::page::Page;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats;
 use pcs_sim::report::summary::{self, grouped};
@@ -45,6 +46,10 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         let json = stats::to_json(&result, &machine.spec, None, None)?;
         file.write_all(json.as_bytes())
     })?;
-    views.write(profile.as_ref(), &machine.spec, &caption, &mut written)?;
+    if let Some(profile) = &profile {
+        let (caption, spec, stats) = (&caption, &machine.spec, &result);
+        let page = Page { caption, spec, stats, profile, cell_names: &[], configuration: None, image: None };
+        views.write(&page, &mut written)?;
+    }
     print(&outputs::list(&written))
 }

@@ -9,6 +9,7 @@ use pcs_sim::host::{camera, image, ray_file};
 use pcs_sim::machine::{Array, MachineSpec};
 use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
 use pcs_sim::report::files::OutputFile;
+use pcs_sim::report::page::Page;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
@@ -146,6 +147,7 @@ fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
         args.hits.as_ref(),
         args.ops.as_ref(),
         args.image.as_ref(),
+        args.views.page.as_ref(),
     ])?;
     let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
     Ok(Outputs {
@@ -187,7 +189,7 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
     let Setup { machine, rays, workload, .. } = setup;
     let spec = &machine.spec;
     let hits = outcome.counts.hits;
-    let names: Vec<String> = (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect();
+    let names = cell_names(workload);
     let mut lines = vec![
         title(setup),
         machine_line(spec),
@@ -278,9 +280,37 @@ fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Output
     outputs::finish(files.image, &mut written, |file| {
         image::write_png(file, args.scene.size, &setup.scene, polygons, &setup.rays, &outcome.hits)
     })?;
-    let caption = Caption { title: title(setup), machine: machine_line(&setup.machine.spec) };
-    files.views.write(outcome.profile.as_ref(), &setup.machine.spec, &caption, &mut written)?;
+    if let Some(profile) = &outcome.profile {
+        let spec = &setup.machine.spec;
+        let image = page_image(args, setup, outcome, &files.views)?;
+        let page = Page {
+            caption: &Caption { title: title(setup), machine: machine_line(spec) },
+            spec,
+            stats: &outcome.stats,
+            profile,
+            cell_names: &cell_names(&setup.workload),
+            configuration: Some(&configuration),
+            image: image.as_deref(),
+        };
+        files.views.write(&page, &mut written)?;
+    }
     Ok(written)
+}
+
+/// The traced picture, if a view shows it and the rays are those of a picture.
+fn page_image(args: &RunArgs, setup: &Setup, outcome: &Outcome, views: &Views) -> Result<Option<Vec<u8>>, Failure> {
+    if !views.show_image() || args.scene.rays.is_some() {
+        return Ok(None);
+    }
+    let (polygons, mut png) = (setup.workload.polygons(), Vec::new());
+    image::write_png(&mut png, args.scene.size, &setup.scene, polygons, &setup.rays, &outcome.hits)
+        .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
+    Ok(Some(png))
+}
+
+/// What each cell runs.
+fn cell_names(workload: &Workload) -> Vec<String> {
+    (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect()
 }
 
 fn configuration(setup: &Setup) -> Configuration {
