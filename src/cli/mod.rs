@@ -1,12 +1,14 @@
 //! The command line: one file a command; each parses, calls the library, prints.
 
 mod args;
+mod compare;
 mod diagnostics;
 mod outputs;
 mod progress;
 mod replay;
 mod run;
 mod scenes;
+mod sweep;
 mod views;
 
 use std::io::Write;
@@ -55,6 +57,8 @@ pub fn main() -> ExitCode {
     let result = match &cli.command {
         None => run::run(&cli.run),
         Some(Command::Replay(args)) => replay::replay(args),
+        Some(Command::Sweep(args)) => sweep::sweep(args),
+        Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Scenes) => scenes::scenes(),
     };
     match result {

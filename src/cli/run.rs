@@ -48,10 +48,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut files = open_outputs(args)?;
     let spinner = progress::waiting("preparing the scene");
     let scene = scene(&args.scene)?;
-    let rays = match &args.scene.rays {
-        Some(path) => ray_file::read(path)?,
-        None => camera::primary_rays(&scene.camera, args.scene.size),
-    };
+    let rays = rays(&args.scene, &scene)?;
     let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
     spinner.finish_and_clear();
@@ -63,7 +60,8 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     print(&outputs::list(&written))
 }
 
-fn threads(args: &RunArgs) -> usize {
+/// Threads to work on.
+pub fn threads(args: &RunArgs) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get());
     args.threads.map_or_else(cores, usize::from)
 }
@@ -90,7 +88,8 @@ pub fn machine_file(args: &MachineArgs) -> Result<MachineFile, InputError> {
     Ok(file)
 }
 
-fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
+/// The array program: a file's or a standard one, changed by the flags.
+pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
     let mut program = match &args.program {
         Some(path) => named_program(path)?,
         None => named_program(Path::new(args.mode.unwrap_or(Mode::Pipeline).program()))?,
@@ -127,7 +126,8 @@ fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
     }
 }
 
-fn scene(args: &SceneArgs) -> Result<Scene, InputError> {
+/// The scene: a built-in one or a file's.
+pub fn scene(args: &SceneArgs) -> Result<Scene, InputError> {
     let path = Path::new(&args.scene);
     let is_name = !args.scene.contains(['.', '/', '\\']);
     if is_name {
@@ -139,6 +139,14 @@ fn scene(args: &SceneArgs) -> Result<Scene, InputError> {
     }
     let default = ReadOptions::default();
     pcs_sim::scene::load(path, &ReadOptions { resolution: args.resolution.unwrap_or(default.resolution) })
+}
+
+/// The rays: the camera's, or a file's.
+pub fn rays(args: &SceneArgs, scene: &Scene) -> Result<Vec<Ray>, InputError> {
+    match &args.rays {
+        Some(path) => ray_file::read(path),
+        None => Ok(camera::primary_rays(&scene.camera, args.size)),
+    }
 }
 
 fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
