@@ -62,15 +62,18 @@ impl Setting {
     }
 }
 
+/// Shared by the recordings of a scene.
+type SceneAndRays = Rc<(Scene, Vec<Ray>)>;
+
 /// The scene that was built last: points of one scene follow each other.
 #[derive(Default)]
 pub struct Scenes {
-    last: Option<(SceneKey, Rc<(Scene, Vec<Ray>)>)>,
+    last: Option<(SceneKey, SceneAndRays)>,
 }
 
 impl Scenes {
     /// The scene and the rays of a setting.
-    pub fn get(&mut self, setting: &Setting) -> Result<Rc<(Scene, Vec<Ray>)>, String> {
+    pub fn get(&mut self, setting: &Setting) -> Result<SceneAndRays, String> {
         if let Some((key, scene)) = &self.last
             && *key == setting.scene
         {
