@@ -58,6 +58,14 @@ impl InputError {
         InputError { message: message.into(), place: Some(place), help: None }
     }
 
+    /// A file that cannot be opened or read.
+    pub fn unreadable(file: &Path, error: &std::io::Error) -> Self {
+        // Without the number that Rust appends to the operating system's reason.
+        let text = error.to_string();
+        let reason = text.split(" (os error").next().unwrap_or(&text);
+        InputError::in_file(file, format!("cannot read the file: {reason}"))
+    }
+
     /// A mistake in a text file. `line` and `column` count from 1; `text` is the whole file, of which the line is kept.
     pub fn in_text(
         file: &Path,

@@ -17,7 +17,7 @@ pub fn open(path: Option<&Path>, force: bool) -> Result<Option<OutputFile>, Inpu
 pub fn check_distinct(files: &[Option<&PathBuf>]) -> Result<(), InputError> {
     let files: Vec<&PathBuf> = files.iter().copied().flatten().collect();
     match files.iter().enumerate().find(|(index, file)| files[..*index].contains(file)) {
-        Some((_, file)) => Err(InputError::in_file(file, "is named for two results")),
+        Some((_, file)) => Err(InputError::in_file(file, "the file is named for two results")),
         None => Ok(()),
     }
 }
@@ -30,7 +30,7 @@ pub fn finish<E: std::fmt::Display>(
 ) -> Result<(), Failure> {
     let Some(mut file) = file else { return Ok(()) };
     let path = file.path().to_owned();
-    let failed = |reason: String| Failure::Output(format!("{}: cannot be written: {reason}", path.display()));
+    let failed = |reason: String| Failure::Output(format!("cannot write {}: {reason}", path.display()));
     write(&mut file).map_err(|error| failed(error.to_string()))?;
     file.flush().map_err(|error| failed(error.to_string()))?;
     written.push(file.finish().map_err(|error| failed(error.to_string()))?);

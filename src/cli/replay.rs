@@ -6,8 +6,8 @@ use pcs_sim::machine::Array;
 use pcs_sim::report::activity::ActivityTrace;
 use pcs_sim::report::page::Page;
 use pcs_sim::report::plot::Caption;
-use pcs_sim::report::stats;
 use pcs_sim::report::summary::{self, grouped};
+use pcs_sim::report::{bottleneck, stats};
 use pcs_sim::simulation;
 
 use super::args::ReplayArgs;
@@ -39,7 +39,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         summary::speed(&result, &machine.spec),
         summary::cells(&result, &[]),
         summary::fifos(&result),
-        summary::bottleneck(&result),
+        bottleneck::sentence(&result, &machine.spec),
     ))?;
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {

@@ -13,7 +13,7 @@ use pcs_sim::report::page::Page;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{activity, hits, stats};
+use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
@@ -98,10 +98,7 @@ pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
     if let Some(cells) = args.cells {
         if cells == 0 || !cells.is_multiple_of(stages) {
             let message = format!("{cells} cells are no whole number of groups of {stages}");
-            let help = format!(
-                "program '{}' takes {stages} cells a group: give 1 x {stages}, 2 x {stages}, ...",
-                program.name
-            );
+            let help = format!("program '{}' takes {stages}, {}, {}, ... cells", program.name, 2 * stages, 3 * stages);
             return Err(InputError::new(message).help(help));
         }
         program.groups = cells / stages;
@@ -217,7 +214,7 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
         lines.join("\n"),
         summary::cells(&outcome.stats, &names),
         summary::fifos(&outcome.stats),
-        summary::bottleneck(&outcome.stats),
+        bottleneck::sentence(&outcome.stats, spec),
     )
 }
 

@@ -16,16 +16,17 @@ const SHORTEST: f32 = 1e-15;
 pub fn read(path: &Path) -> Result<Vec<Ray>, InputError> {
     let text = crate::input::fields::read_text(path)?;
     let mut lines = text.lines().enumerate().map(|(index, line)| Line { path, number: index + 1, text: line });
-    let header =
-        lines.next().ok_or_else(|| InputError::in_file(path, "is empty: expected the header ox,oy,oz,dx,dy,dz"))?;
+    let header = lines
+        .next()
+        .ok_or_else(|| InputError::in_file(path, "the file is empty: expected the header ox,oy,oz,dx,dy,dz"))?;
     let columns = header.columns()?;
     let rays: Vec<Ray> =
         lines.filter(|line| !line.text.trim().is_empty()).map(|line| line.ray(columns)).collect::<Result<_, _>>()?;
     if rays.is_empty() {
-        return Err(InputError::in_file(path, "has no rays, only a header"));
+        return Err(InputError::in_file(path, "the file has no rays, only a header"));
     }
     if u32::try_from(rays.len()).is_err() {
-        return Err(InputError::in_file(path, "has more rays than can be numbered in 32 bits"));
+        return Err(InputError::in_file(path, "the file has more rays than can be numbered in 32 bits"));
     }
     Ok(rays)
 }

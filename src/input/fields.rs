@@ -10,7 +10,7 @@ use crate::error::InputError;
 
 /// Reads a text file.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::in_file(path, format!("cannot be read: {error}")))?;
+    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
     Ok(Text::decode(path, &bytes)?.text.to_owned())
 }
 

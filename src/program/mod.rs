@@ -5,6 +5,7 @@
 
 mod array_program;
 mod kernel;
+mod layout;
 mod machine_file;
 mod trace;
 mod workload;

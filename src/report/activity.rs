@@ -82,10 +82,10 @@ enum Actor {
 impl ActivityTrace {
     /// Opens a trace and checks every line of it.
     pub fn open(path: &Path) -> Result<ActivityTrace, InputError> {
-        let unreadable = |error: std::io::Error| InputError::in_file(path, format!("cannot be read: {error}"));
+        let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
         let file = File::open(path).map_err(unreadable)?;
         if file.metadata().map_err(unreadable)?.is_dir() {
-            return Err(InputError::in_file(path, "cannot be read: it is a directory"));
+            return Err(InputError::in_file(path, "cannot read the file: it is a directory"));
         }
         let mut trace = ActivityTrace { path: path.to_owned(), file, cells: 0, rays: 0, order: HashMap::new() };
         trace.survey()?;
@@ -156,8 +156,11 @@ impl ActivityTrace {
             return Err(InputError::in_file(&self.path, message));
         }
         if cells == 0 || rays == 0 {
-            let what = if rays == 0 { "host" } else { "cell" };
-            return Err(InputError::in_file(&self.path, format!("is no activity trace: no line of a {what}")));
+            let what = if rays == 0 { "the host" } else { "a cell" };
+            return Err(InputError::in_file(
+                &self.path,
+                format!("the file is no activity trace: it has no line of {what}"),
+            ));
         }
         (self.cells, self.rays, self.order) = (cells, rays, order);
         Ok(())
@@ -169,7 +172,7 @@ impl ActivityTrace {
         mut visit: impl FnMut(Line<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let path = &self.path;
-        let unreadable = |error: std::io::Error| InputError::in_file(path, format!("cannot be read: {error}"));
+        let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
         self.file.rewind().map_err(unreadable)?;
         let mut reader = BufReader::with_capacity(1 << 16, &self.file);
         let (mut bytes, mut number) = (Vec::new(), 0);
@@ -248,11 +251,12 @@ impl<'a> Line<'a> {
             return Err(self.error(word, format!("'{word}' is no op of {who}, whose ops are {ops}")));
         };
         let digits = &word[letter.len_utf8()..];
-        let count = digits.parse::<u64>().ok().filter(|_| digits.bytes().all(|b| b.is_ascii_digit()));
-        match count {
-            Some(count) if count <= MOST_OF_AN_OP => Ok((kind, count)),
-            Some(_) => Err(self.error(word, format!("no op may count more than {MOST_OF_AN_OP}"))),
-            None => Err(self.error(word, format!("expected a whole number after '{letter}'"))),
+        if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+            return Err(self.error(word, format!("expected a whole number after '{letter}'")));
+        }
+        match digits.parse() {
+            Ok(count) if count <= MOST_OF_AN_OP => Ok((kind, count)),
+            _ => Err(self.error(word, format!("no op may count more than {MOST_OF_AN_OP}"))),
         }
     }
 

@@ -19,14 +19,22 @@ impl OutputFile {
     /// Opens a file to be. Fails if it cannot be written there, or if it exists and `overwrite` was not asked for.
     pub fn create(path: &Path, overwrite: bool) -> Result<OutputFile, InputError> {
         if path.is_dir() {
-            return Err(InputError::in_file(path, "cannot be written: it is a directory"));
+            return Err(InputError::in_file(path, "cannot write the file: it is a directory"));
         }
         if path.exists() && !overwrite {
-            return Err(InputError::in_file(path, "exists already").help("give another name, or --force to replace it"));
+            return Err(InputError::in_file(path, "the file exists already")
+                .help("give another name, or --force to replace it"));
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return Err(InputError::in_file(
+                path,
+                format!("cannot write the file: there is no folder {}", folder.display()),
+            ));
+        }
         let file = tempfile::Builder::new().prefix(".pcs-sim-").suffix(".part").tempfile_in(folder);
-        let file = file.map_err(|error| InputError::in_file(path, format!("cannot be written: {}", error.kind())))?;
+        let file =
+            file.map_err(|error| InputError::in_file(path, format!("cannot write the file: {}", error.kind())))?;
         Ok(OutputFile { path: path.to_owned(), writer: BufWriter::with_capacity(1 << 16, file), overwrite })
     }
 

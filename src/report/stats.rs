@@ -147,7 +147,7 @@ pub fn to_json(
             intersection_tests: counts.intersection_tests,
             hits: counts.hits,
         }),
-        bottleneck: bottleneck::sentence(stats),
+        bottleneck: bottleneck::sentence(stats, spec),
         configuration,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")

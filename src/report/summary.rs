@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, Table};
 
-use super::bottleneck::{self, percent};
+use super::bottleneck::percent;
 use super::time_unit::TimeUnit;
 use crate::machine::{CellState, MachineSpec, RunStats};
 
@@ -59,11 +59,6 @@ pub fn fifos(stats: &RunStats) -> String {
         ]);
     }
     aligned(table)
-}
-
-/// The sentence on what limits the machine.
-pub fn bottleneck(stats: &RunStats) -> String {
-    bottleneck::sentence(stats)
 }
 
 /// A table without lines, for terminals and logs alike.

@@ -39,20 +39,33 @@ pub(super) fn in_order<W, B: Default + Send, E>(
     std::thread::scope(|scope| {
         for _ in 1..threads {
             scope.spawn(|| {
+                // A panic here must not leave the others waiting for a batch that never comes.
+                let _guard = Defer(|| {
+                    if std::thread::panicking() {
+                        shared.stop()
+                    }
+                });
                 let mut worker = worker();
                 while shared.make_one(&make, &mut worker, Wait::ForRoom) {}
             });
         }
+        let _guard = Defer(|| shared.stop());
         let mut own = worker();
-        let result = (0..count).try_for_each(|index| {
-            let batch = shared.wait_for(index, &make, &mut own);
+        (0..count).map_while(|index| shared.wait_for(index, &make, &mut own)).try_for_each(|batch| {
             let spare = take(batch)?;
             shared.give_back(spare);
             Ok(())
-        });
-        shared.stop();
-        result
+        })
     })
+}
+
+/// Calls a function when it goes out of scope, by whatever way.
+struct Defer<F: FnMut()>(F);
+
+impl<F: FnMut()> Drop for Defer<F> {
+    fn drop(&mut self) {
+        (self.0)();
+    }
 }
 
 /// What a thread does that may not make the next batch yet.
@@ -87,17 +100,20 @@ impl<B: Default> Shared<B> {
         true
     }
 
-    /// Batch `index`, which is the next to be taken; makes batches until it is ready.
-    fn wait_for<W>(&self, index: usize, make: impl Fn(&mut W, usize, B) -> B, worker: &mut W) -> B {
+    /// Batch `index`, which is the next to be taken; makes batches until it is ready. `None` if all has been stopped.
+    fn wait_for<W>(&self, index: usize, make: impl Fn(&mut W, usize, B) -> B, worker: &mut W) -> Option<B> {
         loop {
             if let Some(batch) = self.lock().ready.remove(&index) {
-                return batch;
+                return Some(batch);
             }
             if self.make_one(&make, worker, Wait::Not) {
                 continue;
             }
             let mut state = self.lock();
             while !state.ready.contains_key(&index) {
+                if state.stop {
+                    return None;
+                }
                 state = self.wait(state);
             }
         }
@@ -122,5 +138,48 @@ impl<B: Default> Shared<B> {
 
     fn wait<'a>(&self, state: MutexGuard<'a, State<B>>) -> MutexGuard<'a, State<B>> {
         self.changed.wait(state).unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn batches_come_in_order_on_any_number_of_threads() {
+        for threads in 1..6 {
+            let mut taken = Vec::new();
+            let make = |_: &mut (), index: usize, _: usize| index * 3;
+            in_order(
+                100,
+                threads,
+                || (),
+                make,
+                |batch| {
+                    taken.push(batch);
+                    Ok::<_, ()>(batch)
+                },
+            )
+            .unwrap();
+            assert_eq!(taken, (0..100).map(|index| index * 3).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn a_failure_to_take_stops_all() {
+        let take = |batch: usize| if batch == 7 { Err("seven") } else { Ok(batch) };
+        assert_eq!(in_order(1_000_000_000, 3, || (), |_, index, _| index, take), Err("seven"));
+    }
+
+    #[test]
+    #[should_panic(expected = "a scoped thread panicked")]
+    fn a_panic_in_a_thread_is_no_hang() {
+        let main_thread = std::thread::current().id();
+        let make = |_: &mut (), index: usize, _: usize| {
+            assert!(std::thread::current().id() == main_thread || index < 10);
+            std::thread::sleep(std::time::Duration::from_millis(1));
+            index
+        };
+        let _ = in_order(1_000_000_000, 3, || (), make, Ok::<_, ()>);
     }
 }

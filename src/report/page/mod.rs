@@ -49,7 +49,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         title => page.caption.title.as_str(),
         machine => page.caption.machine.as_str(),
         speed => summary::speed(page.stats, page.spec),
-        bottleneck => bottleneck::sentence(page.stats),
+        bottleneck => bottleneck::sentence(page.stats, page.spec),
         cells => summary::cells(page.stats, page.cell_names),
         fifos => summary::fifos(page.stats),
         configuration,

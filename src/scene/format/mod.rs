@@ -9,7 +9,7 @@ mod statements;
 mod transform;
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::Read;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -147,7 +147,7 @@ impl Draft {
 
 /// The bytes of a file of acceptable size.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, InputError> {
-    let unreadable = |error| InputError::in_file(path, format!("cannot read the file: {}", reason(&error)));
+    let unreadable = |error| InputError::unreadable(path, &error);
     let too_large = || InputError::in_file(path, "file is too large, a scene file may have up to 4 GiB");
     let file = File::open(path).map_err(unreadable)?;
     if file.metadata().map_err(unreadable)?.len() > LARGEST_FILE {
@@ -165,10 +165,4 @@ pub(crate) fn check_size(mesh: &Mesh, added: u64) -> Result<(), String> {
         return Err(format!("scene is too large, it has over {MOST_CORNERS} corners of faces"));
     }
     Ok(())
-}
-
-/// The operating system's reason, without the number that Rust appends.
-fn reason(error: &io::Error) -> String {
-    let text = error.to_string();
-    text.split(" (os error").next().unwrap_or(&text).to_owned()
 }
