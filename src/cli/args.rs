@@ -21,6 +21,8 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Makes a whole image: the host shades the hits and sends shadow, reflected and refracted rays.
+    Image(Box<ImageArgs>),
     /// Times a recorded activity trace again, under any machine, without its scene.
     Replay(Box<ReplayArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
@@ -55,6 +57,89 @@ pub struct RunArgs {
     /// Threads to use [default: all cores]. The results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+}
+
+/// `pcs-sim image`.
+#[derive(Debug, Args)]
+pub struct ImageArgs {
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Where the image goes: .png, or .pfm for linear light in all its bits.
+    #[arg(short, long, value_name = "FILE", help_heading = "Results")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub shape: ShapeArgs,
+    #[command(flatten)]
+    pub light: LightArgs,
+    #[command(flatten)]
+    pub host: HostArgs,
+    #[command(flatten)]
+    pub program: ProgramArgs,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub results: ResultArgs,
+    /// Write the hits of all rays as CSV, in the order in which the host sends them: ray, t, polygon, alpha, beta.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub hits: Option<PathBuf>,
+    /// Write what the host and every cell did for every ray, for `pcs-sim replay`.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub ops: Option<PathBuf>,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Light")]
+pub struct LightArgs {
+    /// Samples along each side of a pixel: N x N primary rays.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub samples: u32,
+    /// One sample a pixel, and N x N only where a neighbour shows another object (another material).
+    #[arg(long)]
+    pub adaptive: bool,
+    /// How often light may be reflected or refracted on its way to the eye.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub depth: u8,
+    /// Follow no reflected or refracted ray that adds less than this share to its pixel.
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0 / 256.0)]
+    pub min_contribution: f64,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Host")]
+pub struct HostArgs {
+    /// Whether to time the array; without, there is just the image.
+    #[arg(long, value_enum, default_value_t = Switch::On)]
+    pub timing: Switch,
+    /// What the host sends next when it can choose.
+    #[arg(long, value_enum, default_value_t = PolicyName::Secondaries)]
+    pub policy: PolicyName,
+    /// How many rays may be in the array at once [default: as many as it takes].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub in_flight: Option<u64>,
+    /// How many samples the host may have begun and not done.
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub open_samples: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    On,
+    Off,
+}
+
+/// What the host sends next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PolicyName {
+    /// Rays that a hit asked for before primary ones.
+    Secondaries,
+    /// Primary rays before all others.
+    Primaries,
+    /// The ray with the fewest rays between it and the eye.
+    Generation,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -111,18 +196,26 @@ pub struct SceneArgs {
     /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
     #[arg(long, value_name = "NAME|FILE", default_value = "teapot")]
     pub scene: String,
+    #[command(flatten)]
+    pub shape: ShapeArgs,
+    /// Take the rays from a CSV file (ox,oy,oz,dx,dy,dz and optionally tmax) instead of the camera.
+    #[arg(long, value_name = "FILE")]
+    pub rays: Option<PathBuf>,
+}
+
+/// How large scene and image are.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Scene and rays")]
+pub struct ShapeArgs {
     /// Size factor of a built-in scene.
     #[arg(long, value_name = "N")]
     pub size_factor: Option<u32>,
     /// Slices that spheres and cones are cut into.
     #[arg(long, value_name = "N")]
     pub resolution: Option<u32>,
-    /// Size of the image: one primary ray a pixel.
+    /// Size of the image, in pixels.
     #[arg(long, value_name = "WxH", default_value = "256x256", value_parser = image_size)]
     pub size: ImageSize,
-    /// Take the rays from a CSV file (ox,oy,oz,dx,dy,dz and optionally tmax) instead of the camera.
-    #[arg(long, value_name = "FILE")]
-    pub rays: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -152,6 +245,12 @@ pub struct MachineArgs {
     /// Words of memory of a cell.
     #[arg(long, value_name = "N")]
     pub memory_words: Option<u64>,
+    /// What the host spends on each ray before it sends it, in µs.
+    #[arg(long, value_name = "US")]
+    pub host_ray_us: Option<f64>,
+    /// What the host spends on shading a hit, in µs.
+    #[arg(long, value_name = "US")]
+    pub host_hit_us: Option<f64>,
     /// Figure 7: the grid's start, in µs a ray.
     #[arg(long, value_name = "US")]
     pub grid_start: Option<f64>,

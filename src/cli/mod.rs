@@ -3,6 +3,7 @@
 mod args;
 mod compare;
 mod diagnostics;
+mod image;
 mod outputs;
 mod progress;
 mod replay;
@@ -30,6 +31,8 @@ enum Failure {
     Stuck(Stuck),
     /// A result could not be written: exit status 1.
     Output(String),
+    /// It was told to stop: exit status 130.
+    Interrupted(String),
 }
 
 impl From<InputError> for Failure {
@@ -56,6 +59,7 @@ pub fn main() -> ExitCode {
     };
     let result = match &cli.command {
         None => run::run(&cli.run),
+        Some(Command::Image(args)) => image::image(args),
         Some(Command::Replay(args)) => replay::replay(args),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Compare(args)) => compare::compare(args),
@@ -80,6 +84,10 @@ fn report(failure: &Failure) -> ExitCode {
         Failure::Output(message) => {
             eprintln!("error: {message}");
             ExitCode::from(1)
+        }
+        Failure::Interrupted(message) => {
+            eprintln!("stopped: {message}");
+            ExitCode::from(130)
         }
     }
 }

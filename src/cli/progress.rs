@@ -14,6 +14,11 @@ pub fn points(count: u64) -> ProgressBar {
     bar(count, "{human_pos} of {human_len} points {wide_bar} {eta} left")
 }
 
+/// The same for the samples of an image, whose number is set later.
+pub fn samples() -> ProgressBar {
+    bar(0, "{human_pos} of {human_len} samples {wide_bar} {eta} left")
+}
+
 /// A bar that has no end in sight.
 pub fn waiting(message: &'static str) -> ProgressBar {
     let bar = ProgressBar::new_spinner().with_message(message);

@@ -17,7 +17,7 @@ use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
-use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs};
+use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
 use super::views::Views;
 use super::{Failure, outputs, print, progress};
 
@@ -47,23 +47,23 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let program = array_program(&args.program)?;
     let mut files = open_outputs(args)?;
     let spinner = progress::waiting("preparing the scene");
-    let scene = scene(&args.scene)?;
+    let scene = scene(&args.scene.scene, &args.scene.shape)?;
     let rays = rays(&args.scene, &scene)?;
     let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
     notes(&setup);
-    let outcome = simulate(&setup, threads(args), &mut files)?;
+    let outcome = simulate(&setup, threads(args.threads), &mut files)?;
     print(&report(&setup, &outcome))?;
     let written = write_outputs(args, &setup, &outcome, files)?;
     print(&outputs::list(&written))
 }
 
-/// Threads to work on.
-pub fn threads(args: &RunArgs) -> usize {
+/// How many threads to use: so many, or one a core.
+pub fn threads(count: Option<u16>) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    args.threads.map_or_else(cores, usize::from)
+    count.map_or_else(cores, usize::from)
 }
 
 /// The machine: PCS or a file's, changed by the flags.
@@ -79,6 +79,8 @@ pub fn machine_file(args: &MachineArgs) -> Result<MachineFile, InputError> {
     set(&mut file.rate_counts, args.rate_counts);
     set(&mut file.latency_cycles, args.latency_cycles);
     file.memory_words = args.memory_words.or(file.memory_words);
+    set(&mut file.host_ray_us, args.host_ray_us);
+    set(&mut file.host_hit_us, args.host_hit_us);
     set(&mut file.times_us.grid_start, args.grid_start);
     set(&mut file.times_us.grid_voxel, args.grid_voxel);
     set(&mut file.times_us.slabs_start, args.slabs_start);
@@ -88,7 +90,7 @@ pub fn machine_file(args: &MachineArgs) -> Result<MachineFile, InputError> {
     Ok(file)
 }
 
-/// The array program: a file's or a standard one, changed by the flags.
+/// The array program: a standard one or a file's, changed by the flags.
 pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
     let mut program = match &args.program {
         Some(path) => named_program(path)?,
@@ -123,12 +125,12 @@ fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
     }
 }
 
-/// The scene: a built-in one or a file's.
-pub fn scene(args: &SceneArgs) -> Result<Scene, InputError> {
-    let path = Path::new(&args.scene);
-    let is_name = !args.scene.contains(['.', '/', '\\']);
+/// A built-in scene or a file's.
+pub fn scene(scene: &str, args: &ShapeArgs) -> Result<Scene, InputError> {
+    let path = Path::new(scene);
+    let is_name = !scene.contains(['.', '/', '\\']);
     if is_name {
-        return builtin::generate(&args.scene, args.size_factor, args.resolution);
+        return builtin::generate(scene, args.size_factor, args.resolution);
     }
     if args.size_factor.is_some() {
         let error = InputError::new("--size-factor is for built-in scenes, not for files");
@@ -142,7 +144,7 @@ pub fn scene(args: &SceneArgs) -> Result<Scene, InputError> {
 pub fn rays(args: &SceneArgs, scene: &Scene) -> Result<Vec<Ray>, InputError> {
     match &args.rays {
         Some(path) => ray_file::read(path),
-        None => Ok(camera::primary_rays(&scene.camera, args.size)),
+        None => Ok(camera::primary_rays(&scene.camera, args.shape.size)),
     }
 }
 
@@ -248,13 +250,15 @@ pub fn machine_line(spec: &MachineSpec) -> String {
     )
 }
 
-fn memory_line(workload: &Workload) -> String {
+/// The fullest cell's memory, in one line.
+pub fn memory_line(workload: &Workload) -> String {
     let largest = (0..workload.cells()).map(|cell| (workload.memory_of(cell).total(), std::cmp::Reverse(cell))).max();
     let (words, std::cmp::Reverse(cell)) = largest.unwrap_or_default();
     format!("memory: {} words in the fullest cell, {cell}", grouped(words.0))
 }
 
-fn kernel_names(kernels: &[Kernel]) -> String {
+/// What a cell runs, in a word or two.
+pub fn kernel_names(kernels: &[Kernel]) -> String {
     let name = |kernel: &Kernel| match kernel {
         Kernel::Grid => "grid",
         Kernel::Slabs => "slabs",
@@ -267,14 +271,16 @@ fn per_ray(count: u64, rays: usize) -> String {
     format!("{:.2}", count as f64 / rays.max(1) as f64)
 }
 
-fn plural(count: usize, noun: &str) -> String {
+/// `1 group`, `2 groups`.
+pub fn plural(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
 fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let polygons = setup.workload.polygons();
-    let configuration = configuration(setup);
+    let Setup { scene, program, machine_file, workload, .. } = setup;
+    let configuration = Configuration::new(scene, workload, program, machine_file);
     outputs::finish(files.stats, &mut written, |file| {
         let spec = &setup.machine.spec;
         let json = stats::to_json(&outcome.stats, spec, Some(&outcome.counts), Some(&configuration))?;
@@ -283,7 +289,8 @@ fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Output
     outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
     outputs::finish(files.image, &mut written, |file| {
-        image::write_png(file, args.scene.size, &setup.scene, polygons, &setup.rays, &outcome.hits)
+        let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
+        image::write_png(file, args.scene.shape.size, &pixels)
     })?;
     if let Some(profile) = &outcome.profile {
         let spec = &setup.machine.spec;
@@ -308,7 +315,8 @@ fn page_image(args: &RunArgs, setup: &Setup, outcome: &Outcome, views: &Views) -
         return Ok(None);
     }
     let (polygons, mut png) = (setup.workload.polygons(), Vec::new());
-    image::write_png(&mut png, args.scene.size, &setup.scene, polygons, &setup.rays, &outcome.hits)
+    let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
+    image::write_png(&mut png, args.scene.shape.size, &pixels)
         .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
     Ok(Some(png))
 }
@@ -316,15 +324,4 @@ fn page_image(args: &RunArgs, setup: &Setup, outcome: &Outcome, views: &Views) -
 /// What each cell runs.
 fn cell_names(workload: &Workload) -> Vec<String> {
     (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect()
-}
-
-fn configuration(setup: &Setup) -> Configuration {
-    Configuration {
-        version: env!("CARGO_PKG_VERSION"),
-        scene: setup.scene.name.clone(),
-        polygons: setup.workload.polygons().len(),
-        program: setup.program.clone(),
-        memory: (0..setup.workload.cells()).map(|cell| setup.workload.memory_of(cell).into()).collect(),
-        machine: setup.machine_file.clone(),
-    }
 }

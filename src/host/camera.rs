@@ -1,6 +1,6 @@
 //! Primary rays.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::geometry::Ray;
 use crate::scene::Camera;
@@ -14,17 +14,46 @@ pub struct ImageSize {
     pub height: u32,
 }
 
+impl ImageSize {
+    /// How many pixels it has.
+    pub fn pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+}
+
+/// A camera with an image before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    eye: Vec3,
+    forward: DVec3,
+    /// From the image's middle to its right edge, and to its upper edge.
+    right: DVec3,
+    up: DVec3,
+    size: ImageSize,
+}
+
+impl View {
+    /// What a camera sees in an image of that size.
+    pub fn new(camera: &Camera, size: ImageSize) -> View {
+        let forward = (camera.at - camera.from).as_dvec3().normalize_or(DVec3::NEG_Z);
+        let right = forward.cross(camera.up.as_dvec3()).try_normalize().unwrap_or(forward.any_orthonormal_vector());
+        let up = right.cross(forward);
+        let half_height = ((camera.angle as f64).to_radians() / 2.0).tan();
+        let half_width = half_height * size.width as f64 / size.height as f64;
+        View { eye: camera.from, forward, right: right * half_width, up: up * half_height, size }
+    }
+
+    /// The ray through a point of the image, in pixels from the top left corner. Its direction has unit length.
+    pub fn ray(&self, x: f64, y: f64) -> Ray {
+        let across = 2.0 * x / self.size.width as f64 - 1.0;
+        let above = 1.0 - 2.0 * y / self.size.height as f64;
+        Ray::new(self.eye, (self.forward + self.right * across + self.up * above).normalize().as_vec3())
+    }
+}
+
 /// One ray through the middle of each pixel, line by line from the top left. Directions have unit length.
 pub fn primary_rays(camera: &Camera, size: ImageSize) -> Vec<Ray> {
-    let forward = (camera.at - camera.from).as_dvec3().normalize_or(DVec3::NEG_Z);
-    let right = forward.cross(camera.up.as_dvec3()).try_normalize().unwrap_or(forward.any_orthonormal_vector());
-    let up = right.cross(forward);
-    let half_height = ((camera.angle as f64).to_radians() / 2.0).tan();
-    let half_width = half_height * size.width as f64 / size.height as f64;
-    let through = |x: u32, y: u32| {
-        let across = (2.0 * (x as f64 + 0.5) / size.width as f64 - 1.0) * half_width;
-        let above = (1.0 - 2.0 * (y as f64 + 0.5) / size.height as f64) * half_height;
-        Ray::new(camera.from, (forward + right * across + up * above).normalize().as_vec3())
-    };
-    (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y))).map(|(x, y)| through(x, y)).collect()
+    let view = View::new(camera, size);
+    let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
+    pixels.map(|(x, y)| view.ray(x as f64 + 0.5, y as f64 + 0.5)).collect()
 }

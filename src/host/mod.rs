@@ -1,5 +1,8 @@
-//! The host: it sends rays into the array and makes an image of the hits.
+//! The host: it sends rays into the array, shades the hits, and makes an image of them.
 
 pub mod camera;
 pub mod image;
 pub mod ray_file;
+pub mod sampling;
+pub mod shading;
+pub mod surface;

@@ -131,6 +131,16 @@ impl Array {
         if helpless { Err(self.stuck()) } else { Ok(()) }
     }
 
+    /// The first cycle that the host has not spent on the ops fed so far, as far as they have been done.
+    pub fn host_clock(&self) -> Cycles {
+        Cycles(self.host.cell.now.clock)
+    }
+
+    /// The cycle in which the host reads the last word of the n-th message (from 0), if it is known.
+    pub fn returned_in(&self, message: u64) -> Option<Cycles> {
+        self.returned.get(message as usize).copied().map(Cycles)
+    }
+
     /// Ends the run: no more ops will come.
     pub fn finish(self) -> Result<RunStats, Unfinished> {
         self.finish_probed().map(|(stats, _)| stats)
@@ -276,7 +286,8 @@ impl Array {
         }
     }
 
-    fn stuck(&self) -> Stuck {
+    /// Who waits for whom, in an array that does not go on.
+    pub fn stuck(&self) -> Stuck {
         let parties = (0..self.cells.len()).map(Party::Cell);
         stuck::diagnose(std::iter::once(Party::Host).chain(parties).filter_map(|party| self.standing(party)))
     }

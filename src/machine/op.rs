@@ -191,6 +191,19 @@ impl OpStream {
         self.ops.push(Op::new(kind, count as u32));
     }
 
+    /// Adds a whole line.
+    #[inline]
+    pub fn push_line(&mut self, ray: u32, ops: &[Op]) {
+        self.ops.extend_from_slice(ops);
+        self.end_line(ray);
+    }
+
+    /// The ops of a line, by its place among the lines.
+    #[inline]
+    pub fn line(&self, index: usize) -> &[Op] {
+        &self.ops[self.line_start(index)..self.lines[index].end as usize]
+    }
+
     /// Ends the line under way: all since the line before it was done for `ray`.
     #[inline]
     pub fn end_line(&mut self, ray: u32) {
@@ -205,10 +218,7 @@ impl OpStream {
 
     /// Each line as the ray's number and its ops.
     pub fn lines(&self) -> impl ExactSizeIterator<Item = (u32, &[Op])> {
-        (0..self.lines.len()).map(|index| {
-            let line = self.lines[index];
-            (line.ray, &self.ops[self.line_start(index)..line.end as usize])
-        })
+        (0..self.lines.len()).map(|index| (self.lines[index].ray, self.line(index)))
     }
 
     /// The line that op number `index` is in, as the ray's number and the op's position in the line.

@@ -11,7 +11,16 @@ pub struct Times {
     pub each: Cycles,
 }
 
-/// The times of all kernels.
+/// What the host spends, beside writing the words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HostTimes {
+    /// On each ray, before it sends it.
+    pub ray: Cycles,
+    /// On shading a hit.
+    pub hit: Cycles,
+}
+
+/// The times of all kernels, and the host's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KernelTimes {
     /// The walk through the grid, a voxel.
@@ -20,4 +29,6 @@ pub struct KernelTimes {
     pub slabs: Times,
     /// The intersection test, a polygon.
     pub intersection: Times,
+    /// The host.
+    pub host: HostTimes,
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::kernel::{KernelTimes, Times};
+use super::kernel::{HostTimes, KernelTimes, Times};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
 use crate::machine::{Cycles, MachineSpec, RateCounts, Words};
@@ -28,6 +28,12 @@ pub struct MachineFile {
     /// Words of memory of a cell; `None` for as many as it needs.
     #[serde(default)]
     pub memory_words: Option<u64>,
+    /// What the host spends on each ray before it sends it, in µs; 0 for a host that is never the bottleneck.
+    #[serde(default)]
+    pub host_ray_us: f64,
+    /// What the host spends on shading a hit, in µs.
+    #[serde(default)]
+    pub host_hit_us: f64,
     /// Figure 7.
     pub times_us: TimesUs,
 }
@@ -106,7 +112,7 @@ impl MachineFile {
                 spec.link_rate().cycles_per_word,
             ));
         }
-        let times = self.times_us.in_cycles(&spec, &mut notes)?;
+        let times = self.times(&spec, &mut notes)?;
         Ok(Machine { spec, times, notes })
     }
 
@@ -128,8 +134,9 @@ impl MachineFile {
     }
 }
 
-impl TimesUs {
-    fn in_cycles(&self, spec: &MachineSpec, notes: &mut Vec<String>) -> Result<KernelTimes, Fault> {
+impl MachineFile {
+    fn times(&self, spec: &MachineSpec, notes: &mut Vec<String>) -> Result<KernelTimes, Fault> {
+        let us = &self.times_us;
         let mut convert = |name: &'static str, us: f64| {
             if !(us.is_finite() && us >= 0.0) {
                 return Err(impossible(name, us, "0 or more"));
@@ -144,17 +151,18 @@ impl TimesUs {
             Ok(cycles)
         };
         Ok(KernelTimes {
-            grid: Times {
-                start: convert("grid_start", self.grid_start)?,
-                each: convert("grid_voxel", self.grid_voxel)?,
-            },
+            grid: Times { start: convert("grid_start", us.grid_start)?, each: convert("grid_voxel", us.grid_voxel)? },
             slabs: Times {
-                start: convert("slabs_start", self.slabs_start)?,
-                each: convert("slabs_polygon", self.slabs_polygon)?,
+                start: convert("slabs_start", us.slabs_start)?,
+                each: convert("slabs_polygon", us.slabs_polygon)?,
             },
             intersection: Times {
-                start: convert("intersection_start", self.intersection_start)?,
-                each: convert("intersection_polygon", self.intersection_polygon)?,
+                start: convert("intersection_start", us.intersection_start)?,
+                each: convert("intersection_polygon", us.intersection_polygon)?,
+            },
+            host: HostTimes {
+                ray: convert("host_ray_us", self.host_ray_us)?,
+                hit: convert("host_hit_us", self.host_hit_us)?,
             },
         })
     }

@@ -11,7 +11,7 @@ mod trace;
 mod workload;
 
 pub use array_program::{ArrayProgram, Kernel, Stages};
-pub use kernel::{KernelTimes, Times};
+pub use kernel::{HostTimes, KernelTimes, Times};
 pub use machine_file::{Machine, MachineFile, TimesUs};
-pub use trace::{Counts, Tracer};
+pub use trace::{Counts, Tracer, send_ray};
 pub use workload::{CellMemory, Workload};

@@ -72,12 +72,16 @@ impl<'a> Tracer<'a> {
 
     /// Traces ray number `id`: adds a line to the host's and to every cell's ops, and returns the first hit.
     pub fn trace(&mut self, id: u32, ray: &Ray, batch: &mut OpBatch) -> Hit {
-        batch.host.push(OpKind::WriteX, RAY_WORDS);
-        batch.host.end_line(id);
+        send_ray(&mut batch.host, id, self.workload.times.host.ray);
+        self.trace_cells(id, ray, &mut batch.cells)
+    }
+
+    /// The same without the host's line, for who decides himself when the ray is sent.
+    pub fn trace_cells(&mut self, id: u32, ray: &Ray, cells: &mut [OpStream]) -> Hit {
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
         let stages = self.workload.stages.count();
-        for (index, (group, cells)) in self.workload.groups.iter().zip(batch.cells.chunks_mut(stages)).enumerate() {
+        for (index, (group, cells)) in self.workload.groups.iter().zip(cells.chunks_mut(stages)).enumerate() {
             let mut visit = GroupVisit {
                 workload: self.workload,
                 ray,
@@ -93,7 +97,7 @@ impl<'a> Tracer<'a> {
             nearest = nearest.nearer(visit.hit);
             self.mailbox.clear();
         }
-        batch.cells.iter_mut().for_each(|cell| cell.end_line(id));
+        cells.iter_mut().for_each(|cell| cell.end_line(id));
         self.counts.hits += nearest.is_hit() as u64;
         nearest
     }
@@ -124,6 +128,15 @@ impl<'a> Tracer<'a> {
             visit.done_in(voxel.t_exit)
         });
     }
+}
+
+/// Ends the host's line with the ray: the host's time on it, then its words.
+pub fn send_ray(host: &mut OpStream, id: u32, time: Cycles) {
+    if time.0 > 0 {
+        host.push(OpKind::Compute(Work::Other), time.0);
+    }
+    host.push(OpKind::WriteX, RAY_WORDS);
+    host.end_line(id);
 }
 
 /// Which kernels have been entered, and their start paid, for a ray.

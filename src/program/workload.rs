@@ -5,7 +5,7 @@ use crate::geometry::{Grid, Polygons, Slabs, slabs};
 use crate::machine::Words;
 
 use super::array_program::{Kernel, Stages};
-use super::kernel::KernelTimes;
+use super::kernel::{HostTimes, KernelTimes};
 
 /// A scene's polygons with the grids and slabs that an array program gives its cells.
 #[derive(Clone, Debug)]
@@ -45,6 +45,11 @@ impl CellMemory {
 }
 
 impl Workload {
+    /// What the host spends.
+    pub fn host_times(&self) -> HostTimes {
+        self.times.host
+    }
+
     /// Number of cells.
     pub fn cells(&self) -> usize {
         self.groups.len() * self.stages.count()

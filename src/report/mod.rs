@@ -4,6 +4,7 @@ pub mod activity;
 pub mod bottleneck;
 pub mod files;
 pub mod hits;
+pub mod kinds;
 pub mod page;
 pub mod palette;
 pub mod plot;

@@ -3,8 +3,10 @@
 use serde::Serialize;
 
 use super::bottleneck;
+use super::kinds::RaysByKind;
 use crate::machine::{CellStats, FifoStats, MachineSpec, RunStats, Work};
-use crate::program::{CellMemory, Counts, MachineFile};
+use crate::program::{ArrayProgram, CellMemory, Counts, MachineFile, Workload};
+use crate::scene::Scene;
 
 /// What was run, beside its statistics: enough to run it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -16,11 +18,25 @@ pub struct Configuration {
     /// How many polygons it has.
     pub polygons: usize,
     /// The array program, as its file would have it.
-    pub program: crate::program::ArrayProgram,
+    pub program: ArrayProgram,
     /// Words that each cell's memory holds.
     pub memory: Vec<MemoryWords>,
     /// The machine, as its file would have it.
     pub machine: MachineFile,
+}
+
+impl Configuration {
+    /// What a run is made of.
+    pub fn new(scene: &Scene, workload: &Workload, program: &ArrayProgram, machine: &MachineFile) -> Configuration {
+        Configuration {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: scene.name.clone(),
+            polygons: workload.polygons().len(),
+            program: program.clone(),
+            memory: (0..workload.cells()).map(|cell| workload.memory_of(cell).into()).collect(),
+            machine: machine.clone(),
+        }
+    }
 }
 
 /// A cell's memory, in words.
@@ -48,6 +64,8 @@ struct Report<'a> {
     fifos: Vec<Fifo<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     counts: Option<CountsJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rays_by_kind: Option<&'a RaysByKind>,
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     configuration: Option<&'a Configuration>,
@@ -133,6 +151,27 @@ pub fn to_json(
     counts: Option<&Counts>,
     configuration: Option<&Configuration>,
 ) -> serde_json::Result<String> {
+    json(stats, spec, counts, None, configuration)
+}
+
+/// The same for an image, with its rays by kind.
+pub fn image_to_json(
+    stats: &RunStats,
+    spec: &MachineSpec,
+    counts: &Counts,
+    kinds: &RaysByKind,
+    configuration: &Configuration,
+) -> serde_json::Result<String> {
+    json(stats, spec, Some(counts), Some(kinds), Some(configuration))
+}
+
+fn json(
+    stats: &RunStats,
+    spec: &MachineSpec,
+    counts: Option<&Counts>,
+    rays_by_kind: Option<&RaysByKind>,
+    configuration: Option<&Configuration>,
+) -> serde_json::Result<String> {
     let seconds = spec.seconds(stats.cycles);
     let report = Report {
         cycles: stats.cycles.0,
@@ -147,6 +186,7 @@ pub fn to_json(
             intersection_tests: counts.intersection_tests,
             hits: counts.hits,
         }),
+        rays_by_kind,
         bottleneck: bottleneck::sentence(stats, spec),
         configuration,
     };

@@ -64,11 +64,32 @@ impl Default for Material {
     }
 }
 
-/// A point light.
+/// A light source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Where it is.
-    pub at: Vec3,
+    /// Where its light comes from.
+    pub from: LightFrom,
     /// Its colour and strength (linear RGB); it does not fall off with distance.
     pub color: Vec3,
+}
+
+/// Where light comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightFrom {
+    /// A point.
+    Point(Vec3),
+    /// One direction everywhere, as from the sun: this one, from the scene towards the light.
+    Direction(Vec3),
+}
+
+impl Light {
+    /// A light that shines from a point.
+    pub fn point(at: Vec3, color: Vec3) -> Light {
+        Light { from: LightFrom::Point(at), color }
+    }
+
+    /// A light that shines from one direction everywhere; `towards` leads from the scene to the light.
+    pub fn directional(towards: Vec3, color: Vec3) -> Light {
+        Light { from: LightFrom::Direction(towards), color }
+    }
 }

@@ -1,6 +1,13 @@
 //! A whole run: the functional half on all threads, ahead of the timing half that takes its ops in order.
 
 mod ahead;
+mod closed_loop;
+mod render;
+mod trees;
+
+pub use closed_loop::{HostRules, Policy};
+pub use render::{KindLatencies, Picture, Rendered, Seen, Timing, render};
+pub use trees::{ByKind, KindCounts};
 
 use crate::geometry::{Hit, Ray};
 use crate::machine::{Array, Cycles, MachineSpec, OpBatch, Profile, RunStats, Stuck, Unfinished};

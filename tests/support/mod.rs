@@ -3,6 +3,7 @@
 
 pub mod command;
 pub mod ticking;
+pub mod whitted;
 
 use std::convert::Infallible;
 

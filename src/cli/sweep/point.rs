@@ -10,7 +10,7 @@ use pcs_sim::program::{ArrayProgram, Counts, Machine, Workload};
 use pcs_sim::scene::Scene;
 use pcs_sim::simulation::{self, TracedBatch};
 
-use crate::cli::args::RunArgs;
+use crate::cli::args::{RunArgs, SceneArgs};
 use crate::cli::run;
 
 /// What the table tells of a point, behind its parameters.
@@ -79,7 +79,8 @@ impl Scenes {
         {
             return Ok(scene.clone());
         }
-        let scene = run::scene(&setting.args.scene).map_err(reason)?;
+        let SceneArgs { scene, shape, .. } = &setting.args.scene;
+        let scene = run::scene(scene, shape).map_err(reason)?;
         let rays = run::rays(&setting.args.scene, &scene).map_err(reason)?;
         let both = Rc::new((scene, rays));
         self.last = Some((setting.scene.clone(), both.clone()));
@@ -100,7 +101,7 @@ impl Recording {
         let (scene, rays) = scene;
         let workload = Workload::new(&scene.mesh, &setting.program, setting.machine.times, rays).map_err(reason)?;
         let (mut batches, mut counts) = (Vec::new(), Counts::default());
-        let Ok(()) = simulation::trace(&workload, rays, run::threads(&setting.args), |batch| {
+        let Ok(()) = simulation::trace(&workload, rays, run::threads(setting.args.threads), |batch| {
             counts += batch.counts;
             batches.push(batch.ops);
             Ok::<_, Infallible>(TracedBatch::default())

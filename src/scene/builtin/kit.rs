@@ -15,7 +15,7 @@ pub fn camera(from: DVec3, at: DVec3, up: DVec3, angle: f32) -> Camera {
 /// White lights, together as strong as the neutral file format says: each the root of their number, divided by it.
 pub fn lights<const N: usize>(places: [DVec3; N]) -> Vec<Light> {
     let strength = 1.0 / (N as f64).sqrt();
-    places.map(|at| Light { at: at.as_vec3(), color: Vec3::splat(strength as f32) }).to_vec()
+    places.map(|at| Light::point(at.as_vec3(), Vec3::splat(strength as f32))).to_vec()
 }
 
 /// A surface without highlights.

@@ -38,8 +38,8 @@ fn build(size: u32) -> Scene {
     table(&mut mesh);
     boxes(&mut mesh, size);
     let camera = kit::camera(dvec3(0.3, 0.3, 1.8), dvec3(3.9, 2.5, 0.95), DVec3::Z, 62.0);
-    let lamp = Light { at: Vec3::new(2.2, 1.8, 2.5), color: Vec3::new(0.75, 0.72, 0.65) };
-    let sun = Light { at: Vec3::new(12.0, -1.0, 7.0), color: Vec3::new(0.6, 0.6, 0.55) };
+    let lamp = Light::point(Vec3::new(2.2, 1.8, 2.5), Vec3::new(0.75, 0.72, 0.65));
+    let sun = Light::point(Vec3::new(12.0, -1.0, 7.0), Vec3::new(0.6, 0.6, 0.55));
     kit::scene("room", mesh, materials(), vec![lamp, sun], camera, Vec3::new(0.55, 0.75, 0.95))
 }
 

@@ -106,7 +106,7 @@ impl<'a> Reader<'a> {
             self.plain_lights.push(self.draft.lights.len());
             Vec3::ONE
         };
-        self.draft.lights.push(Light { at, color });
+        self.draft.lights.push(Light::point(at, color));
         Ok(())
     }
 

@@ -43,7 +43,8 @@ struct CameraText<'a> {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename = "Light", bound(deserialize = "'de: 'a"))]
 struct LightText<'a> {
-    at: Triple<'a>,
+    at: Option<Triple<'a>>,
+    towards: Option<Triple<'a>>,
     color: Option<Triple<'a>>,
 }
 
@@ -130,7 +131,23 @@ impl Reader<'_> {
     }
 
     fn light(&self, light: &LightText) -> Result<Light, InputError> {
-        Ok(Light { at: self.vector(&light.at)?, color: self.color(light.color.as_ref(), Vec3::ONE)? })
+        let color = self.color(light.color.as_ref(), Vec3::ONE)?;
+        match (&light.at, &light.towards) {
+            (Some(at), None) => Ok(Light::point(self.vector(at)?, color)),
+            (None, Some(towards)) => {
+                let direction = self.vector(towards)?;
+                if direction == Vec3::ZERO {
+                    return Err(towards.error(self.text, "light's direction is zero"));
+                }
+                Ok(Light::directional(direction, color))
+            }
+            (Some(_), Some(towards)) => Err(towards.error(self.text, "light has both `at` and `towards`")),
+            (None, None) => {
+                let message = "light has neither `at` nor `towards`";
+                let file = || InputError::in_file(self.text.file, message);
+                Err(light.color.as_ref().map_or_else(file, |color| color.error(self.text, message)))
+            }
+        }
     }
 
     fn material(&mut self, material: &MaterialText) -> Result<(), InputError> {

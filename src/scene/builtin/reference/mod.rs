@@ -49,8 +49,8 @@ fn build(size: u32) -> Scene {
     village::add(&mut mesh, shares.houses);
     forest::add(&mut mesh, shares.trees);
     lake::gliders(&mut mesh, shares.gliders);
-    let sun = Light { at: Vec3::new(-90.0, -80.0, 80.0), color: Vec3::new(0.9, 0.82, 0.68) };
-    let sky = Light { at: Vec3::new(60.0, -60.0, 120.0), color: Vec3::new(0.2, 0.25, 0.35) };
+    let sun = Light::point(Vec3::new(-90.0, -80.0, 80.0), Vec3::new(0.9, 0.82, 0.68));
+    let sky = Light::point(Vec3::new(60.0, -60.0, 120.0), Vec3::new(0.2, 0.25, 0.35));
     let camera = kit::camera(EYE, dvec3(0.0, -10.0, 1.0), DVec3::Z, 45.0);
     kit::scene("reference", mesh, stuff::materials(), vec![sun, sky], camera, Vec3::new(0.45, 0.62, 0.85))
 }

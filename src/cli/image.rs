@@ -1,0 +1,225 @@
+//! `pcs-sim image SCENE -o FILE`: a whole image, with the host and the array in a closed loop.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pcs_sim::error::InputError;
+use pcs_sim::geometry::Hit;
+use pcs_sim::host::sampling::Sampling;
+use pcs_sim::host::shading::Limits;
+use pcs_sim::host::{camera, image};
+use pcs_sim::program::{Machine, MachineFile, Workload};
+use pcs_sim::report::files::OutputFile;
+use pcs_sim::report::kinds::{self, RaysByKind};
+use pcs_sim::report::stats::{self, Configuration};
+use pcs_sim::report::summary::{self, grouped};
+use pcs_sim::report::{activity, bottleneck, hits};
+use pcs_sim::scene::Scene;
+use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, RunError, Seen};
+
+use super::args::{ImageArgs, PolicyName, Switch};
+use super::run::{array_program, kernel_names, machine_file, machine_line, memory_line, plural, scene, threads};
+use super::{Failure, outputs, print, progress};
+
+/// What the image can be written as.
+#[derive(Clone, Copy, PartialEq)]
+enum Format {
+    Png,
+    Pfm,
+}
+
+/// The files that the command writes.
+struct Outputs {
+    image: Option<OutputFile>,
+    stats: Option<OutputFile>,
+    hits: Option<OutputFile>,
+    ops: Option<OutputFile>,
+}
+
+/// What an image is made of.
+struct Setup {
+    scene: Scene,
+    program: pcs_sim::program::ArrayProgram,
+    machine_file: MachineFile,
+    machine: Machine,
+    workload: Workload,
+}
+
+/// Why a run was cut short.
+enum Cut {
+    Interrupted { done: usize, of: usize },
+    Output(std::io::Error),
+}
+
+/// Makes the image.
+pub fn image(args: &ImageArgs) -> Result<(), Failure> {
+    let format = format(args)?;
+    check(args)?;
+    let stop = stop_on_signal()?;
+    let machine_file = machine_file(&args.machine)?;
+    let machine = machine_file.build()?;
+    let program = array_program(&args.program)?;
+    let mut files = open_outputs(args)?;
+    let spinner = progress::waiting("preparing the scene");
+    let scene = scene(&args.scene, &args.shape)?;
+    let rays = camera::primary_rays(&scene.camera, args.shape.size);
+    let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
+    workload.check_memory(machine.spec.memory_words)?;
+    spinner.finish_and_clear();
+    let setup = Setup { scene, program, machine_file, machine, workload };
+    setup.machine.notes.iter().chain(&setup.scene.notes).for_each(|note| eprintln!("note: {note}"));
+    let mut found = Vec::new();
+    let rendered = render(args, &setup, &mut files, &mut found, &stop)?;
+    print(&report(&setup, &rendered))?;
+    let written = write_outputs(args, format, &setup, &rendered, &found, files)?;
+    print(&outputs::list(&written))
+}
+
+fn format(args: &ImageArgs) -> Result<Format, InputError> {
+    let extension = args.output.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("png") => Ok(Format::Png),
+        Some("pfm") => Ok(Format::Pfm),
+        _ => Err(InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm")),
+    }
+}
+
+fn check(args: &ImageArgs) -> Result<(), InputError> {
+    let share = args.light.min_contribution;
+    if !(0.0..=1.0).contains(&share) {
+        return Err(InputError::new(format!("--min-contribution is {share}, it must be from 0 to 1")));
+    }
+    let timed = [("--stats", &args.results.stats), ("--hits", &args.hits), ("--ops", &args.ops)];
+    match timed.iter().find(|(_, file)| args.host.timing == Switch::Off && file.is_some()) {
+        Some((flag, _)) => {
+            let error = InputError::new(format!("{flag} tells of the array, which --timing off leaves out"));
+            Err(error.help("leave out one of the two"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Becomes true when the user asks the command to stop.
+fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    let handler = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
+    handler.map_err(|error| Failure::Output(format!("cannot listen for signals: {error}")))?;
+    Ok(stop)
+}
+
+fn open_outputs(args: &ImageArgs) -> Result<Outputs, InputError> {
+    let (stats, hits, ops) = (args.results.stats.as_ref(), args.hits.as_ref(), args.ops.as_ref());
+    outputs::check_distinct(&[Some(&args.output), stats, hits, ops])?;
+    let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
+    Ok(Outputs { image: open(Some(&args.output))?, stats: open(stats)?, hits: open(hits)?, ops: open(ops)? })
+}
+
+fn rules(args: &ImageArgs) -> HostRules {
+    let policy = match args.host.policy {
+        PolicyName::Secondaries => Policy::SecondariesFirst,
+        PolicyName::Primaries => Policy::PrimariesFirst,
+        PolicyName::Generation => Policy::ByGeneration,
+    };
+    HostRules { policy, in_flight: args.host.in_flight, open_samples: args.host.open_samples as usize }
+}
+
+fn render(
+    args: &ImageArgs,
+    setup: &Setup,
+    files: &mut Outputs,
+    found: &mut Vec<Hit>,
+    stop: &AtomicBool,
+) -> Result<Rendered, Failure> {
+    let picture = Picture {
+        scene: &setup.scene,
+        workload: &setup.workload,
+        size: args.shape.size,
+        sampling: Sampling { side: args.light.samples, adaptive: args.light.adaptive },
+        limits: Limits { depth: args.light.depth, contribution: args.light.min_contribution },
+    };
+    let timing = (args.host.timing == Switch::On).then(|| (&setup.machine.spec, rules(args)));
+    let unwritable = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
+    if let Some(file) = &mut files.ops {
+        activity::write_header(file, setup.workload.cells()).map_err(unwritable)?;
+    }
+    let bar = progress::samples();
+    let result = simulation::render(&picture, timing, threads(args.threads), |seen| match seen {
+        Seen::Samples { done, of } => {
+            bar.set_length(of as u64);
+            bar.set_position(done as u64);
+            if stop.load(Ordering::Relaxed) { Err(Cut::Interrupted { done, of }) } else { Ok(()) }
+        }
+        Seen::Sent(ops, hit) => {
+            found.extend(files.hits.is_some().then_some(*hit));
+            files.ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, ops)).map_err(Cut::Output)
+        }
+    });
+    bar.finish_and_clear();
+    result.map_err(|error| match error {
+        RunError::Stuck(stuck) => Failure::Stuck(stuck),
+        RunError::Observer(Cut::Output(error)) => unwritable(error),
+        RunError::Observer(Cut::Interrupted { done, of }) => {
+            let (done, of) = (grouped(done as u64), grouped(of as u64));
+            Failure::Interrupted(format!("after {done} of {of} samples; nothing was written"))
+        }
+    })
+}
+
+fn report(setup: &Setup, rendered: &Rendered) -> String {
+    let Setup { scene, program, machine, workload, .. } = setup;
+    let rays: u64 = rendered.kinds.iter().map(|kind| kind.rays).sum();
+    let polygons = grouped(workload.polygons().len() as u64);
+    let per_pixel = rays as f64 / rendered.pixels.len().max(1) as f64;
+    let what = format!("scene {} ({polygons} polygons), {} rays, {per_pixel:.2} a pixel", scene.name, grouped(rays),);
+    let Some(timing) = &rendered.timing else {
+        return format!("image without timing: {what}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
+    };
+    let (cells, stats) = (workload.cells(), &timing.stats);
+    let names: Vec<String> = (0..cells).map(|cell| kernel_names(workload.kernels_of(cell))).collect();
+    let groups = plural(workload.groups(), "group");
+    [
+        format!("{} on {cells} cells in {groups} of {}: {what}", program.name, program.stages.len()),
+        machine_line(&machine.spec),
+        summary::speed(stats, &machine.spec),
+        memory_line(workload),
+        format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, &machine.spec)))),
+        summary::cells(stats, &names),
+        summary::fifos(stats),
+        format!("{}\n", bottleneck::sentence(stats, &machine.spec)),
+    ]
+    .join("\n")
+}
+
+fn write_outputs(
+    args: &ImageArgs,
+    format: Format,
+    setup: &Setup,
+    rendered: &Rendered,
+    found: &[Hit],
+    files: Outputs,
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut written = Vec::new();
+    let (size, pixels) = (args.shape.size, &rendered.pixels);
+    outputs::finish(files.image, &mut written, |file| match format {
+        Format::Png => image::write_png(file, size, pixels).map_err(|error| error.to_string()),
+        Format::Pfm => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
+    })?;
+    if let Some(timing) = &rendered.timing {
+        outputs::finish(files.stats, &mut written, |file| {
+            let kinds = RaysByKind::new(&rendered.kinds, timing);
+            let (spec, counts) = (&setup.machine.spec, &rendered.counts);
+            let json = stats::image_to_json(&timing.stats, spec, counts, &kinds, &configuration(setup))?;
+            file.write_all(json.as_bytes())
+        })?;
+    }
+    outputs::finish(files.hits, &mut written, |file| hits::write(file, setup.workload.polygons(), found))?;
+    outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
+    Ok(written)
+}
+
+fn configuration(setup: &Setup) -> Configuration {
+    Configuration::new(&setup.scene, &setup.workload, &setup.program, &setup.machine_file)
+}

@@ -1,0 +1,197 @@
+//! A whole image: trees of rays on all threads, ahead of the host and the array in a closed loop.
+
+use glam::{DVec3, Vec3};
+
+use super::ahead;
+use super::closed_loop::{ClosedLoop, HostRules};
+use super::trees::{ByKind, Grower, KindCounts, TreeBatch};
+use super::{BATCH_LINES, RunError};
+use crate::geometry::Hit;
+use crate::host::camera::{ImageSize, View};
+use crate::host::sampling::{Pass, Sampling};
+use crate::host::shading::{Limits, Shader};
+use crate::machine::{Cycles, MachineSpec, OpBatch, RunStats, Stuck, Unfinished};
+use crate::program::{Counts, Tracer, Workload};
+use crate::scene::Scene;
+
+/// About the rays of a tree, to make batches of a good size.
+const RAYS_PER_TREE: usize = 8;
+
+/// What is to be seen, and how well.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture<'a> {
+    /// The scene, whose mesh is the workload's.
+    pub scene: &'a Scene,
+    /// The scene laid out for the array.
+    pub workload: &'a Workload,
+    /// Size of the image.
+    pub size: ImageSize,
+    /// Rays from the eye.
+    pub sampling: Sampling,
+    /// Where the trees of rays end.
+    pub limits: Limits,
+}
+
+/// What an observer sees of a run under way.
+#[derive(Debug)]
+pub enum Seen<'a> {
+    /// More samples are known: so many of so many (more may be added to these by adaptive sampling).
+    Samples {
+        /// How many are known by now.
+        done: usize,
+        /// How many are to be known.
+        of: usize,
+    },
+    /// The host sends a ray: its ops, and the hit that it will find. Not without timing.
+    Sent(&'a OpBatch, &'a Hit),
+}
+
+/// An image and what it took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendered {
+    /// Pixels of linear light, line by line from the top left. They do not depend on threads, timing, array or host.
+    pub pixels: Vec<Vec3>,
+    /// How often the kernels did their work.
+    pub counts: Counts,
+    /// What the rays of each kind came to.
+    pub kinds: ByKind<KindCounts>,
+    /// The machine's part, if it was asked for.
+    pub timing: Option<Timing>,
+}
+
+/// What the machine did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Timing {
+    /// Where every cycle and word went.
+    pub stats: RunStats,
+    /// The latencies of the rays of each kind.
+    pub latencies: ByKind<KindLatencies>,
+}
+
+/// Latencies in rising order: each from the cycle in which the host writes a ray's last word to that in which it reads
+/// the last word of the ray's hit.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct KindLatencies(Vec<u64>);
+
+impl KindLatencies {
+    fn new(mut latencies: Vec<u64>) -> KindLatencies {
+        latencies.sort_unstable();
+        KindLatencies(latencies)
+    }
+
+    /// The latency that `percent` % of the rays do not exceed: 0 gives the shortest, 100 the longest. 0 without rays.
+    pub fn percentile(&self, percent: u32) -> Cycles {
+        let rank = (self.0.len() * percent as usize).div_ceil(100).max(1);
+        Cycles(self.0.get(rank - 1).copied().unwrap_or(0))
+    }
+
+    /// The mean, in cycles; 0 without rays.
+    pub fn mean(&self) -> f64 {
+        if self.0.is_empty() { 0.0 } else { self.0.iter().sum::<u64>() as f64 / self.0.len() as f64 }
+    }
+}
+
+/// Makes an image; with a machine and its host's rules, it also times it.
+///
+/// `observe` sees it grow: for progress, to keep the ops, or to stop it by failing.
+pub fn render<E>(
+    picture: &Picture,
+    timing: Option<(&MachineSpec, HostRules)>,
+    threads: usize,
+    mut observe: impl FnMut(Seen<'_>) -> Result<(), E>,
+) -> Result<Rendered, RunError<E>> {
+    let cells = picture.workload.cells();
+    let times = picture.workload.host_times();
+    let mut host = timing.map(|(spec, rules)| ClosedLoop::new(spec, cells, times, rules));
+    let mut canvas = Canvas::new(picture);
+    let mut seen = |seen: Seen<'_>| observe(seen).map_err(RunError::Observer);
+    let first = Pass::first(picture.size, picture.sampling);
+    canvas.take_pass(picture, &first, threads, &mut host, &mut seen)?;
+    if picture.sampling.adaptive && picture.sampling.side > 1 {
+        let second = Pass::second(picture.size, picture.sampling, &canvas.objects);
+        canvas.take_pass(picture, &second, threads, &mut host, &mut seen)?;
+    }
+    let timing = host.map(finish).transpose()?;
+    Ok(Rendered { pixels: canvas.pixels, counts: canvas.counts, kinds: canvas.kinds, timing })
+}
+
+fn finish(mut host: ClosedLoop) -> Result<Timing, Stuck> {
+    let latencies = std::mem::take(&mut host.latencies).map(KindLatencies::new);
+    match host.into_array().finish() {
+        Ok(stats) => Ok(Timing { stats, latencies }),
+        Err(Unfinished::Stuck(stuck)) => Err(stuck),
+        // No array program has a cell work on after the last hit has left the array.
+        Err(Unfinished::Outlived(cycles)) => unreachable!("a cell outlived the last hit in cycle {cycles}"),
+    }
+}
+
+/// What is known of the image.
+struct Canvas {
+    pixels: Vec<Vec3>,
+    /// What each pixel shows, if adaptive sampling asks for it.
+    objects: Vec<u32>,
+    counts: Counts,
+    kinds: ByKind<KindCounts>,
+}
+
+impl Canvas {
+    fn new(picture: &Picture) -> Canvas {
+        let count = picture.size.pixels();
+        Canvas {
+            pixels: vec![Vec3::ZERO; count],
+            objects: vec![0; if picture.sampling.adaptive { count } else { 0 }],
+            counts: Counts::default(),
+            kinds: Default::default(),
+        }
+    }
+
+    fn take_pass<E>(
+        &mut self,
+        picture: &Picture,
+        pass: &Pass,
+        threads: usize,
+        host: &mut Option<ClosedLoop>,
+        observe: &mut impl FnMut(Seen<'_>) -> Result<(), RunError<E>>,
+    ) -> Result<(), RunError<E>> {
+        let cells = picture.workload.cells();
+        let shader = Shader::new(picture.scene, picture.workload.polygons(), picture.limits);
+        let view = View::new(&picture.scene.camera, picture.size);
+        let worker = || Grower { tracer: Tracer::new(picture.workload), shader: &shader, view };
+        let per_batch = (BATCH_LINES / cells / RAYS_PER_TREE).clamp(4, 128);
+        let samples = |index: usize| index * per_batch..pass.len().min((index + 1) * per_batch);
+        let make =
+            |grower: &mut Grower<'_>, index: usize, batch: TreeBatch| grower.grow(pass, samples(index), cells, batch);
+        let (mut index, mut sum) = (0, DVec3::ZERO);
+        ahead::in_order(pass.len().div_ceil(per_batch), threads, worker, make, |batch| {
+            let range = samples(index);
+            self.counts += batch.traced.counts;
+            self.kinds.iter_mut().zip(batch.kinds).for_each(|(all, new)| *all += new);
+            for ((sample, &color), &object) in range.clone().zip(&batch.colors).zip(&batch.objects) {
+                self.take_sample(pass, sample, color, object, &mut sum);
+            }
+            index += 1;
+            observe(Seen::Samples { done: range.end, of: pass.len() })?;
+            match host {
+                Some(host) => host.add(batch, &mut |ops, hit| observe(Seen::Sent(ops, hit))),
+                None => Ok(batch),
+            }
+        })?;
+        match host {
+            Some(host) => host.drain(&mut |ops, hit| observe(Seen::Sent(ops, hit))),
+            None => Ok(()),
+        }
+    }
+
+    /// Adds a sample; after a pixel's last one, `sum` is its light, and starts anew.
+    fn take_sample(&mut self, pass: &Pass, sample: usize, color: DVec3, object: u32, sum: &mut DVec3) {
+        *sum += color;
+        if (sample + 1).is_multiple_of(pass.per_pixel()) {
+            let pixel = pass.pixel(sample);
+            self.pixels[pixel] = (*sum / pass.per_pixel() as f64).as_vec3();
+            *sum = DVec3::ZERO;
+            if let Some(seen) = self.objects.get_mut(pixel) {
+                *seen = object;
+            }
+        }
+    }
+}
