@@ -1,4 +1,4 @@
-//! The timing half alone: words a second on one core, with all statistics on.
+//! The timing half alone: words a second on one core, with all statistics on, without and with a probe.
 //!
 //! `cargo bench --bench timing`
 
@@ -86,9 +86,10 @@ fn varying(ray: u32, salt: usize, range: u64) -> u64 {
 }
 
 /// Seconds and words of a run over the same batch many times.
-fn run(batch: &OpBatch, fifo_words: u64) -> (f64, u64) {
+fn run(batch: &OpBatch, fifo_words: u64, probed: bool) -> (f64, u64) {
     let spec = MachineSpec { fifo_words: Words(fifo_words), ..MachineSpec::default() };
-    let mut array = Array::new(&spec, batch.cells.len());
+    let array = Array::new(&spec, batch.cells.len());
+    let mut array = if probed { array.probed() } else { array };
     let batches: Vec<OpBatch> = (0..BATCHES).map(|_| batch.clone()).collect();
     let start = Instant::now();
     for batch in batches {
@@ -100,8 +101,15 @@ fn run(batch: &OpBatch, fifo_words: u64) -> (f64, u64) {
     (seconds, black_box(stats).fifos.iter().map(|fifo| fifo.words.0).sum())
 }
 
+fn median_rate(batch: &OpBatch, fifo_words: u64, probed: bool) -> f64 {
+    let rate = |(seconds, words): (f64, u64)| words as f64 / seconds / 1e6;
+    let mut rates: Vec<f64> = (0..7).map(|_| rate(run(batch, fifo_words, probed))).collect();
+    rates.sort_by(f64::total_cmp);
+    rates[rates.len() / 2]
+}
+
 fn main() {
-    println!("{:<22} {:>10} {:>16}", "program", "FIFO words", "million words/s");
+    println!("{:<22} {:>10} {:>16} {:>12}", "program", "FIFO words", "million words/s", "with probe");
     let programs = [
         ("pipeline", pipeline()),
         ("broadcast, 8 cells", broadcast(8)),
@@ -113,10 +121,8 @@ fn main() {
         programs.iter().filter(|(name, _)| only.as_ref().is_none_or(|only| name.contains(only.as_str())))
     {
         for fifo_words in [512, 64, 8] {
-            let mut rates: Vec<f64> =
-                (0..7).map(|_| run(batch, fifo_words)).map(|(s, words)| words as f64 / s / 1e6).collect();
-            rates.sort_by(f64::total_cmp);
-            println!("{name:<22} {fifo_words:>10} {:>16.0}", rates[rates.len() / 2]);
+            let [off, on] = [false, true].map(|probed| median_rate(batch, fifo_words, probed));
+            println!("{name:<22} {fifo_words:>10} {off:>16.0} {on:>12.0}");
         }
     }
 }

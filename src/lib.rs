@@ -60,3 +60,4 @@ pub mod program;
 pub mod report;
 pub mod scene;
 pub mod simulation;
+pub mod sweep;

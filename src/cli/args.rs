@@ -25,11 +25,15 @@ pub enum Command {
     Image(Box<ImageArgs>),
     /// Times a recorded activity trace again, under any machine, without its scene.
     Replay(Box<ReplayArgs>),
+    /// Runs every combination of parameters that a file lists, and writes one table.
+    Sweep(SweepArgs),
+    /// Tells in what two statistics files differ, and by how much.
+    Compare(CompareArgs),
     /// Lists the built-in scenes.
     Scenes,
 }
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct RunArgs {
     #[command(flatten)]
     pub program: ProgramArgs,
@@ -39,6 +43,8 @@ pub struct RunArgs {
     pub machine: MachineArgs,
     #[command(flatten)]
     pub results: ResultArgs,
+    #[command(flatten)]
+    pub views: ViewArgs,
     /// Write the hits as CSV: ray, t, polygon, alpha, beta.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub hits: Option<PathBuf>,
@@ -136,7 +142,7 @@ pub enum PolicyName {
     Generation,
 }
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Array program")]
 pub struct ProgramArgs {
     /// How the array works [default: pipeline].
@@ -184,7 +190,7 @@ impl Mode {
     }
 }
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Scene and rays")]
 pub struct SceneArgs {
     /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
@@ -198,7 +204,7 @@ pub struct SceneArgs {
 }
 
 /// How large scene and image are.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Scene and rays")]
 pub struct ShapeArgs {
     /// Size factor of a built-in scene.
@@ -212,7 +218,7 @@ pub struct ShapeArgs {
     pub size: ImageSize,
 }
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Machine")]
 pub struct MachineArgs {
     /// A machine file of your own; the flags below change it further [default: PCS].
@@ -265,7 +271,7 @@ pub struct MachineArgs {
     pub intersection_polygon: Option<f64>,
 }
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Results")]
 pub struct ResultArgs {
     /// Write all statistics as JSON.
@@ -285,6 +291,42 @@ pub struct ReplayArgs {
     pub machine: MachineArgs,
     #[command(flatten)]
     pub results: ResultArgs,
+    #[command(flatten)]
+    pub views: ViewArgs,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Views of the run over time")]
+pub struct ViewArgs {
+    /// Draw the run as SVG and PNG: FIFO levels and histograms, cell states, rays done, latencies.
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
+    /// Write a page (HTML) to look at the run in a browser: the array, and charts to zoom into.
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// The sweep: a value, a list or a range for any of a run's parameters.
+    #[arg(value_name = "SWEEP.ron")]
+    pub sweep: PathBuf,
+    /// The table, as CSV. A journal lies beside it until it is whole, from which a sweep that was stopped goes on.
+    #[arg(long, value_name = "FILE")]
+    pub table: PathBuf,
+    /// Replace a table that exists.
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The statistics of one run.
+    #[arg(value_name = "A.json")]
+    pub a: PathBuf,
+    /// The statistics of another.
+    #[arg(value_name = "B.json")]
+    pub b: PathBuf,
 }
 
 /// The largest number of pixels: rays are numbered in 32 bits, and kept in memory.

@@ -1,6 +1,7 @@
 //! The command line: one file a command; each parses, calls the library, prints.
 
 mod args;
+mod compare;
 mod diagnostics;
 mod image;
 mod outputs;
@@ -8,6 +9,8 @@ mod progress;
 mod replay;
 mod run;
 mod scenes;
+mod sweep;
+mod views;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -58,6 +61,8 @@ pub fn main() -> ExitCode {
         None => run::run(&cli.run),
         Some(Command::Image(args)) => image::image(args),
         Some(Command::Replay(args)) => replay::replay(args),
+        Some(Command::Sweep(args)) => sweep::sweep(args),
+        Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Scenes) => scenes::scenes(),
     };
     match result {

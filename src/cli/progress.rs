@@ -9,6 +9,11 @@ pub fn rays(count: u64) -> ProgressBar {
     bar(count, "tracing {human_pos} of {human_len} rays {wide_bar} {per_sec}, {eta} left")
 }
 
+/// A bar that counts the points of a sweep.
+pub fn points(count: u64) -> ProgressBar {
+    bar(count, "{human_pos} of {human_len} points {wide_bar} {eta} left")
+}
+
 /// The same for the samples of an image, whose number is set later.
 pub fn samples() -> ProgressBar {
     bar(0, "{human_pos} of {human_len} samples {wide_bar} {eta} left")

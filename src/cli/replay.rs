@@ -2,31 +2,40 @@
 
 use std::io::Write;
 
+use pcs_sim::machine::Array;
 use pcs_sim::report::activity::ActivityTrace;
+use pcs_sim::report::page::Page;
+use pcs_sim::report::plot::Caption;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, stats};
 use pcs_sim::simulation;
 
 use super::args::ReplayArgs;
 use super::run::{machine_file, machine_line};
+use super::views::Views;
 use super::{Failure, outputs, print, progress};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let machine = machine_file(&args.machine)?.build()?;
     let stats_file = outputs::open(args.results.stats.as_deref(), args.results.force)?;
+    let views = Views::open(&args.views, args.results.force)?;
     let spinner = progress::waiting("reading the trace");
     let mut trace = ActivityTrace::open(&args.ops)?;
     let cells = trace.cells();
     spinner.set_message("timing the trace");
-    let result = simulation::replay(&machine.spec, cells, |take| trace.for_each_batch::<Failure>(take))?;
+    let array = |limit| views.fit(Array::until(&machine.spec, cells, limit));
+    let (result, profile) = simulation::replay_in(array, |take| trace.for_each_batch::<Failure>(take))?;
     spinner.finish_and_clear();
     machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    let caption = Caption {
+        title: format!("replay of {} on {cells} cells: {} rays", args.ops.display(), grouped(trace.rays())),
+        machine: machine_line(&machine.spec),
+    };
     print(&format!(
-        "replay of {} on {cells} cells: {} rays\n{}\n{}\n\n{}\n{}\n{}\n",
-        args.ops.display(),
-        grouped(trace.rays()),
-        machine_line(&machine.spec),
+        "{}\n{}\n{}\n\n{}\n{}\n{}\n",
+        caption.title,
+        caption.machine,
         summary::speed(&result, &machine.spec),
         summary::cells(&result, &[]),
         summary::fifos(&result),
@@ -37,5 +46,10 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         let json = stats::to_json(&result, &machine.spec, None, None)?;
         file.write_all(json.as_bytes())
     })?;
+    if let Some(profile) = &profile {
+        let (caption, spec, stats) = (&caption, &machine.spec, &result);
+        let page = Page { caption, spec, stats, profile, cell_names: &[], configuration: None, image: None };
+        views.write(&page, &mut written)?;
+    }
     print(&outputs::list(&written))
 }

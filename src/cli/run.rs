@@ -6,16 +6,19 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::{camera, image, ray_file};
-use pcs_sim::machine::MachineSpec;
+use pcs_sim::machine::{Array, MachineSpec};
 use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
 use pcs_sim::report::files::OutputFile;
+use pcs_sim::report::page::Page;
+use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
-use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, ShapeArgs};
+use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
+use super::views::Views;
 use super::{Failure, outputs, print, progress};
 
 /// The files that a run writes.
@@ -24,6 +27,7 @@ struct Outputs {
     hits: Option<OutputFile>,
     ops: Option<OutputFile>,
     image: Option<OutputFile>,
+    views: Views,
 }
 
 /// What a run is made of.
@@ -44,16 +48,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut files = open_outputs(args)?;
     let spinner = progress::waiting("preparing the scene");
     let scene = scene(&args.scene.scene, &args.scene.shape)?;
-    let rays = match &args.scene.rays {
-        Some(path) => ray_file::read(path)?,
-        None => camera::primary_rays(&scene.camera, args.scene.shape.size),
-    };
+    let rays = rays(&args.scene, &scene)?;
     let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
     notes(&setup);
-    let outcome = simulate(&setup, threads(args.threads), &mut files.ops)?;
+    let outcome = simulate(&setup, threads(args.threads), &mut files)?;
     print(&report(&setup, &outcome))?;
     let written = write_outputs(args, &setup, &outcome, files)?;
     print(&outputs::list(&written))
@@ -139,8 +140,22 @@ pub fn scene(scene: &str, args: &ShapeArgs) -> Result<Scene, InputError> {
     pcs_sim::scene::load(path, &ReadOptions { resolution: args.resolution.unwrap_or(default.resolution) })
 }
 
+/// The rays: the camera's, or a file's.
+pub fn rays(args: &SceneArgs, scene: &Scene) -> Result<Vec<Ray>, InputError> {
+    match &args.rays {
+        Some(path) => ray_file::read(path),
+        None => Ok(camera::primary_rays(&scene.camera, args.shape.size)),
+    }
+}
+
 fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
-    let named = [args.results.stats.as_ref(), args.hits.as_ref(), args.ops.as_ref(), args.image.as_ref()];
+    let named = [
+        args.results.stats.as_ref(),
+        args.hits.as_ref(),
+        args.ops.as_ref(),
+        args.image.as_ref(),
+        args.views.page.as_ref(),
+    ];
     let inputs = [
         Some(Path::new(&args.scene.scene)),
         args.scene.rays.as_deref(),
@@ -154,6 +169,7 @@ fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
         hits: open(&args.hits)?,
         ops: open(&args.ops)?,
         image: open(&args.image)?,
+        views: Views::open(&args.views, args.results.force)?,
     })
 }
 
@@ -164,13 +180,15 @@ fn notes(setup: &Setup) {
     }
 }
 
-fn simulate(setup: &Setup, threads: usize, ops: &mut Option<OutputFile>) -> Result<Outcome, Failure> {
+fn simulate(setup: &Setup, threads: usize, files: &mut Outputs) -> Result<Outcome, Failure> {
     let bar = progress::rays(setup.rays.len() as u64);
     let failed = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
+    let Outputs { ops, views, .. } = files;
     if let Some(file) = ops {
         activity::write_header(file, setup.workload.cells()).map_err(failed)?;
     }
-    let outcome = simulation::run(&setup.workload, &setup.machine.spec, &setup.rays, threads, |batch| {
+    let array = views.fit(Array::new(&setup.machine.spec, setup.workload.cells()));
+    let outcome = simulation::run_in(array, &setup.workload, &setup.rays, threads, |batch| {
         bar.inc(batch.hits.len() as u64);
         ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, &batch.ops))
     });
@@ -182,21 +200,12 @@ fn simulate(setup: &Setup, threads: usize, ops: &mut Option<OutputFile>) -> Resu
 }
 
 fn report(setup: &Setup, outcome: &Outcome) -> String {
-    let Setup { scene, program, machine, rays, workload, .. } = setup;
+    let Setup { machine, rays, workload, .. } = setup;
     let spec = &machine.spec;
     let hits = outcome.counts.hits;
-    let names: Vec<String> = (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect();
+    let names = cell_names(workload);
     let mut lines = vec![
-        format!(
-            "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays",
-            program.name,
-            workload.cells(),
-            plural(workload.groups(), "group"),
-            program.stages.len(),
-            scene.name,
-            grouped(workload.polygons().len() as u64),
-            grouped(rays.len() as u64),
-        ),
+        title(setup),
         machine_line(spec),
         summary::speed(&outcome.stats, spec),
         format!(
@@ -215,6 +224,21 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
         summary::cells(&outcome.stats, &names),
         summary::fifos(&outcome.stats),
         bottleneck::sentence(&outcome.stats, spec),
+    )
+}
+
+/// What runs, in one line.
+fn title(setup: &Setup) -> String {
+    let Setup { scene, program, rays, workload, .. } = setup;
+    format!(
+        "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays",
+        program.name,
+        workload.cells(),
+        plural(workload.groups(), "group"),
+        program.stages.len(),
+        scene.name,
+        grouped(workload.polygons().len() as u64),
+        grouped(rays.len() as u64),
     )
 }
 
@@ -275,5 +299,36 @@ fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Output
         let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
         image::write_png(file, args.scene.shape.size, &pixels)
     })?;
+    if let Some(profile) = &outcome.profile {
+        let spec = &setup.machine.spec;
+        let image = page_image(args, setup, outcome, &files.views)?;
+        let page = Page {
+            caption: &Caption { title: title(setup), machine: machine_line(spec) },
+            spec,
+            stats: &outcome.stats,
+            profile,
+            cell_names: &cell_names(&setup.workload),
+            configuration: Some(&configuration),
+            image: image.as_deref(),
+        };
+        files.views.write(&page, &mut written)?;
+    }
     Ok(written)
+}
+
+/// The traced picture, if a view shows it and the rays are those of a picture.
+fn page_image(args: &RunArgs, setup: &Setup, outcome: &Outcome, views: &Views) -> Result<Option<Vec<u8>>, Failure> {
+    if !views.show_image() || args.scene.rays.is_some() {
+        return Ok(None);
+    }
+    let (polygons, mut png) = (setup.workload.polygons(), Vec::new());
+    let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
+    image::write_png(&mut png, args.scene.shape.size, &pixels)
+        .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
+    Ok(Some(png))
+}
+
+/// What each cell runs.
+fn cell_names(workload: &Workload) -> Vec<String> {
+    (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect()
 }

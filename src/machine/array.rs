@@ -5,8 +5,10 @@ use std::collections::VecDeque;
 use super::Channel;
 use super::cell::{Cell, Halt, Link};
 use super::op::OpBatch;
+use super::probe::Probe;
+use super::profile::Profile;
 use super::spec::MachineSpec;
-use super::stats::RunStats;
+use super::stats::{RunStats, fifo_name};
 use super::stuck::{self, Party, Stuck};
 use super::units::Cycles;
 
@@ -49,6 +51,8 @@ pub struct Array {
     /// When the host read the last word of each returned message.
     returned: Vec<u64>,
     limit: u64,
+    /// Sees what happens when, if asked to. Boxed, as most arrays have none.
+    probe: Option<Box<Probe>>,
 }
 
 /// A cell and its place in the batches.
@@ -94,13 +98,23 @@ impl Array {
             rays: 0,
             returned: Vec::new(),
             limit: limit.0,
+            probe: None,
         }
+    }
+
+    /// The same with a probe, so that [`Array::finish_probed`] gives a profile. To be asked for before any ops are fed.
+    pub fn probed(mut self) -> Array {
+        self.probe = Some(Box::new(Probe::new(self.cells.len(), self.links[0].x.capacity())));
+        self
     }
 
     /// Adds the next ops. A batch needs no whole rays: each stream simply goes on where the one before it ended.
     pub fn feed(&mut self, batch: OpBatch) {
         debug_assert_eq!(batch.cells.len(), self.cells.len());
         self.rays += batch.host.lines().len() as u64;
+        if let Some(probe) = &mut self.probe {
+            probe.fed(&batch.host);
+        }
         self.batches.push_back(batch);
     }
 
@@ -128,7 +142,12 @@ impl Array {
     }
 
     /// Ends the run: no more ops will come.
-    pub fn finish(mut self) -> Result<RunStats, Unfinished> {
+    pub fn finish(self) -> Result<RunStats, Unfinished> {
+        self.finish_probed().map(|(stats, _)| stats)
+    }
+
+    /// Ends the run, and tells what the probe saw, if there is one.
+    pub fn finish_probed(mut self) -> Result<(RunStats, Option<Profile>), Unfinished> {
         self.run()?;
         let limited = self.limit != u64::MAX;
         if limited {
@@ -140,7 +159,9 @@ impl Array {
         if !limited && self.cells.iter().any(|s| s.cell.now.clock > cycles) {
             return Err(Unfinished::Outlived(Cycles(cycles)));
         }
-        Ok(self.stats(cycles))
+        let stats = self.stats(cycles);
+        let clocks = self.cells.iter().map(|station| station.cell.now.clock);
+        Ok((stats, self.probe.map(|probe| probe.finish(&self.links, clocks, cycles))))
     }
 
     /// Lets each cell, from left to right, go on as far as it can. Returns whether anything moved.
@@ -163,8 +184,9 @@ impl Array {
                 break;
             }
         }
-        links[0].track_max();
-        host.place() != before
+        let moved = host.place() != before;
+        self.follow_link(0);
+        moved
     }
 
     fn run_cell(&mut self, index: usize) -> bool {
@@ -175,7 +197,11 @@ impl Array {
         let before = station.place();
         while let Some(batch) = self.batches.get(station.batch - self.dropped) {
             let ops = batch.cells[index].ops();
-            station.halt = station.cell.run(ops, &mut station.done, input, output, is_last);
+            let Station { cell, done, .. } = station;
+            station.halt = match &mut self.probe {
+                None => cell.run(ops, done, input, output, is_last, ()),
+                Some(probe) => cell.run(ops, done, input, output, is_last, probe.cell(index)),
+            };
             if !station.next_batch() {
                 break;
             }
@@ -183,9 +209,18 @@ impl Array {
         if station.place() == before {
             return false;
         }
-        input.track_max();
-        output.track_max();
+        self.follow_link(index);
+        self.follow_link(index + 1);
         true
+    }
+
+    /// Brings what is known of a link's FIFOs up to date, after a stretch of reads or of writes.
+    fn follow_link(&mut self, index: usize) {
+        let link = &mut self.links[index];
+        link.track_max();
+        if let Some(probe) = &mut self.probe {
+            probe.follow(index, link);
+        }
     }
 
     /// The host reads each word in the first cycle in which it can be read.
@@ -195,9 +230,12 @@ impl Array {
             inbox.read_one(ready, ready);
             if inbox.words_read().is_multiple_of(RETURN_WORDS) {
                 self.returned.push(ready);
+                if let Some(probe) = &mut self.probe {
+                    probe.returned(ready);
+                }
             }
         }
-        inbox.track_max();
+        self.follow_link(self.cells.len());
     }
 
     fn drop_spent(&mut self) {
@@ -224,7 +262,11 @@ impl Array {
         for (index, station) in self.cells.iter_mut().enumerate() {
             let ops = self.batches.get(station.batch - self.dropped).map(|batch| batch.cells[index].ops());
             if let Some(&op) = ops.and_then(|ops| ops.get(station.done)) {
-                station.cell.stall_to_limit(station.halt, op, &self.links[index]);
+                let (cell, halt, input) = (&mut station.cell, station.halt, &self.links[index]);
+                match &mut self.probe {
+                    None => cell.stall_to_limit(halt, op, input, ()),
+                    Some(probe) => cell.stall_to_limit(halt, op, input, probe.cell(index)),
+                }
             }
         }
     }
@@ -232,8 +274,7 @@ impl Array {
     fn stats(&self, cycles: u64) -> RunStats {
         let count = self.cells.len();
         let fifo = |index: usize, channel: Channel| {
-            let reader = if index == count { "host".to_owned() } else { index.to_string() };
-            self.links[index].fifo(channel).stats(format!("{channel}{reader}"), cycles)
+            self.links[index].fifo(channel).stats(fifo_name(channel, index, count), cycles)
         };
         let xs = (0..count).map(|index| fifo(index, Channel::X));
         let ys = (1..=count).map(|index| fifo(index, Channel::Y));

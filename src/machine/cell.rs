@@ -3,7 +3,7 @@
 use super::fifo::Fifo;
 use super::op::{Op, OpKind};
 use super::spec::{LinkRate, RateCounts};
-use super::stats::CellStats;
+use super::stats::{CellState, CellStats};
 use super::units::Cycles;
 use super::{Channel, Work};
 
@@ -108,6 +108,32 @@ pub(super) struct Now {
     limit: u64,
 }
 
+/// Sees where a cell's cycles go, all but those in which it moves a word or has nothing left to do. `()` sees nothing and
+/// costs nothing.
+pub(super) trait Watcher {
+    /// The cell spent `cycles` cycles, from cycle `from` on, in one state.
+    fn spent(&mut self, state: CellState, from: u64, cycles: u64);
+}
+
+impl Watcher for () {
+    #[inline(always)]
+    fn spent(&mut self, _: CellState, _: u64, _: u64) {}
+}
+
+/// Where a cell's cycles are entered.
+struct Ledger<'a, W> {
+    stats: &'a mut CellStats,
+    watcher: W,
+}
+
+impl<W: Watcher> Ledger<'_, W> {
+    #[inline(always)]
+    fn spend(&mut self, state: CellState, from: u64, cycles: u64) {
+        *self.stats.of_mut(state) += Cycles(cycles);
+        self.watcher.spent(state, from, cycles);
+    }
+}
+
 /// What an op ends with, or the part of it that could be done.
 type Done = Result<(), Halt>;
 
@@ -118,20 +144,28 @@ impl Cell {
 
     /// Does a cell's ops, counting the finished ones up in `done`, until it can go no further. The last cell has no right
     /// neighbour to pass rays on to (`is_last`).
-    pub fn run(&mut self, ops: &[Op], done: &mut usize, input: &mut Link, output: &mut Link, is_last: bool) -> Halt {
-        let stats = &mut self.stats;
+    pub fn run(
+        &mut self,
+        ops: &[Op],
+        done: &mut usize,
+        input: &mut Link,
+        output: &mut Link,
+        is_last: bool,
+        watcher: impl Watcher,
+    ) -> Halt {
+        let ledger = &mut Ledger { stats: &mut self.stats, watcher };
         self.now.run(ops, done, |now, op, left| {
             // Asked first, and not in the match: two of three ops compute, and a branch is cheaper than a jump table.
             if let Some(work) = op.work() {
-                return now.compute(work, left, stats);
+                return now.compute(work, left, ledger);
             }
             match op.kind() {
-                OpKind::Compute(work) => now.compute(work, left, stats),
-                OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, stats),
-                OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, stats),
-                OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, stats),
-                OpKind::WriteX => now.write(left, Channel::X, output, stats),
-                OpKind::WriteY => now.write(left, Channel::Y, output, stats),
+                OpKind::Compute(work) => now.compute(work, left, ledger),
+                OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, ledger),
+                OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, ledger),
+                OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
+                OpKind::WriteX => now.write(left, Channel::X, output, ledger),
+                OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
                 OpKind::Await => Err(Halt::NotReturned),
             }
         })
@@ -140,11 +174,11 @@ impl Cell {
     /// Does the host's ops likewise. It only writes, computes and waits for messages, of which `returned` tells when the
     /// last word of each was read.
     pub fn run_host(&mut self, ops: &[Op], done: &mut usize, output: &mut Link, returned: &[u64]) -> Halt {
-        let stats = &mut self.stats;
+        let ledger = &mut Ledger { stats: &mut self.stats, watcher: () };
         self.now.run(ops, done, |now, op, left| match op.kind() {
-            OpKind::Compute(work) => now.compute(work, left, stats),
-            OpKind::WriteX => now.write(left, Channel::X, output, stats),
-            OpKind::WriteY => now.write(left, Channel::Y, output, stats),
+            OpKind::Compute(work) => now.compute(work, left, ledger),
+            OpKind::WriteX => now.write(left, Channel::X, output, ledger),
+            OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
             OpKind::Await => now.wait_for_return(left, returned),
             OpKind::PassX | OpKind::ReadX => Err(Halt::NoWord),
             OpKind::ReadY => Err(Halt::NoWord),
@@ -152,16 +186,17 @@ impl Cell {
     }
 
     /// Spends the cycles up to the limit on what the cell stood at, op `op`, when its neighbour reached the limit.
-    pub fn stall_to_limit(&mut self, halt: Halt, op: Op, input: &Link) {
-        let (now, stats) = (&mut self.now, &mut self.stats);
+    pub fn stall_to_limit(&mut self, halt: Halt, op: Op, input: &Link, watcher: impl Watcher) {
+        let now = &mut self.now;
+        let ledger = &mut Ledger { stats: &mut self.stats, watcher };
         let (reads, writes) = (op.kind().reads(), op.kind().writes());
         // A word that is passed on and waits for room still has to come in first.
         if let (Some(channel), Halt::NoWord | Halt::NoRoom) = (reads, halt) {
             let ready = if halt == Halt::NoWord { None } else { input.fifo(channel).ready() };
-            *stats.waiting(channel) += now.stall_until(ready.unwrap_or(now.limit));
+            now.stall_until(ready.unwrap_or(now.limit), CellState::Waiting(channel), ledger);
         }
         if let (Some(channel), Halt::NoRoom) = (writes, halt) {
-            *stats.blocked(channel) += now.stall_until(now.limit);
+            now.stall_until(now.limit, CellState::Blocked(channel), ledger);
         }
     }
 
@@ -196,15 +231,21 @@ impl Now {
     }
 
     #[inline(always)]
-    fn compute(&mut self, work: Work, count: u64, stats: &mut CellStats) -> Done {
+    fn compute(&mut self, work: Work, count: u64, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
         let cycles = count.min(self.limit - self.clock);
-        stats.busy.0[work as usize] += Cycles(cycles);
+        ledger.spend(CellState::Busy(work), self.clock, cycles);
         self.clock += cycles;
         if cycles < count { self.halt(Halt::Limit, count - cycles) } else { Ok(()) }
     }
 
     #[inline(always)]
-    fn read(&mut self, mut left: u64, channel: Channel, input: &mut Fifo, stats: &mut CellStats) -> Done {
+    fn read(
+        &mut self,
+        mut left: u64,
+        channel: Channel,
+        input: &mut Fifo,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && input.can_read(self.clock, left) {
                 input.read_burst(self.clock, left);
@@ -212,7 +253,7 @@ impl Now {
                 return Ok(());
             }
             let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
-            *stats.waiting(channel) += self.stall_until(ready);
+            self.stall_until(ready, CellState::Waiting(channel), ledger);
             if self.clock >= self.limit {
                 return self.halt(Halt::Limit, left);
             }
@@ -224,7 +265,13 @@ impl Now {
     }
 
     #[inline(always)]
-    fn write(&mut self, mut left: u64, channel: Channel, output: &mut Link, stats: &mut CellStats) -> Done {
+    fn write(
+        &mut self,
+        mut left: u64,
+        channel: Channel,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && output.can_write(channel, self.clock, left) {
                 output.fifo_mut(channel).write_burst(self.clock, left);
@@ -232,7 +279,7 @@ impl Now {
                 return Ok(());
             }
             let Some(room) = output.fifo(channel).room() else { return self.halt(Halt::NoRoom, left) };
-            *stats.blocked(channel) += self.stall_until(room.max(output.wire_free(channel)));
+            self.stall_until(room.max(output.wire_free(channel)), CellState::Blocked(channel), ledger);
             if self.clock >= self.limit {
                 return self.halt(Halt::Limit, left);
             }
@@ -245,7 +292,13 @@ impl Now {
 
     /// Reads words from X and writes each to the right neighbour's X in the cycle in which it is read.
     #[inline(always)]
-    fn pass_on(&mut self, mut left: u64, input: &mut Fifo, output: &mut Link, stats: &mut CellStats) -> Done {
+    fn pass_on(
+        &mut self,
+        mut left: u64,
+        input: &mut Fifo,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
         while left > 0 {
             if self.clock + left <= self.limit
                 && input.can_read(self.clock, left)
@@ -259,8 +312,8 @@ impl Now {
             // Both times must be known before a cycle is spent, as the cell may have to come back to this word.
             let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
             let Some(room) = output.x.room() else { return self.halt(Halt::NoRoom, left) };
-            stats.waiting_x += self.stall_until(ready);
-            stats.blocked_x += self.stall_until(room.max(output.wire_free(Channel::X)));
+            self.stall_until(ready, CellState::Waiting(Channel::X), ledger);
+            self.stall_until(room.max(output.wire_free(Channel::X)), CellState::Blocked(Channel::X), ledger);
             if self.clock >= self.limit {
                 return self.halt(Halt::Limit, left);
             }
@@ -280,11 +333,10 @@ impl Now {
     }
 
     #[inline(always)]
-    fn stall_until(&mut self, cycle: u64) -> Cycles {
+    fn stall_until(&mut self, cycle: u64, state: CellState, ledger: &mut Ledger<'_, impl Watcher>) {
         let until = cycle.min(self.limit).max(self.clock);
-        let stall = until - self.clock;
+        ledger.spend(state, self.clock, until - self.clock);
         self.clock = until;
-        Cycles(stall)
     }
 
     /// Stops in the middle of an op.

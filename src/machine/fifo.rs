@@ -75,6 +75,23 @@ impl Fifo {
         self.read
     }
 
+    /// Words written so far.
+    pub fn words_written(&self) -> u64 {
+        self.written
+    }
+
+    /// The cycle in which a word was written. The FIFO remembers as many words as it can hold.
+    #[inline(always)]
+    pub fn write_time(&self, word: u64) -> u64 {
+        self.ready_at[slot(word, &self.ready_at)] - self.latency
+    }
+
+    /// The cycle in which a word was read, as far back.
+    #[inline(always)]
+    pub fn read_time(&self, word: u64) -> u64 {
+        self.free_from[slot(word, &self.free_from)] - 1
+    }
+
     /// The cycle of the last read; 0 before the first.
     pub fn last_read(&self) -> u64 {
         self.last_read
@@ -116,7 +133,7 @@ impl Fifo {
     /// The cycle in which the next word to be read was written.
     #[inline(always)]
     fn next_written_in(&self) -> u64 {
-        self.ready_at[slot(self.read, &self.ready_at)] - self.latency
+        self.write_time(self.read)
     }
 
     /// Writes a word in cycle `at`. It found room from cycle `room` on, as [`Fifo::room`] told.

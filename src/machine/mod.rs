@@ -17,6 +17,8 @@ mod array;
 mod cell;
 mod fifo;
 mod op;
+mod probe;
+mod profile;
 mod spec;
 mod stats;
 mod stuck;
@@ -24,8 +26,9 @@ mod units;
 
 pub use array::{Array, Unfinished};
 pub use op::{Op, OpBatch, OpKind, OpLine, OpStream, Work};
+pub use profile::{FifoBin, FifoProfile, Latency, Profile};
 pub use spec::{LinkRate, MachineSpec, RateCounts};
-pub use stats::{Busy, CellStats, FifoStats, RunStats};
+pub use stats::{Busy, CellState, CellStats, FifoStats, RunStats};
 pub use stuck::{Party, Stuck, StuckKind, Wait, WaitFor};
 pub use units::{Cycles, Words};
 

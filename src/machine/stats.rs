@@ -52,18 +52,77 @@ pub struct CellStats {
     pub idle: Cycles,
 }
 
+/// What a cell does in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CellState {
+    /// Computes.
+    Busy(Work),
+    /// Moves a word.
+    Moving,
+    /// A read finds nothing.
+    Waiting(Channel),
+    /// A write finds no room, or the link not free.
+    Blocked(Channel),
+    /// Has done its last op.
+    Idle,
+}
+
+impl CellState {
+    /// All states, in the order in which reports name them.
+    pub const ALL: [CellState; 10] = [
+        CellState::Busy(Work::Grid),
+        CellState::Busy(Work::Slabs),
+        CellState::Busy(Work::Intersection),
+        CellState::Busy(Work::Other),
+        CellState::Moving,
+        CellState::Waiting(Channel::X),
+        CellState::Waiting(Channel::Y),
+        CellState::Blocked(Channel::X),
+        CellState::Blocked(Channel::Y),
+        CellState::Idle,
+    ];
+
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            CellState::Busy(Work::Grid) => "grid",
+            CellState::Busy(Work::Slabs) => "slabs",
+            CellState::Busy(Work::Intersection) => "intersection",
+            CellState::Busy(Work::Other) => "other",
+            CellState::Moving => "moving",
+            CellState::Waiting(Channel::X) => "waiting X",
+            CellState::Waiting(Channel::Y) => "waiting Y",
+            CellState::Blocked(Channel::X) => "blocked X",
+            CellState::Blocked(Channel::Y) => "blocked Y",
+            CellState::Idle => "idle",
+        }
+    }
+}
+
 impl CellStats {
-    pub(super) fn waiting(&mut self, channel: Channel) -> &mut Cycles {
-        match channel {
-            Channel::X => &mut self.waiting_x,
-            Channel::Y => &mut self.waiting_y,
+    /// The cycles spent in a state.
+    pub fn of(&self, state: CellState) -> Cycles {
+        match state {
+            CellState::Busy(work) => self.busy.of(work),
+            CellState::Moving => self.moving,
+            CellState::Waiting(Channel::X) => self.waiting_x,
+            CellState::Waiting(Channel::Y) => self.waiting_y,
+            CellState::Blocked(Channel::X) => self.blocked_x,
+            CellState::Blocked(Channel::Y) => self.blocked_y,
+            CellState::Idle => self.idle,
         }
     }
 
-    pub(super) fn blocked(&mut self, channel: Channel) -> &mut Cycles {
-        match channel {
-            Channel::X => &mut self.blocked_x,
-            Channel::Y => &mut self.blocked_y,
+    #[inline(always)]
+    pub(super) fn of_mut(&mut self, state: CellState) -> &mut Cycles {
+        match state {
+            CellState::Busy(work) => &mut self.busy.0[work as usize],
+            CellState::Moving => &mut self.moving,
+            CellState::Waiting(Channel::X) => &mut self.waiting_x,
+            CellState::Waiting(Channel::Y) => &mut self.waiting_y,
+            CellState::Blocked(Channel::X) => &mut self.blocked_x,
+            CellState::Blocked(Channel::Y) => &mut self.blocked_y,
+            CellState::Idle => &mut self.idle,
         }
     }
 
@@ -91,6 +150,12 @@ pub struct FifoStats {
     pub full: Cycles,
     /// Cycles at whose end it was empty.
     pub empty: Cycles,
+}
+
+/// The name of the FIFO of a channel of link `link` in an array of `cells` cells: `X0`, `Y1`, ..., `Yhost`.
+pub(super) fn fifo_name(channel: Channel, link: usize, cells: usize) -> String {
+    let reader = if link == cells { "host".to_owned() } else { link.to_string() };
+    format!("{channel}{reader}")
 }
 
 impl FifoStats {

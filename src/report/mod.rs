@@ -1,9 +1,13 @@
-//! What a run tells: statistics, tables, hits, activity traces. Nothing here measures anything.
+//! What a run tells: statistics, tables, hits, activity traces, pictures, pages. Nothing here measures anything.
 
 pub mod activity;
 pub mod bottleneck;
 pub mod files;
 pub mod hits;
 pub mod kinds;
+pub mod page;
+pub mod palette;
+pub mod plot;
 pub mod stats;
 pub mod summary;
+pub mod time_unit;

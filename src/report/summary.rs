@@ -3,7 +3,8 @@
 use comfy_table::{CellAlignment, Table};
 
 use super::bottleneck::percent;
-use crate::machine::{CellStats, Cycles, MachineSpec, RunStats, Work};
+use super::time_unit::TimeUnit;
+use crate::machine::{CellState, MachineSpec, RunStats};
 
 /// A number with its thousands set off: `262 144`.
 pub fn grouped(number: u64) -> String {
@@ -14,13 +15,8 @@ pub fn grouped(number: u64) -> String {
 
 /// A time in the unit that suits it: `1.234 ms`.
 pub fn time(seconds: f64) -> String {
-    let (unit, name) = match seconds {
-        s if s >= 1.0 => (1.0, "s"),
-        s if s >= 1e-3 => (1e-3, "ms"),
-        s if s >= 1e-6 => (1e-6, "µs"),
-        _ => (1e-9, "ns"),
-    };
-    format!("{:.3} {name}", seconds / unit)
+    let unit = TimeUnit::of(seconds);
+    format!("{:.3} {}", seconds / unit.seconds, unit.name)
 }
 
 /// Simulated time and throughput, in one line.
@@ -38,42 +34,14 @@ pub fn speed(stats: &RunStats, spec: &MachineSpec) -> String {
 
 /// Where every cell's cycles went: a row a cell. `names` tells what each cell runs, as far as that is known.
 pub fn cells(stats: &RunStats, names: &[String]) -> String {
-    let mut table = table(&[
-        "cell",
-        "grid",
-        "slabs",
-        "intersection",
-        "other",
-        "moving",
-        "waiting X",
-        "waiting Y",
-        "blocked X",
-        "blocked Y",
-        "idle",
-    ]);
+    let header: Vec<&str> = std::iter::once("cell").chain(CellState::ALL.map(CellState::name)).collect();
+    let mut table = table(&header);
     for (index, cell) in stats.cells.iter().enumerate() {
         let name = names.get(index).map_or(index.to_string(), |name| format!("{index} {name}"));
-        let shares = states(cell).into_iter().map(|part| percent(part, stats.cycles));
+        let shares = CellState::ALL.map(|state| percent(cell.of(state), stats.cycles));
         table.add_row(std::iter::once(name).chain(shares));
     }
     aligned(table)
-}
-
-/// All that a cell can spend a cycle on, in the order of the table.
-fn states(cell: &CellStats) -> [Cycles; 10] {
-    let busy = |work| cell.busy.of(work);
-    [
-        busy(Work::Grid),
-        busy(Work::Slabs),
-        busy(Work::Intersection),
-        busy(Work::Other),
-        cell.moving,
-        cell.waiting_x,
-        cell.waiting_y,
-        cell.blocked_x,
-        cell.blocked_y,
-        cell.idle,
-    ]
 }
 
 /// What every FIFO held: a row a FIFO.

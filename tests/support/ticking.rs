@@ -4,8 +4,21 @@
 use std::collections::VecDeque;
 
 use pcs_sim::machine::{
-    Busy, CellStats, Cycles, FifoStats, MachineSpec, Op, OpBatch, OpKind, RateCounts, RunStats, Words,
+    Busy, CellState, CellStats, Cycles, FifoStats, MachineSpec, Op, OpBatch, OpKind, RateCounts, RunStats, Words,
 };
+
+/// What happened in every single cycle.
+#[derive(Default)]
+pub struct History {
+    /// For each cell, its state in each cycle.
+    pub states: Vec<Vec<CellState>>,
+    /// For each FIFO, in the order of the statistics, its occupancy at the end of each cycle.
+    pub occupancies: Vec<Vec<u64>>,
+    /// The cycles in which the host wrote the words of X.
+    pub sent: Vec<u64>,
+    /// The cycles in which the host read the last words of messages.
+    pub returned: Vec<u64>,
+}
 
 /// A FIFO as a queue of write cycles, observed at the end of every cycle.
 struct Queue {
@@ -37,10 +50,16 @@ pub struct Ticking<'a> {
     returned_words: u64,
     returned: Vec<u64>,
     now: u64,
+    history: History,
 }
 
 /// Ticks the ops to the end. `None` if they never end.
 pub fn run(spec: &MachineSpec, batches: &[OpBatch]) -> Option<RunStats> {
+    Some(run_recorded(spec, batches)?.0)
+}
+
+/// The same, and what happened in every cycle.
+pub fn run_recorded(spec: &MachineSpec, batches: &[OpBatch]) -> Option<(RunStats, History)> {
     Ticking::new(spec, batches).run(batches)
 }
 
@@ -99,10 +118,15 @@ impl<'a> Ticking<'a> {
             returned_words: 0,
             returned: Vec::new(),
             now: 0,
+            history: History {
+                states: vec![Vec::new(); cells],
+                occupancies: vec![Vec::new(); 2 * cells],
+                ..History::default()
+            },
         }
     }
 
-    fn run(mut self, batches: &[OpBatch]) -> Option<RunStats> {
+    fn run(mut self, batches: &[OpBatch]) -> Option<(RunStats, History)> {
         let last = self.cells.last().unwrap();
         let to_return: u64 = last.ops.iter().filter(|op| op.kind() == OpKind::WriteY).map(|op| op.count() as u64).sum();
         let rate = self.spec.link_rate();
@@ -116,6 +140,10 @@ impl<'a> Ticking<'a> {
         }
         // What can never end must not pass for ended because the host has all its words.
         let stats = self.stats(batches);
+        let mut history = std::mem::take(&mut self.history);
+        history.returned = self.returned.clone();
+        self.history.states = vec![Vec::new(); self.cells.len()];
+        self.history.occupancies = vec![Vec::new(); 2 * self.cells.len()];
         if to_return > 0 {
             let mut still = 0;
             while !self.all_done() {
@@ -125,7 +153,7 @@ impl<'a> Ticking<'a> {
                 }
             }
         }
-        Some(stats)
+        Some((stats, history))
     }
 
     fn all_done(&self) -> bool {
@@ -139,11 +167,16 @@ impl<'a> Ticking<'a> {
         }
         let mut active = self.tick_host();
         for index in 0..self.cells.len() {
+            let before = self.cells[index].stats;
             active |= self.tick_cell(index);
+            let after = self.cells[index].stats;
+            let state = CellState::ALL.into_iter().find(|&state| after.of(state) > before.of(state));
+            self.history.states[index].push(state.expect("every cycle is spent in some state"));
         }
         active |= self.host_reads();
-        for queue in self.x.iter_mut().chain(&mut self.y) {
+        for (queue, occupancies) in self.x.iter_mut().chain(&mut self.y).zip(&mut self.history.occupancies) {
             queue.observe(self.spec.fifo_words.0);
+            occupancies.push(queue.written_in.len() as u64);
         }
         self.now += 1;
         active
@@ -163,6 +196,7 @@ impl<'a> Ticking<'a> {
                 OpKind::WriteX => {
                     let room = self.room(0, 0);
                     if room {
+                        self.history.sent.push(self.now);
                         self.put(0, 0);
                         self.host.step();
                     }

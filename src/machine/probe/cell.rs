@@ -1,0 +1,46 @@
+//! What a cell did over time.
+
+use super::timeline::{Bin, Timeline};
+use crate::machine::cell::Watcher;
+use crate::machine::stats::{CellState, CellStats};
+use crate::machine::units::Cycles;
+
+/// Follows one cell.
+#[derive(Debug)]
+pub struct CellLane {
+    timeline: Timeline<CellStats>,
+}
+
+impl Bin for CellStats {
+    fn absorb(&mut self, later: &CellStats) {
+        for state in CellState::ALL {
+            *self.of_mut(state) += later.of(state);
+        }
+    }
+}
+
+impl Watcher for &mut CellLane {
+    #[inline]
+    fn spent(&mut self, state: CellState, from: u64, cycles: u64) {
+        self.timeline.for_each(from, from + cycles, |bin, cycles| *bin.of_mut(state) += Cycles(cycles));
+    }
+}
+
+impl CellLane {
+    pub fn new(bins: usize) -> CellLane {
+        CellLane { timeline: Timeline::new(bins) }
+    }
+
+    /// The bins of a run of `cycles` cycles, in which the cell ended its last op just before cycle `clock`.
+    pub fn finish(self, clock: u64, cycles: u64) -> Vec<CellStats> {
+        let (mut bins, width) = self.timeline.finish(cycles);
+        for (bin, start) in bins.iter_mut().zip((0..).step_by(width as usize)) {
+            let end = cycles.min(start + width);
+            let ended = clock.clamp(start, end);
+            // Every cycle up to the clock was spent in some way; those not entered moved a word.
+            bin.moving = Cycles(ended - start) - bin.active();
+            bin.idle = Cycles(end - ended);
+        }
+        bins
+    }
+}

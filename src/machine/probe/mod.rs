@@ -1,0 +1,91 @@
+//! Sees what an array does over time, in bounded memory. An array without a probe pays nothing for it.
+
+mod cell;
+mod fifo;
+mod rays;
+mod timeline;
+
+use super::Channel;
+use super::cell::Link;
+use super::op::OpStream;
+use super::profile::{FifoProfile, Profile};
+use super::stats::fifo_name;
+use super::units::Cycles;
+use cell::CellLane;
+use fifo::FifoLane;
+use rays::RayLane;
+
+/// Bins of a run on few cells. A run that outgrows them has half as many, twice as wide.
+const MOST_BINS: usize = 1024;
+/// Bins of all cells together; cells of a large array have fewer each.
+const ALL_BINS: usize = 1 << 18;
+
+/// Follows all cells and FIFOs of an array, and its rays.
+#[derive(Debug)]
+pub(super) struct Probe {
+    cells: Vec<CellLane>,
+    /// X and Y of each link, where there is such a FIFO.
+    links: Vec<[Option<FifoLane>; 2]>,
+    rays: RayLane,
+}
+
+impl Probe {
+    /// A probe for an array of `cells` cells.
+    pub fn new(cells: usize, fifo_words: u64) -> Probe {
+        let bins = (ALL_BINS / cells.next_power_of_two()).clamp(64, MOST_BINS);
+        let lane = |exists: bool| exists.then(|| FifoLane::new(fifo_words, bins));
+        Probe {
+            cells: (0..cells).map(|_| CellLane::new(bins)).collect(),
+            links: (0..=cells).map(|link| [lane(link < cells), lane(link > 0)]).collect(),
+            rays: RayLane::new(bins),
+        }
+    }
+
+    /// The watcher of one cell.
+    pub fn cell(&mut self, index: usize) -> &mut CellLane {
+        &mut self.cells[index]
+    }
+
+    /// Follows the FIFOs of a link, after each stretch of reads or writes.
+    pub fn follow(&mut self, index: usize, link: &Link) {
+        for (lane, fifo) in self.links[index].iter_mut().zip([&link.x, &link.y]) {
+            if let Some(lane) = lane {
+                lane.follow(fifo);
+            }
+        }
+        if index == 0 {
+            self.rays.follow(&link.x);
+        }
+    }
+
+    /// The host's next lines are known.
+    pub fn fed(&mut self, host: &OpStream) {
+        self.rays.fed(host);
+    }
+
+    /// The host read the last word of the next HIT in that cycle.
+    pub fn returned(&mut self, cycle: u64) {
+        self.rays.returned(cycle);
+    }
+
+    /// All that was seen in a run of `cycles` cycles. `clocks` are those of the cells at its end.
+    pub fn finish(self, links: &[Link], clocks: impl Iterator<Item = u64>, cycles: u64) -> Profile {
+        let count = self.cells.len();
+        let mut fifos: [Vec<FifoProfile>; 2] = Default::default();
+        for (index, (lanes, link)) in self.links.into_iter().zip(links).enumerate() {
+            for (lane, channel) in lanes.into_iter().zip([Channel::X, Channel::Y]) {
+                let finish = |lane: FifoLane| lane.finish(link.fifo(channel), fifo_name(channel, index, count), cycles);
+                fifos[channel as usize].extend(lane.map(finish));
+            }
+        }
+        let (rays, latency, bin) = self.rays.finish(cycles);
+        Profile {
+            bin: Cycles(bin),
+            cycles: Cycles(cycles),
+            cells: self.cells.into_iter().zip(clocks).map(|(lane, clock)| lane.finish(clock, cycles)).collect(),
+            fifos: fifos.into_iter().flatten().collect(),
+            rays,
+            latency,
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! A run over time, as a probe saw it. Every figure is an exact integer.
+
+use super::stats::CellStats;
+use super::units::{Cycles, Words};
+
+/// What a run did when: its time cut into bins of one width.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Profile {
+    /// Width of a bin: a power of two.
+    pub bin: Cycles,
+    /// Length of the run; the last bin ends with it.
+    pub cycles: Cycles,
+    /// For each cell, from left to right, its states in each bin.
+    pub cells: Vec<Vec<CellStats>>,
+    /// The FIFOs, in the order of [`super::RunStats::fifos`].
+    pub fifos: Vec<FifoProfile>,
+    /// In each bin, how many rays' last HIT words the host read.
+    pub rays: Vec<u64>,
+    /// From a ray's first word, written by the host, to the last word of its HIT, read by the host; both included.
+    pub latency: Latency,
+}
+
+/// One FIFO over time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FifoProfile {
+    /// As in [`super::FifoStats`].
+    pub name: String,
+    /// How many words it can hold.
+    pub capacity: Words,
+    /// What it held in each bin.
+    pub bins: Vec<FifoBin>,
+    /// Cycles for each occupancy: entry i is for the occupancies from i times `step` to just below (i + 1) times `step`.
+    pub histogram: Vec<Cycles>,
+    /// Occupancies that share an entry of the histogram: 1, unless the FIFO is very deep.
+    pub step: Words,
+}
+
+/// What a FIFO held at the ends of some cycles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FifoBin {
+    /// The lowest occupancy.
+    pub min: Words,
+    /// The highest occupancy.
+    pub max: Words,
+    /// The sum of the occupancies, in words times cycles.
+    pub word_cycles: u64,
+    /// Cycles at whose end it was full.
+    pub full: Cycles,
+}
+
+/// How long rays took: exact extremes and sum, and counts in buckets that are at most an eighth wide.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Latency {
+    /// How many rays.
+    pub rays: u64,
+    /// The shortest.
+    pub min: Cycles,
+    /// The longest.
+    pub max: Cycles,
+    /// The sum of all.
+    pub total: u64,
+    /// Rays for each bucket, up to the last that is not empty.
+    pub buckets: Vec<u64>,
+}
+
+impl Latency {
+    /// Buckets between one power of two and the next.
+    const PARTS: u64 = 8;
+
+    /// Counts one ray.
+    pub fn add(&mut self, latency: u64) {
+        let bucket = Latency::bucket(latency);
+        if bucket >= self.buckets.len() {
+            self.buckets.resize(bucket + 1, 0);
+        }
+        self.buckets[bucket] += 1;
+        self.min = Cycles(if self.rays == 0 { latency } else { self.min.0.min(latency) });
+        self.max = Cycles(self.max.0.max(latency));
+        self.total += latency;
+        self.rays += 1;
+    }
+
+    /// The bucket of a latency: small ones have one each, the others share an eighth of their power of two.
+    fn bucket(latency: u64) -> usize {
+        let octave = latency.max(1).ilog2().saturating_sub(Latency::PARTS.ilog2());
+        (octave as u64 * Latency::PARTS + (latency >> octave)) as usize
+    }
+
+    /// The shortest latency of a bucket.
+    pub fn start_of(bucket: usize) -> Cycles {
+        let octave = (bucket as u64 / Latency::PARTS).saturating_sub(1);
+        Cycles((bucket as u64 - octave * Latency::PARTS) << octave)
+    }
+
+    /// The mean, in cycles.
+    pub fn mean(&self) -> f64 {
+        if self.rays == 0 { 0.0 } else { self.total as f64 / self.rays as f64 }
+    }
+
+    /// A latency that at least so large a share of the rays does not exceed: the end of the bucket that it falls into.
+    pub fn quantile(&self, share: f64) -> Cycles {
+        let wanted = (share * self.rays as f64).ceil() as u64;
+        let mut seen = 0;
+        let reached = self.buckets.iter().position(|count| {
+            seen += count;
+            seen >= wanted
+        });
+        reached.map_or(self.max, |bucket| Latency::start_of(bucket + 1).min(self.max))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_latency_lies_in_its_bucket() {
+        for latency in (0..5000).chain([1 << 20, (1 << 20) + 12345, u64::MAX / 4]) {
+            let bucket = Latency::bucket(latency);
+            assert!(Latency::start_of(bucket).0 <= latency, "{latency}");
+            assert!(latency < Latency::start_of(bucket + 1).0, "{latency}");
+        }
+    }
+
+    #[test]
+    fn quantiles_bound_the_rays_from_above() {
+        let mut latency = Latency::default();
+        (1..=1000).for_each(|cycles| latency.add(cycles));
+        let median = latency.quantile(0.5).0;
+        assert!((500..=564).contains(&median), "{median}");
+        assert_eq!(latency.quantile(1.0), Cycles(1000));
+        assert_eq!((latency.min, latency.max, latency.mean()), (Cycles(1), Cycles(1000), 500.5));
+    }
+}

@@ -1,0 +1,66 @@
+//! One page that shows a run: it opens from disk, in any browser, and asks the network for nothing.
+
+mod data;
+
+use base64::Engine;
+use minijinja::{Environment, context};
+
+use super::bottleneck;
+use super::plot::Caption;
+use super::stats::Configuration;
+use super::summary;
+use crate::machine::{MachineSpec, Profile, RunStats};
+
+/// What a page shows.
+#[derive(Debug)]
+pub struct Page<'a> {
+    /// What ran.
+    pub caption: &'a Caption,
+    /// The array.
+    pub spec: &'a MachineSpec,
+    /// The whole run.
+    pub stats: &'a RunStats,
+    /// The run over time.
+    pub profile: &'a Profile,
+    /// What each cell runs, as far as that is known.
+    pub cell_names: &'a [String],
+    /// All parameters, if they are known.
+    pub configuration: Option<&'a Configuration>,
+    /// The picture that was traced, as PNG, if there is one.
+    pub image: Option<&'a [u8]>,
+}
+
+/// A page could not be made.
+#[derive(Debug, thiserror::Error)]
+#[error("the page cannot be made: {0}")]
+pub struct PageError(String);
+
+/// The page as HTML.
+pub fn html(page: &Page<'_>) -> Result<String, PageError> {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
+    environment.add_template("page.html", include_str!("page.html")).map_err(|error| PageError(error.to_string()))?;
+    let json = |value: serde_json::Result<String>| value.map_err(|error| PageError(error.to_string()));
+    let data = json(serde_json::to_string(&data::Data::new(page)))?;
+    let configuration =
+        json(page.configuration.map(serde_json::to_string_pretty).transpose().map(Option::unwrap_or_default))?;
+    let template = environment.get_template("page.html").map_err(|error| PageError(error.to_string()))?;
+    let rendered = template.render(context! {
+        title => page.caption.title.as_str(),
+        machine => page.caption.machine.as_str(),
+        speed => summary::speed(page.stats, page.spec),
+        bottleneck => bottleneck::sentence(page.stats, page.spec),
+        cells => summary::cells(page.stats, page.cell_names),
+        fifos => summary::fifos(page.stats),
+        configuration,
+        image => page.image.map(|png| base64::engine::general_purpose::STANDARD.encode(png)).unwrap_or_default(),
+        // No text in it may end the script that it stands in.
+        data => data.replace('<', "\\u003c"),
+        chart_style => include_str!("../../../assets/uplot.min.css"),
+        chart_script => include_str!("../../../assets/uplot.min.js"),
+        style => include_str!("page.css"),
+        script => include_str!("page.js"),
+        version => env!("CARGO_PKG_VERSION"),
+    });
+    rendered.map_err(|error| PageError(error.to_string()))
+}

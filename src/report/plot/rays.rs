@@ -1,0 +1,107 @@
+//! When rays are done, and how long they take.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::Caption;
+use super::chart::{self, TimeScale, font, rgb};
+use super::render::{Drawn, Figure};
+use crate::machine::{Latency, MachineSpec};
+use crate::report::palette;
+use crate::report::summary;
+use crate::report::time_unit::TimeUnit;
+
+/// Height of these two figures, in panels of the others.
+const PANELS: usize = 3;
+
+/// Rays done over time.
+pub struct Rays<'a> {
+    pub caption: &'a Caption,
+    pub scale: TimeScale,
+    pub rays: &'a [u64],
+}
+
+impl Figure for Rays<'_> {
+    fn size(&self) -> (u32, u32) {
+        chart::size(PANELS)
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
+        let legend = [("rays done per unit of simulated time", palette::RAYS)];
+        let panels = chart::panels(area, self.caption, "Rays done over time", &legend, 1)?;
+        let rate =
+            |(index, &rays): (usize, &u64)| rays as f64 / (self.scale.cycles_of(index) as f64 * self.scale.cycle);
+        let rates: Vec<f64> = self.rays.iter().enumerate().map(rate).collect();
+        let top = rates.iter().copied().fold(0.0, f64::max) * 1.1;
+        let mean = self.rays.iter().sum::<u64>() as f64 / self.scale.end();
+        let unit = self.scale.unit.name;
+        let name = format!("on average {mean:.3} rays per {unit}");
+        let mut chart = chart::builder(&panels[0], &name, true)
+            .build_cartesian_2d(0.0..self.scale.end(), 0.0..top.max(f64::MIN_POSITIVE))?;
+        let mut mesh = chart.configure_mesh();
+        mesh.x_label_formatter(&chart::number).y_label_formatter(&chart::number);
+        mesh.max_light_lines(1).disable_x_mesh().label_style(font(13)).axis_desc_style(font(13));
+        mesh.x_desc(self.scale.label()).y_desc(format!("rays per {unit}")).draw()?;
+        let color = rgb(palette::RAYS);
+        let steps = self.scale.steps(rates.into_iter());
+        chart.draw_series(AreaSeries::new(steps, 0.0, color.mix(0.35)).border_style(color))?;
+        let line = [(0.0, mean), (self.scale.end(), mean)];
+        chart.draw_series(DashedLineSeries::new(line, 6, 4, BLACK.into()))?;
+        Ok(())
+    }
+}
+
+/// How long rays take.
+pub struct Latencies<'a> {
+    pub caption: &'a Caption,
+    pub spec: &'a MachineSpec,
+    pub latency: &'a Latency,
+}
+
+impl Figure for Latencies<'_> {
+    fn size(&self) -> (u32, u32) {
+        chart::size(PANELS)
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
+        let legend = [("share of the rays, as the area of the bars", palette::RAYS)];
+        let what = "How long rays take, from their first word sent to their last word back";
+        let panels = chart::panels(area, self.caption, what, &legend, 1)?;
+        let latency = self.latency;
+        let unit = TimeUnit::of(self.spec.seconds(latency.max));
+        let time = |bucket: usize| self.spec.seconds(Latency::start_of(bucket)) / unit.seconds;
+        let share = |count: u64| 100.0 * count as f64 / latency.rays.max(1) as f64;
+        // Buckets differ in width: the areas, not the heights, compare.
+        let density = |(bucket, &count): (usize, &u64)| share(count) / (time(bucket + 1) - time(bucket));
+        let densities: Vec<f64> = latency.buckets.iter().enumerate().map(density).collect();
+        let top = densities.iter().copied().fold(0.0, f64::max) * 1.1;
+        let mut chart = chart::builder(&panels[0], &self.figures(), true).build_cartesian_2d(
+            0.0..time(latency.buckets.len()).max(f64::MIN_POSITIVE),
+            0.0..top.max(f64::MIN_POSITIVE),
+        )?;
+        let mut mesh = chart.configure_mesh();
+        mesh.x_label_formatter(&chart::number).y_label_formatter(&chart::number);
+        mesh.max_light_lines(1).disable_x_mesh().label_style(font(13)).axis_desc_style(font(13));
+        mesh.x_desc(format!("latency ({})", unit.name)).y_desc(format!("% of the rays per {}", unit.name)).draw()?;
+        let bars = densities.iter().enumerate().filter(|(_, density)| **density > 0.0).map(|(bucket, &density)| {
+            Rectangle::new([(time(bucket), 0.0), (time(bucket + 1), density)], rgb(palette::RAYS).filled())
+        });
+        chart.draw_series(bars)?;
+        Ok(())
+    }
+}
+
+impl Latencies<'_> {
+    fn figures(&self) -> String {
+        let latency = self.latency;
+        let time = |cycles| summary::time(self.spec.seconds(cycles));
+        format!(
+            "shortest {}, mean {}, half within {}, 99 % within {}, longest {}",
+            time(latency.min),
+            summary::time(latency.mean() * self.spec.clock_ns * 1e-9),
+            time(latency.quantile(0.5)),
+            time(latency.quantile(0.99)),
+            time(latency.max),
+        )
+    }
+}

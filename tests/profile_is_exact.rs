@@ -1,0 +1,144 @@
+//! The profile of a run, bin by bin, against the model that ticks every cycle.
+
+mod support;
+
+use pcs_sim::machine::{
+    Array, CellState, CellStats, Cycles, FifoBin, FifoProfile, Latency, MachineSpec, OpBatch, Profile, RateCounts,
+    RunStats, Words,
+};
+use support::ticking::{self, History};
+
+/// Words of a ray's message.
+const RAY_WORDS: usize = 8;
+
+/// Times the ops in batches with a probe.
+fn profile(spec: &MachineSpec, batches: &[OpBatch]) -> (RunStats, Profile) {
+    let mut array = Array::new(spec, batches[0].cells.len()).probed();
+    for batch in batches {
+        array.feed(batch.clone());
+        array.run().unwrap();
+    }
+    let (stats, profile) = array.finish_probed().unwrap();
+    (stats, profile.expect("the array has a probe"))
+}
+
+/// The naive profile: what happened in every cycle, sorted into bins of a given width.
+fn naive_profile(spec: &MachineSpec, stats: &RunStats, history: &History, bin: Cycles) -> Profile {
+    let width = bin.0 as usize;
+    let bins = (stats.cycles.0 as usize).div_ceil(width);
+    let mut rays = vec![0; bins];
+    let mut latency = Latency::default();
+    for (sent, &returned) in history.sent.iter().step_by(RAY_WORDS).zip(&history.returned) {
+        rays[returned as usize / width] += 1;
+        latency.add(returned + 1 - sent);
+    }
+    let fifos = stats.fifos.iter().zip(&history.occupancies);
+    Profile {
+        bin,
+        cycles: stats.cycles,
+        cells: history.states.iter().map(|states| states.chunks(width).map(count_states).collect()).collect(),
+        fifos: fifos.map(|(fifo, occupancies)| naive_fifo(spec, &fifo.name, occupancies, width)).collect(),
+        rays,
+        latency,
+    }
+}
+
+fn count_states(states: &[CellState]) -> CellStats {
+    let mut stats = CellStats::default();
+    for state in states {
+        let one = |field: &mut Cycles| *field += Cycles(1);
+        match state {
+            CellState::Busy(work) => one(&mut stats.busy.0[*work as usize]),
+            CellState::Moving => one(&mut stats.moving),
+            CellState::Waiting(pcs_sim::machine::Channel::X) => one(&mut stats.waiting_x),
+            CellState::Waiting(pcs_sim::machine::Channel::Y) => one(&mut stats.waiting_y),
+            CellState::Blocked(pcs_sim::machine::Channel::X) => one(&mut stats.blocked_x),
+            CellState::Blocked(pcs_sim::machine::Channel::Y) => one(&mut stats.blocked_y),
+            CellState::Idle => one(&mut stats.idle),
+        }
+    }
+    stats
+}
+
+fn naive_fifo(spec: &MachineSpec, name: &str, occupancies: &[u64], width: usize) -> FifoProfile {
+    let capacity = spec.fifo_words.0;
+    let mut histogram = vec![Cycles(0); capacity as usize + 1];
+    occupancies.iter().for_each(|&occupancy| histogram[occupancy as usize] += Cycles(1));
+    let bin = |part: &[u64]| FifoBin {
+        min: Words(part.iter().copied().min().unwrap()),
+        max: Words(part.iter().copied().max().unwrap()),
+        word_cycles: part.iter().sum(),
+        full: Cycles(part.iter().filter(|&&occupancy| occupancy == capacity).count() as u64),
+    };
+    let bins = occupancies.chunks(width).map(bin).collect();
+    FifoProfile { name: name.to_owned(), capacity: Words(capacity), bins, histogram, step: Words(1) }
+}
+
+fn assert_exact(spec: &MachineSpec, batches: &[OpBatch]) -> Profile {
+    let (stats, profile) = profile(spec, batches);
+    let (ticked, history) = ticking::run_recorded(spec, batches).unwrap();
+    assert_eq!(stats, ticked);
+    let naive = naive_profile(spec, &ticked, &history, profile.bin);
+    for (fifo, naive) in profile.fifos.iter().zip(&naive.fifos) {
+        assert_eq!(fifo.bins, naive.bins, "bins of {}", fifo.name);
+    }
+    assert!(profile == naive, "{profile:?}\n{naive:?}");
+    profile
+}
+
+/// A hundred rays of the room, in batches of a few, in a mode.
+fn hundred_rays(program: &str, groups: usize) -> Vec<OpBatch> {
+    let (scene, rays) = support::scene("room", 1, 10);
+    let rays: Vec<_> = rays.into_iter().collect();
+    let workload = support::workload(&scene.mesh, &support::program(program, groups), &rays);
+    support::ops(&workload, &rays)
+}
+
+#[test]
+fn the_occupancy_curves_of_a_hundred_rays_are_the_ticking_models() {
+    for (program, groups) in [("pipeline", 1), ("broadcast", 5), ("hybrid", 2)] {
+        let batches = hundred_rays(program, groups);
+        for (fifo_words, latency, link_mb_s, rate_counts) in [
+            (512, 1, 80.0, RateCounts::Link),
+            (8, 1, 80.0, RateCounts::Link),
+            (3, 7, 13.0, RateCounts::Channel),
+            (64, 20, 160.0, RateCounts::Link),
+        ] {
+            let spec = MachineSpec {
+                fifo_words: Words(fifo_words),
+                latency: Cycles(latency),
+                link_mb_s,
+                rate_counts,
+                ..MachineSpec::default()
+            };
+            let profile = assert_exact(&spec, &batches);
+            assert_eq!(profile.latency.rays, 100);
+            assert!(profile.bin > Cycles(1), "the bins have been merged");
+        }
+    }
+}
+
+#[test]
+fn bins_are_as_many_however_long_the_run() {
+    let batch = hundred_rays("pipeline", 1).remove(0);
+    let bins = |repeats: usize| {
+        let batches: Vec<OpBatch> = (0..repeats).map(|_| batch.clone()).collect();
+        let (stats, profile) = profile(&MachineSpec::default(), &batches);
+        assert_eq!(profile.rays.iter().sum::<u64>(), 100 * repeats as u64);
+        for (cell, total) in profile.cells.iter().zip(&stats.cells) {
+            for state in CellState::ALL {
+                assert_eq!(cell.iter().map(|bin| bin.of(state)).sum::<Cycles>(), total.of(state));
+            }
+        }
+        for (fifo, total) in profile.fifos.iter().zip(&stats.fifos) {
+            assert_eq!(fifo.bins.iter().map(|bin| bin.word_cycles).sum::<u64>(), total.word_cycles);
+            assert_eq!(fifo.bins.iter().map(|bin| bin.max).max(), Some(total.max));
+            assert_eq!(fifo.bins.iter().map(|bin| bin.full).sum::<Cycles>(), total.full);
+            assert_eq!(fifo.histogram[0], total.empty);
+        }
+        profile.rays.len()
+    };
+    for repeats in [1, 7, 300] {
+        assert!((512..=1024).contains(&bins(repeats)), "{repeats}");
+    }
+}

@@ -1,0 +1,100 @@
+//! Plots and pages of a run, as files and in a browser.
+
+mod support;
+
+use std::process::Command;
+
+use support::command::Folder;
+
+const RUN: &str = "--mode hybrid --cells 4 --scene room --size 12x10 --fifo-words 16";
+
+#[test]
+fn plots_are_pictures_in_both_formats() {
+    let folder = Folder::new();
+    let stdout = folder.run(&format!("{RUN} --plot plots")).success();
+    for name in ["fifos", "fifo-histograms", "cells", "rays", "latency"] {
+        assert!(stdout.contains(&format!("wrote plots/{name}.svg\nwrote plots/{name}.png\n")), "{stdout}");
+        let svg = folder.read(&format!("plots/{name}.svg"));
+        assert!(svg.contains("hybrid on 4 cells in 2 groups of 2: scene room"), "{name} tells what ran");
+        assert!(svg.contains("@font-face"), "{name} brings its font");
+        assert!(!svg.contains("href"), "{name} asks for nothing");
+        let file = std::io::BufReader::new(std::fs::File::open(folder.path(&format!("plots/{name}.png"))).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        assert!(pixels.iter().any(|&value| value < 100), "{name} is not blank");
+    }
+    assert!(folder.read("plots/cells.svg").contains("cell 3"));
+    assert!(folder.read("plots/fifos.svg").contains("Yhost: at most"));
+}
+
+#[test]
+fn a_folder_with_files_is_kept_unless_asked() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("plots")).unwrap();
+    folder.file("plots/mine.txt", "precious");
+    let error = folder.run(&format!("{RUN} --plot plots")).refused();
+    assert!(error.contains("plots") && error.contains("is not empty"), "{error}");
+    folder.run(&format!("{RUN} --plot plots --force")).success();
+    assert_eq!(folder.read("plots/mine.txt"), "precious");
+}
+
+#[test]
+fn a_replay_has_the_same_views_as_its_run() {
+    let folder = Folder::new();
+    folder.run(&format!("{RUN} --ops a.ops --page run.html")).success();
+    folder.run("replay a.ops --fifo-words 16 --page replay.html").success();
+    let figures = |name: &str| {
+        let page = folder.read(name);
+        let start = page.find("\"times\"").unwrap();
+        let data = &page[start..start + page[start..].find("</script>").unwrap()];
+        let (before, after) = (data.find("\"cells\"").unwrap(), data.find("\"fifos\"").unwrap());
+        format!("{}{}", &data[..before], &data[after..])
+    };
+    assert_eq!(figures("run.html"), figures("replay.html"));
+}
+
+/// What a page does once it is open: zooms one chart, and tells on which stretch each of them then stands.
+const ZOOM: &str = "<script>
+charts[0].setScale('x', { min: run.end / 4, max: run.end / 2 });
+setTimeout(() => {
+  const near = (a, b) => Math.abs(a - b) < 1e-9 * run.end;
+  const zoomed = charts.filter(({ scales: { x } }) => near(x.min, run.end / 4) && near(x.max, run.end / 2));
+  document.body.dataset.zoomed = zoomed.length;
+}, 200);
+</script>";
+
+#[test]
+fn a_page_opens_in_a_browser_and_its_charts_move_together() {
+    let browsers = ["chromium", "chromium-browser", "google-chrome"];
+    let is_there =
+        |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
+    let Some(browser) = browsers.into_iter().find(is_there) else {
+        eprintln!("skipped: there is no browser among {browsers:?}");
+        return;
+    };
+    let folder = Folder::new();
+    folder.run(&format!("{RUN} --page page.html")).success();
+    let page = folder.read("page.html");
+    assert!(!page.contains("http://") || page.matches("http://").count() == page.matches("http://www.w3.org").count());
+    assert!(
+        !page.contains("src=\"http") && !page.contains("<link rel=\"stylesheet\""),
+        "it asks the network for nothing"
+    );
+    folder.file("zoom.html", page.replace("</body>", &format!("{ZOOM}</body>")));
+    let profile = tempfile::tempdir().unwrap();
+    let output = Command::new(browser)
+        .args("--headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking".split(' '))
+        .args("--disable-component-update --disable-sync --enable-logging=stderr --virtual-time-budget=3000".split(' '))
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg("--dump-dom")
+        .arg(format!("file://{}", folder.path("zoom.html").display()))
+        .output()
+        .unwrap();
+    let (dom, log) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(!log.contains("CONSOLE"), "{log}");
+    // Four cells, the rays, eight FIFOs.
+    assert!(dom.contains("data-charts=\"13\""), "all charts are drawn");
+    assert!(dom.contains("data-zoomed=\"13\""), "all charts stand on the stretch that one was zoomed to");
+    assert!(dom.contains("cell 3") && dom.contains("data:image/png"), "the array and the picture are there");
+}
