@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 /// A bar that counts rays, with the time that is left. It draws on stderr, and only if that is a terminal.
 pub fn rays(count: u64) -> ProgressBar {
-    bar(count, "tracing {human_pos} of {human_len} rays {wide_bar} {per_sec}, {eta} left")
+    bar(count, "tracing {human_pos} of {human_len} rays {wide_bar} {eta} left")
 }
 
 /// A bar that counts the points of a sweep.
