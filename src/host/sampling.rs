@@ -1,6 +1,7 @@
 //! Where in its pixels an image is sampled.
 
 use super::camera::ImageSize;
+use crate::scene::Object;
 
 /// How many rays the eye sends through a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,8 +41,8 @@ impl Pass {
     }
 
     /// The second pass of adaptive sampling: the pixels that have a neighbour with another object. `objects` is what the
-    /// first pass saw in each pixel.
-    pub fn second(size: ImageSize, sampling: Sampling, objects: &[u32]) -> Pass {
+    /// first pass saw in each pixel, `None` for the background.
+    pub fn second(size: ImageSize, sampling: Sampling, objects: &[Option<Object>]) -> Pass {
         let (width, count) = (size.width as usize, size.pixels());
         let differs = |pixel: usize| {
             let beside = pixel % width + 1 < width && objects[pixel + 1] != objects[pixel];

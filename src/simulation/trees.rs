@@ -41,8 +41,6 @@ pub struct TreeBatch {
     pub ends: Vec<u32>,
     /// Each tree's light.
     pub colors: Vec<DVec3>,
-    /// The object that each tree's root shows.
-    pub objects: Vec<u32>,
     /// What the cells do for the rays; the host's ops are not known before the rays are sent.
     pub traced: TracedBatch,
     /// What was counted on the rays.
@@ -104,9 +102,6 @@ impl Grower<'_> {
                 children: ((first + children) as u32, (batch.branches.len() - children) as u32),
                 tree,
             });
-            if next == 0 {
-                batch.objects.push(self.shader.object(&hit));
-            }
             next += 1;
         }
         batch.colors.push(color);
@@ -137,8 +132,12 @@ impl TreeBatch {
         self.rays.clear();
         self.ends.clear();
         self.colors.clear();
-        self.objects.clear();
         self.kinds = Default::default();
+    }
+
+    /// The hit of a tree's root.
+    pub fn root_hit(&self, tree: usize) -> &Hit {
+        &self.traced.hits[self.tree(tree).start as usize]
     }
 
     /// The rays of a tree, as numbers in the batch.

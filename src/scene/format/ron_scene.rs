@@ -73,8 +73,17 @@ struct MeshText<'a> {
 #[serde(deny_unknown_fields, rename = "Shape", bound(deserialize = "'de: 'a"))]
 enum ShapeText<'a> {
     File(Located<'a, String>),
-    Builtin { name: Located<'a, String>, size: Option<u32>, resolution: Option<u32> },
-    Polygons { points: Vec<Triple<'a>>, faces: Vec<Located<'a, Vec<i64>>> },
+    Builtin {
+        name: Located<'a, String>,
+        size: Option<u32>,
+        resolution: Option<u32>,
+    },
+    Polygons {
+        points: Vec<Triple<'a>>,
+        faces: Vec<Located<'a, Vec<i64>>>,
+        #[serde(default)]
+        colors: Vec<Triple<'a>>,
+    },
 }
 
 #[derive(Deserialize)]
@@ -172,7 +181,10 @@ impl Reader<'_> {
     fn mesh(&mut self, text: &MeshText) -> Result<(), InputError> {
         let material = text.material.as_ref().map(|name| self.material_number(name)).transpose()?;
         let steps: Vec<Step> = text.transform.iter().map(|step| self.step(step)).collect::<Result<_, _>>()?;
-        let shape = self.shape(&text.shape)?;
+        let mut shape = self.shape(&text.shape)?;
+        if material.is_some() && !matches!(text.shape, ShapeText::Polygons { .. }) {
+            shape.mesh.colors.clear();
+        }
         let first = self.draft.materials.len() as u32;
         if material.is_none() {
             self.draft.materials.extend(shape.materials);
@@ -233,7 +245,7 @@ impl Reader<'_> {
                 })?;
                 Ok(Shape { mesh: scene.mesh, materials: scene.materials, notes: scene.notes })
             }
-            ShapeText::Polygons { points, faces } => self.polygons(points, faces),
+            ShapeText::Polygons { points, faces, colors } => self.polygons(points, faces, colors),
         }
     }
 
@@ -254,10 +266,17 @@ impl Reader<'_> {
         Ok(Shape { mesh: draft.mesh, materials: draft.materials, notes: draft.notes })
     }
 
-    fn polygons(&self, points: &[Triple], faces: &[Located<Vec<i64>>]) -> Result<Shape, InputError> {
+    fn polygons(&self, points: &[Triple], faces: &[Located<Vec<i64>>], colors: &[Triple]) -> Result<Shape, InputError> {
+        if let Some(last) = colors.last().filter(|_| colors.len() != points.len()) {
+            let (points, colors) = (plural(points.len() as u64, "point"), plural(colors.len() as u64, "colour"));
+            return Err(last.error(self.text, format!("mesh has {points} and {colors}, it needs one for each point")));
+        }
         let mut mesh = Mesh::default();
-        for point in points {
+        for (number, point) in points.iter().enumerate() {
             mesh.add_point(self.vector(point)?);
+            if let Some(color) = colors.get(number) {
+                mesh.color_point(self.color(Some(color), Vec3::ONE)?);
+            }
         }
         for face in faces {
             let corners = face.read(self.text)?;
