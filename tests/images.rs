@@ -88,6 +88,7 @@ fn judged(scene: &Scene, width: u32, side: u32) {
 fn equal_an_independent_tracer_in_double_precision() {
     judged(&glass(), 120, 1);
     judged(&glass(), 60, 2);
+    judged(&pcs_sim::scene::load(Path::new("tests/data/painted.ron"), &ReadOptions::default()).unwrap(), 100, 1);
     judged(&builtin::generate("room", None, None).unwrap(), 160, 1);
     judged(&builtin::generate("balls", Some(1), Some(12)).unwrap(), 80, 1);
     judged(&builtin::generate("teapot", Some(3), None).unwrap(), 80, 1);
@@ -296,25 +297,4 @@ fn the_command_writes_the_same_picture_with_and_without_timing() {
     folder.run("image room -o a.jpg").refused();
     folder.run("image room -o d.png --timing off --ops a.ops").refused();
     folder.run("image room -o d.png --in-flight 0").refused();
-}
-
-#[cfg(unix)]
-#[test]
-fn stopping_leaves_no_file_and_says_how_far_it_came() {
-    use std::process::{Command, Stdio};
-    let folder = Folder::new();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pcs-sim"));
-    command.args("image teapot --size 2000x2000 --samples 8 -o i.png --ops a.ops --stats s.json".split(' '));
-    let child = command.current_dir(folder.path("")).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // The result files are opened once the command listens for signals; it is at work when the ops grow.
-    let grows = || folder.names().iter().any(|name| folder.path(name).metadata().is_ok_and(|file| file.len() > 0));
-    while !grows() {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130));
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(told.starts_with("stopped: after ") && told.contains("of 256 000 000 samples"), "{told}");
-    assert_eq!(folder.names(), Vec::<String>::new());
 }

@@ -20,6 +20,8 @@ const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 const COLORS: [[&str; 3]; 3] =
     [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
 
+const COLOR_TYPES: [Type; 4] = [Type::Uint8, Type::Uint16, Type::Float32, Type::Float64];
+
 /// What is taken of a vertex: position, normal and colour.
 const PARTS: usize = 9;
 /// Where in this list the colour begins.
@@ -164,6 +166,12 @@ fn slots(text: Text, vertex: &Element, wanted: &[Option<&str>]) -> Result<Vec<Op
         match property.shape {
             Shape::List { .. } if slot.is_some() => {
                 let message = format!("property `{}` of `vertex` must not be a list", property.name);
+                Err(text.error(property.span.clone(), message))
+            }
+            Shape::Scalar(kind) if slot >= Some(FIRST_COLOR) && !COLOR_TYPES.contains(&kind) => {
+                let types = COLOR_TYPES.map(Type::name).join(", ");
+                let message =
+                    format!("colour `{}` is of type {}, it must be one of {types}", property.name, kind.name());
                 Err(text.error(property.span.clone(), message))
             }
             _ => Ok(slot),
