@@ -124,8 +124,9 @@ fn timing_in_a_closed_loop_is_what_ticking_its_ops_gives() {
     for (program, groups) in [("pipeline", 1), ("broadcast", 3), ("hybrid", 2)] {
         for times in [support::machine().times, slow_host()] {
             let workload = workload(&scene, program, groups, times);
-            let picture = picture(&scene, &workload, 6, plain(1));
-            for policy in POLICIES {
+            let refined = (Policy::ByGeneration, Sampling { side: 2, adaptive: true });
+            for (policy, sampling) in POLICIES.map(|policy| (policy, plain(1))).into_iter().chain([refined]) {
+                let picture = picture(&scene, &workload, 6, sampling);
                 for (in_flight, open_samples) in [(None, 1024), (Some(2), 3)] {
                     let rules = HostRules { policy, in_flight, open_samples };
                     let (rendered, batches) = timed(&picture, &narrow, rules);
@@ -153,6 +154,27 @@ fn a_ray_is_sent_after_its_parents_hit_and_never_more_than_may_be_in_flight() {
     assert!(x0.max.0 <= 8, "{x0:?}");
     let (free, _) = timed(&picture, &MachineSpec::default(), HostRules::default());
     assert!(timing(free).stats.cycles < alone.cycles);
+}
+
+/// The row below a pixel has come back when its refined samples are sent, but the array does not run empty between the
+/// two passes.
+#[test]
+fn refined_samples_wait_for_what_asks_for_them_and_for_no_more() {
+    let scene = glass();
+    let workload = workload(&scene, "pipeline", 1, support::machine().times);
+    let picture = picture(&scene, &workload, 40, Sampling { side: 2, adaptive: true });
+    let pixels = picture.size.pixels();
+    for (policy, open_samples) in [(Policy::SecondariesFirst, 64), (Policy::PrimariesFirst, 10_000)] {
+        let rules = HostRules { policy, open_samples, ..HostRules::default() };
+        let (rendered, batches) = timed(&picture, &MachineSpec::default(), rules);
+        let waits = |batch: &&OpBatch| batch.host.ops().iter().any(|op| op.kind() == OpKind::Await);
+        assert!(batches.iter().filter(waits).count() >= batches.len() - pixels, "only a first pass waits for nothing");
+        if policy == Policy::PrimariesFirst {
+            assert_eq!(batches[..pixels].iter().filter(waits).count(), 0, "all of them may be sent at once");
+        }
+        let cell = timing(rendered).stats.cells[0];
+        assert_eq!(cell.waiting_x, Cycles(1), "from the second cycle on the first cell has rays to read");
+    }
 }
 
 #[test]

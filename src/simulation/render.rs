@@ -111,6 +111,9 @@ pub fn render<E>(
         let second = Pass::second(picture.size, picture.sampling, &canvas.objects);
         canvas.take_pass(picture, &second, threads, &mut host, &mut seen)?;
     }
+    if let Some(host) = &mut host {
+        host.drain(&mut |ops, hit| seen(Seen::Sent(ops, hit)))?;
+    }
     let timing = host.map(finish).transpose()?;
     Ok(Rendered { pixels: canvas.pixels, counts: canvas.counts, kinds: canvas.kinds, timing })
 }
@@ -178,11 +181,7 @@ impl Canvas {
                 Some(host) => host.add(batch, &mut |ops, hit| observe(Seen::Sent(ops, hit))),
                 None => Ok(batch),
             }
-        })?;
-        match host {
-            Some(host) => host.drain(&mut |ops, hit| observe(Seen::Sent(ops, hit))),
-            None => Ok(()),
-        }
+        })
     }
 
     /// Adds a sample; after a pixel's last one, `sum` is its light, and starts anew.

@@ -39,6 +39,8 @@ pub struct TreeBatch {
     pub rays: Vec<TreeRay>,
     /// Where the trees end among the rays.
     pub ends: Vec<u32>,
+    /// For each tree, how many samples from the first one on the host must know before it may begin this one.
+    pub decided_by: Vec<usize>,
     /// Each tree's light.
     pub colors: Vec<DVec3>,
     /// What the cells do for the rays; the host's ops are not known before the rays are sent.
@@ -77,6 +79,7 @@ impl Grower<'_> {
         batch.reset(cells);
         for sample in samples {
             let (x, y) = pass.position(sample);
+            batch.decided_by.push(pass.decided_by(sample));
             self.tree(Branch::primary(self.view.ray(x, y)), &mut batch);
         }
         batch.traced.counts = std::mem::take(&mut self.tracer.counts);
@@ -131,6 +134,7 @@ impl TreeBatch {
         self.traced.reset(cells);
         self.rays.clear();
         self.ends.clear();
+        self.decided_by.clear();
         self.colors.clear();
         self.kinds = Default::default();
     }
