@@ -52,11 +52,6 @@ fn obj() {
             ("v 0 0 0\n", "bad.obj: empty scene: the file has no faces"),
             ("v 0 0\n", "bad.obj:1:1: `v` needs 3 numbers and has 2"),
             ("# wide\r\nv 1 2 zwei\r\n", "bad.obj:2:7: `zwei` is not a number"),
-            ("v 0 0 0 1 1\n", "bad.obj:1:1: `v` has 5 numbers, it takes 3, 4 with a weight, 6 with a colour"),
-            ("v 0 0 0 1 1 1 1\n", "bad.obj:1:1: `v` has 7 numbers, it takes 3, 4 with a weight, 6 with a colour"),
-            ("v 0 0 0 1 0 128\n", "bad.obj:1:13: 128 is no part of a vertex' colour, which is from 0 to 1"),
-            ("v 0 0 0 1 -0.5 0\n", "bad.obj:1:11: -0.5 is no part of a vertex' colour, which is from 0 to 1"),
-            ("v 0 0 0 red 0 0\n", "bad.obj:1:9: `red` is not a number"),
             ("v 0 0 nan\n", "bad.obj:1:7: NaN is not a finite number"),
             ("v 0 -inf 0\n", "bad.obj:1:5: -inf is not a finite number"),
             ("v 0 0 1e400\n", "bad.obj:1:7: inf is not a finite number"),
@@ -218,32 +213,6 @@ fn ply_ascii() {
     );
 }
 
-/// A vertex with a colour whose parts are of some type.
-fn colored_ply(kind: &str, body: &str) -> String {
-    let colors = format!("property {kind} red\nproperty {kind} green\nproperty {kind} blue\n");
-    ply("1", "1", body).replacen("property float z\n", &format!("property float z\n{colors}"), 1)
-}
-
-#[test]
-fn ply_colors() {
-    check(
-        "ply_colors",
-        "ply",
-        &[
-            (&colored_ply("uchar", "0 0 0 1 256 3\n"), "bad.ply:13:9: `256` is no number of type uchar"),
-            (&colored_ply("uchar", "0 0 0 1 2\n"), "bad.ply:13:10: line ends in the middle of `vertex` 1 of 1"),
-            (
-                &colored_ply("float", "0 0 0 1 2 0\n"),
-                "bad.ply:13:9: 2 is no part of a vertex' colour, which is from 0 to 1",
-            ),
-            (
-                &colored_ply("int", "0 0 0 1 2 3\n"),
-                "bad.ply:7:14: colour `red` is of type int, it must be one of uchar, ushort, float, double",
-            ),
-        ],
-    );
-}
-
 #[test]
 fn ply_binary() {
     let header = ply("1", "1", "").replace("ascii", "binary_little_endian").replace("uchar", "char");
@@ -349,14 +318,6 @@ fn ron() {
             ("(meshes: []\n  lights: [])", "bad.ron:2:3: expected comma"),
             ("(meshes: [],\n  meshes: [])", "bad.ron:2:3: field `meshes` is given twice"),
             ("(\n  meshes: [(shape: Fiel(\"a.obj\"))])", "bad.ron:2:20: unknown name `Fiel` (did you mean `File`?)"),
-            (
-                "(meshes: [(shape: Polygons(\n  points: [(0,0,0), (1,0,0), (0,1,0)], faces: [[0,1,2]],\n  colors: [(1,0,0), (0,1,0)]))])",
-                "bad.ron:3:21: mesh has 3 points and 2 colours, it needs one for each point",
-            ),
-            (
-                "(meshes: [(shape: Polygons(\n  points: [(0,0,0), (1,0,0), (0,1,0)], faces: [[0,1,2]],\n  colors: [(1,0,0), (0,1,0), (0,-1,0)]))])",
-                "bad.ron:3:30: -1 is negative",
-            ),
             (
                 "(\n  meshes: [(shape: File(\"a.obj\"))])",
                 "bad.ron:2:25: mesh file `a.obj` was not found beside the scene file",
