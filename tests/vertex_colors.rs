@@ -1,4 +1,4 @@
-//! Colours of vertices: from each format that has them, through the array's alpha and beta, to the picture's light.
+//! Colours of vertices, and materials of faces: from each format that has them, through the array's alpha and beta, to the picture's light.
 
 mod support;
 
@@ -147,6 +147,18 @@ fn a_scene_file_keeps_the_colours_of_a_mesh_unless_it_names_a_material() {
 }
 
 #[test]
+fn faces_of_a_scene_file_may_have_materials_of_their_own() {
+    let materials = r#"materials: [(name: "red", color: (1, 0, 0)), (name: "blue", color: (0, 0, 1))]"#;
+    let halves = "points: [(0,0,0), (0.5,0,0), (1,0,0), (1,1,0), (0.5,1,0), (0,1,0)], faces: [[0,1,4,5], [1,2,3,4]]";
+    let shape = format!("(shape: Polygons({halves}, materials: [\"blue\", \"red\"]))");
+    let scene = load("halves.ron", format!("Scene({materials}, meshes: [{shape}])"));
+    for (pixel, place) in seen_from_above(scene, 20).iter().zip(places(20)) {
+        let expected = if place.x < 0.5 { Vec3::Z } else { Vec3::X };
+        assert!((*pixel - expected).abs().max_element() < 1e-6, "{pixel} at {place}");
+    }
+}
+
+#[test]
 fn a_concave_face_keeps_the_colours_of_its_corners() {
     let arrow = "v 0 0 0 1 0 0\nv 1 0.5 0 1 0 0\nv 0 1 0 1 0 0\nv 0.4 0.5 0 1 0 0\nf 1 2 3 4\n";
     let scene = load("arrow.obj", arrow);
@@ -193,6 +205,18 @@ fn mistakes_in_them_are_told_with_their_place() {
     assert_eq!(ron("(1, 0, 0), (0, 1, 0)"), message);
     assert_eq!(ron("(1, 0, 0), (0, 1, 0), (0, -1, 0)"), "bad.ron:2:33: -1 is negative");
     assert_eq!(ron("(1, 0, 0), (0, 1, 0), 7"), "bad.ron:2:33: expected opening `(`");
+    // The same of materials, which each face may have.
+    let faces = |rest: &str| {
+        let points = "points: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], faces: [[0, 1, 2], [2, 1, 0]]";
+        let materials = r#"materials: [(name: "red"), (name: "blue")]"#;
+        refused("bad.ron", &format!("({materials}, meshes: [(shape: Polygons({points},\n {rest})])"))
+    };
+    let message = "bad.ron:2:14: mesh has 2 faces and 1 material, it needs one for each face";
+    assert_eq!(faces(r#"materials: ["red"])"#), message);
+    let message = "bad.ron:2:21: there is no material `bleu` (did you mean `blue`?)";
+    assert_eq!(faces(r#"materials: ["red", "bleu"])"#), message);
+    let message = "bad.ron:2:41: mesh has a material, and so has each of its faces";
+    assert_eq!(faces(r#"materials: ["red", "blue"]), material: "red""#), message);
 }
 
 #[test]
