@@ -60,7 +60,7 @@ parameters! {
     clock_ns: "number", Number, "length of a cycle (ns)";
     word_bytes: "whole", Whole, "size of a word (bytes)";
     fifo_words: "whole", Whole, "depth of each FIFO (words)";
-    link_mb_s: "number", Number, "rate of a link (10^6 bytes a second)";
+    link_mb_s: "number", Number, "rate of a link (Mbyte/s)";
     rate_counts: "text", Text, "what the rate of a link counts";
     latency_cycles: "whole", Whole, "latency of a link (cycles)";
     memory_words: "whole", Whole, "memory of a cell (words)";

@@ -20,8 +20,6 @@ const LEGEND: u32 = 230;
 const LEGEND_LINE: i32 = 19;
 /// Room for the numbers of the vertical axis and its name.
 const LEFT: u32 = 104;
-/// How far the bars and words' points of neighbouring lines stand apart, as a share of the axis.
-const APART: f64 = 0.006;
 /// Characters that fit into a line of the caption, into one of the legend, and along the axis.
 const CAPTION_LETTERS: usize = 160;
 const LEGEND_LETTERS: usize = 30;
@@ -59,6 +57,14 @@ impl<'a> Chart<'a> {
         Chart { curves, what: cut(&what, 110), caption, x, y, labels, by }
     }
 
+    /// How far beside its place each line's bars stand, so that they do not hide each other: as a share of the axis.
+    fn places(&self) -> Vec<f64> {
+        let lines = self.curves.lines.len();
+        let width = if self.x.has_words() { 0.5 / self.x.ticks() as f64 } else { 0.04 };
+        let apart = (width / lines as f64).min(0.015);
+        (0..lines).map(|line| apart * (line as f64 - (lines - 1) as f64 / 2.0)).collect()
+    }
+
     fn draw_legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, by: &str) -> Drawn<DB> {
         area.draw_text(&cut(by, LEGEND_LETTERS), &font(14), (8, 4))?;
         for (index, line) in self.curves.lines.iter().enumerate() {
@@ -90,21 +96,23 @@ impl Figure for Chart<'_> {
         mesh.x_label_formatter(&x_name).y_label_formatter(&y_name).max_light_lines(1);
         mesh.label_style(font(13)).axis_desc_style(font(14));
         mesh.x_desc(&self.labels[0]).y_desc(&self.labels[1]).draw()?;
-        let middle = (self.curves.lines.len() - 1) as f64 / 2.0;
+        let places = self.places();
+        let bar = |at, spot: &Spot, color: RGBColor| {
+            PathElement::new([(at, spot.low), (at, spot.high)], color.mix(0.45).stroke_width(2))
+        };
         for (index, Line { spots, .. }) in self.curves.lines.iter().enumerate() {
-            let color = color_of(index);
-            let beside = |spot: &Spot| self.x.beside(spot.x, APART * (index as f64 - middle));
-            let bar = |spot: &Spot| {
-                PathElement::new([(beside(spot), spot.low), (beside(spot), spot.high)], color.stroke_width(2))
-            };
-            chart.draw_series(spots.iter().filter(|spot| spot.low < spot.high).map(bar))?;
+            let spread = spots.iter().filter(|spot| spot.low < spot.high);
+            chart.draw_series(spread.map(|spot| bar(self.x.beside(spot.x, places[index]), spot, color_of(index))))?;
+        }
+        for (index, Line { spots, .. }) in self.curves.lines.iter().enumerate() {
             // Words have nothing between them that a line could lead through.
-            let at = |spot: &Spot| if self.x.has_words() { beside(spot) } else { spot.x };
+            let place = if self.x.has_words() { places[index] } else { 0.0 };
             if !self.x.has_words() {
                 let line = spots.iter().map(|spot| (spot.x, spot.mean));
-                chart.draw_series(LineSeries::new(line, color.stroke_width(2)))?;
+                chart.draw_series(LineSeries::new(line, color_of(index).stroke_width(2)))?;
             }
-            chart.draw_series(spots.iter().map(|spot| EmptyElement::at((at(spot), spot.mean)) + marker(index)))?;
+            let at = |spot: &Spot| EmptyElement::at((self.x.beside(spot.x, place), spot.mean));
+            chart.draw_series(spots.iter().map(|spot| at(spot) + marker(index)))?;
         }
         self.by.map_or(Ok(()), |by| self.draw_legend(&right, by))
     }
