@@ -65,7 +65,6 @@ parameters! {
     latency_cycles: "whole", Whole, "latency of a link (cycles)";
     memory_words: "whole", Whole, "memory of a cell (words)";
     host_ray_us: "number", Number, "host's time for sending a ray (µs)";
-    host_hit_us: "number", Number, "host's time for shading a hit (µs)";
     grid_start: "number", Number, "grid: start of a ray (µs)";
     grid_voxel: "number", Number, "grid: step to a voxel (µs)";
     slabs_start: "number", Number, "slabs: start of a ray (µs)";
