@@ -280,6 +280,9 @@ pub struct ResultArgs {
     /// Replace result files that exist.
     #[arg(long)]
     pub force: bool,
+    /// Watch the cells and the FIFOs at work, on a terminal.
+    #[arg(long, help_heading = "Options")]
+    pub watch: bool,
 }
 
 #[derive(Debug, Args)]

@@ -12,6 +12,7 @@ mod scenes;
 mod sweep;
 mod unread;
 mod views;
+mod watch;
 
 use std::io::Write;
 use std::process::ExitCode;
