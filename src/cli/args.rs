@@ -326,6 +326,9 @@ pub struct SweepArgs {
     /// Replace plots that exist, and the table and journal of another sweep.
     #[arg(long)]
     pub force: bool,
+    /// Watch the points come in, on a terminal.
+    #[arg(long)]
+    pub watch: bool,
 }
 
 #[derive(Debug, Args)]

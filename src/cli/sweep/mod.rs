@@ -1,5 +1,6 @@
 //! `pcs-sim sweep SWEEP.ron`: many runs, and one table of them.
 
+mod latest;
 mod plots;
 mod point;
 
@@ -14,6 +15,7 @@ use rayon::prelude::*;
 
 use super::args::{Cli, RunArgs, SweepArgs};
 use super::{Failure, outputs, print, progress};
+use latest::Latest;
 use plots::Plots;
 use point::{Outcome, Recording, Setting, Stage};
 
@@ -26,17 +28,20 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let todo: Vec<usize> = (0..sweep.points()).filter(|&index| !record.has(index)).collect();
     let bar = progress::points(sweep.points() as u64);
     bar.set_position((sweep.points() - todo.len()) as u64);
-    let state = Mutex::new((&mut record, Ok(())));
+    bar.reset_eta();
+    let latest = Latest::new(&sweep, &bar, args.watch);
+    let state = Mutex::new((&mut record, latest, Ok(())));
     run_all(&sweep, &todo, |index, result| {
         let row = [sweep.point(index), point::results(result)].concat();
         let mut guard = state.lock().unwrap_or_else(PoisonError::into_inner);
-        let (record, written) = &mut *guard;
+        let (record, latest, written) = &mut *guard;
+        latest.add(&row);
         if written.is_ok() {
             *written = record.enter(index, row);
         }
         bar.inc(1);
     });
-    let (_, written) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (_, _, written) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
     written.and_then(|()| record.write_table()).map_err(failed)?;
     bar.finish_and_clear();
     let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();

@@ -23,9 +23,9 @@ struct Level<'a> {
 }
 
 /// Room for what stands to the left and to the right of a bar.
-const BESIDE_BARS: usize = 46;
+const BESIDE_BARS: usize = 56;
 const LONGEST_BAR: usize = 60;
-const NAME: usize = 18;
+const NAME: usize = 20;
 
 /// How much of something, from nothing to all.
 const STEPS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
@@ -46,7 +46,7 @@ impl View<'_> {
             if seconds > 0.0 { grouped((rays as f64 / seconds).round() as u64) } else { "0".to_owned() }
         };
         format!(
-            "simulated {}, {} rays/s; its last {} are below, {} rays/s",
+            "simulated {} at {} rays/s; below, its last {} at {} rays/s",
             time(seconds(self.now.cycles)),
             rate(self.now.returned, seconds(self.now.cycles)),
             time(seconds(passed)),
@@ -75,7 +75,7 @@ impl View<'_> {
 
     fn columns(&self, width: usize) -> Vec<String> {
         let cells = self.cells();
-        let each = cells.len().div_ceil(width.saturating_sub(NAME + 24).max(8));
+        let each = cells.len().div_ceil(width.saturating_sub(NAME + 17).max(8));
         let what = if each == 1 { "a column a cell".to_owned() } else { format!("a column for each {each} cells") };
         let share_of = |some: fn(&CellStats) -> u64| cells.iter().map(|cell| share(some(cell), total(cell))).collect();
         let levels = |channel: char| {
@@ -112,7 +112,8 @@ impl View<'_> {
             let word_cycles = stats.word_cycles.saturating_sub(word_cycles);
             Level {
                 stats,
-                mean: if passed == 0 { 0.0 } else { word_cycles as f64 / passed as f64 },
+                // Both ends of the time are where this FIFO has come to, which is not quite where the words are counted.
+                mean: (word_cycles as f64 / passed.max(1) as f64).min(stats.capacity.0 as f64),
                 full: share(stats.full.0.saturating_sub(full), passed),
             }
         })
@@ -210,4 +211,77 @@ fn sparks(name: &str, shares: Vec<f64>, each: usize, style: Style) -> String {
     let most = shares.iter().copied().fold(0.0, f64::max);
     let figures = [least, mean(&shares), most].map(|share| format!("{:3.0}", 100.0 * share)).join(" ");
     format!("{name:NAME$} {} {figures} %", style.for_stderr().apply_to(row))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pcs_sim::machine::{Busy, Words};
+
+    fn cell(grid: u64, moving: u64, waiting_y: u64, blocked_x: u64) -> CellStats {
+        CellStats {
+            busy: Busy([Cycles(grid), Cycles(0), Cycles(0), Cycles(0)]),
+            moving: Cycles(moving),
+            waiting_y: Cycles(waiting_y),
+            blocked_x: Cycles(blocked_x),
+            ..CellStats::default()
+        }
+    }
+
+    fn fifo(name: &str, word_cycles: u64, full: u64, until: u64) -> (FifoStats, Cycles) {
+        let (capacity, full) = (Words(512), Cycles(full));
+        let (words, max, empty) = (Words(0), Words(0), Cycles(0));
+        (FifoStats { name: name.to_owned(), capacity, words, max, word_cycles, full, empty }, Cycles(until))
+    }
+
+    fn lines(before: &SoFar, now: &SoFar, width: usize, height: usize) -> String {
+        let spec = MachineSpec::default();
+        let cell_names = &["grid".to_owned()];
+        View { spec: &spec, cell_names, before, now }.lines(width, height).join("\n")
+    }
+
+    #[test]
+    fn few_cells_have_a_row_each() {
+        let before = SoFar {
+            cycles: Cycles(1_000_000),
+            returned: 30,
+            cells: vec![cell(500, 0, 500, 0)],
+            fifos: vec![fifo("X0", 512_000, 1000, 1000), fifo("Yhost", 0, 0, 1000)],
+        };
+        let now = SoFar {
+            cycles: Cycles(3_000_000),
+            returned: 90,
+            cells: vec![cell(1000, 100, 700, 200)],
+            fifos: vec![fifo("X0", 768_000, 1000, 2000), fifo("Yhost", 1000, 0, 2000)],
+        };
+        insta::assert_snapshot!(lines(&before, &now, 77, 24), @"
+        simulated 150.000 ms at 600 rays/s; below, its last 100.000 ms at 600 rays/s
+        g grid  s slabs  n intersection  c other  m moving  . waiting  ! blocked
+        cell 0 grid          gggggggggggmm....!!!! works  60.0 %
+
+        FIFO X0              ###########----------   256.0 of 512, full   0.0 %
+        FIFO Yhost           ---------------------     1.0 of 512, full   0.0 %
+        ");
+        assert_eq!(lines(&before, &now, 77, 3).lines().count(), 3, "no more than fit");
+        assert!(lines(&now, &before, 30, 10).lines().all(|line| line.chars().count() < 30), "nor wider; nor earlier");
+    }
+
+    #[test]
+    fn many_cells_have_a_column_each() {
+        let cells = (0..64).map(|index| cell(index, 0, 63 - index, 0)).collect();
+        let fifos = (0..64).map(|index| fifo(&format!("X{index}"), 512 * (index % 2), 0, 1));
+        let fifos = fifos.chain((1..=64).map(|index| fifo(&format!("Y{index}"), 0, 0, 1))).collect();
+        let now = SoFar { cycles: Cycles(63), returned: 0, cells, fifos };
+        insta::assert_snapshot!(lines(&SoFar::default(), &now, 110, 24), @"
+        simulated 3.150 µs at 0 rays/s; below, its last 3.150 µs at 0 rays/s
+        64 cells, a column a cell; least, mean and most to the right
+        works                    ▁▁▁▁▁▁▁▁▂▂▂▂▂▂▂▂▃▃▃▃▃▃▃▃▄▄▄▄▄▄▄▄▅▅▅▅▅▅▅▅▆▆▆▆▆▆▆▆▇▇▇▇▇▇▇▇████   0  50 100 %
+        waits                ████▇▇▇▇▇▇▇▇▆▆▆▆▆▆▆▆▅▅▅▅▅▅▅▅▄▄▄▄▄▄▄▄▃▃▃▃▃▃▃▃▂▂▂▂▂▂▂▂▁▁▁▁▁▁▁▁       0  50 100 %
+        blocked                                                                                 0   0   0 %
+        X FIFOs' level        █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █ █   0  50 100 %
+        Y FIFOs' level                                                                          0   0   0 %
+        ");
+        let narrow = lines(&SoFar::default(), &now, 80, 24);
+        assert!(narrow.contains("a column for each 2 cells"), "{narrow}");
+    }
 }
