@@ -111,7 +111,7 @@ fn run_same_work(stage: &Stage, points: &[&Point], done: &(impl Fn(usize, Result
 }
 
 /// Puts points with the same key together, in the order in which the keys come first.
-fn by_key<'a>(points: Vec<&'a Point>, key: impl Fn(&Setting) -> String) -> Vec<Vec<&'a Point>> {
+fn by_key(points: Vec<&Point>, key: impl Fn(&Setting) -> String) -> Vec<Vec<&Point>> {
     let mut places = HashMap::new();
     let mut groups: Vec<Vec<&Point>> = Vec::new();
     for point in points {

@@ -60,8 +60,9 @@ impl<'a> Chart<'a> {
     /// How far beside its place each line's bars stand, so that they do not hide each other: as a share of the axis.
     fn places(&self) -> Vec<f64> {
         let lines = self.curves.lines.len();
-        let width = if self.x.has_words() { 0.5 / self.x.ticks() as f64 } else { 0.04 };
-        let apart = (width / lines as f64).min(0.015);
+        // Numbers' bars stay behind their markers where there are few.
+        let (width, most) = if self.x.has_words() { (0.5 / self.x.ticks() as f64, 0.015) } else { (0.04, 0.004) };
+        let apart = (width / lines as f64).min(most);
         (0..lines).map(|line| apart * (line as f64 - (lines - 1) as f64 / 2.0)).collect()
     }
 
