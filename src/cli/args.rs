@@ -280,6 +280,9 @@ pub struct ResultArgs {
     /// Replace result files that exist.
     #[arg(long)]
     pub force: bool,
+    /// Watch the cells and the FIFOs at work, on a terminal.
+    #[arg(long, help_heading = "Options")]
+    pub watch: bool,
 }
 
 #[derive(Debug, Args)]
@@ -311,12 +314,21 @@ pub struct SweepArgs {
     /// The sweep: a value, a list or a range for any of a run's parameters.
     #[arg(value_name = "SWEEP.ron")]
     pub sweep: PathBuf,
-    /// The table, as CSV. A journal lies beside it until it is whole, from which a sweep that was stopped goes on.
-    #[arg(long, value_name = "FILE")]
+    /// The table: FILE.csv, and the same as FILE.parquet. It grows as points finish. A sweep that was stopped goes on
+    /// where FILE.journal says; one that is done is not run again.
+    #[arg(short = 'o', long, value_name = "FILE")]
     pub table: PathBuf,
-    /// Replace a table that exists.
+    /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode.
+    ///
+    /// The plot lies beside the table, as SVG and PNG. May be given several times, x= first.
+    #[arg(long, num_args = 2..=3, value_names = ["x=COLUMN", "y=COLUMN", "by=COLUMN"])]
+    pub plot: Vec<String>,
+    /// Replace plots that exist, and the table and journal of another sweep.
     #[arg(long)]
     pub force: bool,
+    /// Watch the points come in, on a terminal.
+    #[arg(long)]
+    pub watch: bool,
 }
 
 #[derive(Debug, Args)]

@@ -18,7 +18,10 @@ use pcs_sim::scene::Scene;
 use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, RunError, Seen};
 
 use super::args::{ImageArgs, PolicyName, Switch};
-use super::run::{array_program, kernel_names, machine_file, machine_line, memory_line, plural, scene, threads};
+use super::run::{
+    array_program, cell_names, kernel_names, machine_file, machine_line, memory_line, plural, scene, threads,
+};
+use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
 /// What the image can be written as.
@@ -118,11 +121,12 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
     if let Some(file) = &mut files.ops {
         activity::write_header(file, setup.workload.cells()).map_err(unwritable)?;
     }
-    let bar = progress::samples();
+    let watch = || Watch::new(&setup.machine.spec, cell_names(&setup.workload));
+    let mut live = Live::new(progress::samples(), args.results.watch.then(watch));
     let result = simulation::render(&picture, timing, threads(args.tracing.threads), |seen| match seen {
-        Seen::Samples { done, of } => {
-            bar.set_length(of as u64);
-            bar.set_position(done as u64);
+        Seen::Samples { done, of, array } => {
+            live.set(done as u64, of as u64);
+            array.into_iter().for_each(|array| live.show(array));
             Ok(())
         }
         Seen::Sent(ops, hit) => {
@@ -130,7 +134,7 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
             files.ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, ops))
         }
     });
-    bar.finish_and_clear();
+    live.finish();
     result.map_err(|error| match error {
         RunError::Stuck(stuck) => Failure::Stuck(stuck),
         RunError::Observer(error) => unwritable(error),

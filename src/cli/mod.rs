@@ -13,6 +13,7 @@ mod scenes;
 mod sweep;
 mod unread;
 mod views;
+mod watch;
 
 use std::io::Write;
 use std::process::ExitCode;

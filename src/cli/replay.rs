@@ -13,6 +13,7 @@ use pcs_sim::simulation;
 use super::args::ReplayArgs;
 use super::run::{machine_file, machine_line};
 use super::views::Views;
+use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
@@ -25,9 +26,11 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let mut trace = ActivityTrace::open(&args.ops)?;
     let cells = trace.cells();
     spinner.set_message("timing the trace");
+    let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(&machine.spec, Vec::new())));
     let array = |limit| views.fit(Array::until(&machine.spec, cells, limit));
-    let (result, profile) = simulation::replay_in(array, |take| trace.for_each_batch::<Failure>(take))?;
-    spinner.finish_and_clear();
+    let feed = |take: &mut dyn FnMut(_) -> _| trace.for_each_batch::<Failure>(take);
+    let (result, profile) = simulation::replay_in(array, feed, |array| live.show(array))?;
+    live.finish();
     machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let caption = Caption {
         title: format!("replay of {} on {cells} cells: {} rays", args.ops.display(), grouped(trace.rays())),

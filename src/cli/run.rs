@@ -19,6 +19,7 @@ use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
 use super::views::Views;
+use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
 /// The files that a run writes.
@@ -55,7 +56,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
     notes(&setup);
-    let outcome = simulate(&setup, threads(args.tracing.threads), &mut files)?;
+    let outcome = simulate(&setup, threads(args.tracing.threads), args.results.watch, &mut files)?;
     print(&report(&setup, &outcome))?;
     let written = write_outputs(args, &setup, &outcome, files)?;
     print(&outputs::list(&written))
@@ -190,19 +191,24 @@ fn notes(setup: &Setup) {
     }
 }
 
-fn simulate(setup: &Setup, threads: usize, files: &mut Outputs) -> Result<Outcome, Failure> {
-    let bar = progress::rays(setup.rays.len() as u64);
+fn simulate(setup: &Setup, threads: usize, watch: bool, files: &mut Outputs) -> Result<Outcome, Failure> {
+    let spec = &setup.machine.spec;
+    let mut live = Live::new(
+        progress::rays(setup.rays.len() as u64),
+        watch.then(|| Watch::new(spec, cell_names(&setup.workload))),
+    );
     let failed = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
     let Outputs { ops, views, .. } = files;
     if let Some(file) = ops {
         activity::write_header(file, setup.workload.cells()).map_err(failed)?;
     }
-    let array = views.fit(Array::new(&setup.machine.spec, setup.workload.cells()));
-    let outcome = simulation::run_in(array, &setup.workload, &setup.rays, threads, |batch| {
-        bar.inc(batch.hits.len() as u64);
+    let array = views.fit(Array::new(spec, setup.workload.cells()));
+    let outcome = simulation::run_in(array, &setup.workload, &setup.rays, threads, |batch, array| {
+        live.inc(batch.hits.len() as u64);
+        live.show(array);
         ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, &batch.ops))
     });
-    bar.finish_and_clear();
+    live.finish();
     outcome.map_err(|error| match error {
         RunError::Stuck(stuck) => Failure::Stuck(stuck),
         RunError::Observer(error) => failed(error),
@@ -339,6 +345,6 @@ fn page_image(args: &RunArgs, setup: &Setup, outcome: &Outcome, views: &Views) -
 }
 
 /// What each cell runs.
-fn cell_names(workload: &Workload) -> Vec<String> {
+pub fn cell_names(workload: &Workload) -> Vec<String> {
     (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect()
 }

@@ -7,6 +7,7 @@ use super::cell::{Cell, Halt, Link};
 use super::op::OpBatch;
 use super::probe::Probe;
 use super::profile::Profile;
+use super::so_far::SoFar;
 use super::spec::MachineSpec;
 use super::stats::{RunStats, fifo_name};
 use super::stuck::{self, Party, Stuck};
@@ -139,6 +140,24 @@ impl Array {
     /// The cycle in which the host reads the last word of the n-th message (from 0), if it is known.
     pub fn returned_in(&self, message: u64) -> Option<Cycles> {
         self.returned.get(message as usize).copied().map(Cycles)
+    }
+
+    /// What has been worked out by now. Takes no longer than a few reads for each cell.
+    pub fn so_far(&self) -> SoFar {
+        let count = self.cells.len();
+        let fifo = |link: usize, channel: Channel| {
+            let fifo = self.links[link].fifo(channel);
+            let until = fifo.known_until();
+            (fifo.stats(fifo_name(channel, link, count), until), Cycles(until))
+        };
+        let xs = (0..count).map(|link| fifo(link, Channel::X));
+        let ys = (1..=count).map(|link| fifo(link, Channel::Y));
+        SoFar {
+            cycles: Cycles(self.links[count].y.known_until()),
+            returned: self.returned.len() as u64,
+            cells: self.cells.iter().map(|station| station.cell.stats(station.cell.now.clock)).collect(),
+            fifos: xs.chain(ys).collect(),
+        }
     }
 
     /// Ends the run: no more ops will come.

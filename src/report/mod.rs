@@ -10,4 +10,5 @@ pub mod palette;
 pub mod plot;
 pub mod stats;
 pub mod summary;
+pub mod table;
 pub mod time_unit;

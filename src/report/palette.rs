@@ -16,6 +16,17 @@ pub const FULL: Rgb = Rgb(213, 94, 0);
 /// Rays that are done.
 pub const RAYS: Rgb = Rgb(0, 158, 115);
 
+/// Lines that differ in what a caption says: blue, vermilion, green, orange, sky blue, purple, black.
+pub const LINES: [Rgb; 7] = [
+    Rgb(0, 114, 178),
+    Rgb(213, 94, 0),
+    Rgb(0, 158, 115),
+    Rgb(230, 159, 0),
+    Rgb(86, 180, 233),
+    Rgb(204, 121, 167),
+    Rgb(0, 0, 0),
+];
+
 /// The colour of what a cell does.
 pub fn of_state(state: CellState) -> Rgb {
     match state {

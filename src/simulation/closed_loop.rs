@@ -155,6 +155,11 @@ impl ClosedLoop {
         Ok(())
     }
 
+    /// The array at work.
+    pub fn array(&self) -> &Array {
+        &self.array
+    }
+
     /// The array, when all is done.
     pub fn into_array(self) -> Array {
         self.array

@@ -56,23 +56,23 @@ pub fn run<E>(
     spec: &MachineSpec,
     rays: &[Ray],
     threads: usize,
-    observe: impl FnMut(&TracedBatch) -> Result<(), E>,
+    mut observe: impl FnMut(&TracedBatch) -> Result<(), E>,
 ) -> Result<Outcome, RunError<E>> {
-    run_in(Array::new(spec, workload.cells()), workload, rays, threads, observe)
+    run_in(Array::new(spec, workload.cells()), workload, rays, threads, |batch, _| observe(batch))
 }
 
-/// The same in an array of the caller's, which may have a probe.
+/// The same in an array of the caller's, which may have a probe. `observe` sees it as it is before the batch.
 pub fn run_in<E>(
     mut array: Array,
     workload: &Workload,
     rays: &[Ray],
     threads: usize,
-    mut observe: impl FnMut(&TracedBatch) -> Result<(), E>,
+    mut observe: impl FnMut(&TracedBatch, &Array) -> Result<(), E>,
 ) -> Result<Outcome, RunError<E>> {
     let mut counts = Counts::default();
     let mut hits = Vec::with_capacity(rays.len());
     trace(workload, rays, threads, |mut batch| {
-        observe(&batch).map_err(RunError::Observer)?;
+        observe(&batch, &array).map_err(RunError::Observer)?;
         counts += batch.counts;
         hits.append(&mut batch.hits);
         array.feed(std::mem::take(&mut batch.ops));
@@ -95,19 +95,23 @@ pub fn replay<E: From<Stuck>>(
     cells: usize,
     feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<(), E>) -> Result<(), E>,
 ) -> Result<RunStats, E> {
-    Ok(replay_in(|limit| Array::until(spec, cells, limit), feed)?.0)
+    Ok(replay_in(|limit| Array::until(spec, cells, limit), feed, |_| ())?.0)
 }
 
 /// The same in arrays that `array` makes, for the limit that it is given, and what their probe saw, if they have one.
+/// `observe` sees the array after each batch.
 pub fn replay_in<E: From<Stuck>>(
     array: impl Fn(Cycles) -> Array,
     mut feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<(), E>) -> Result<(), E>,
+    mut observe: impl FnMut(&Array),
 ) -> Result<(RunStats, Option<Profile>), E> {
     let mut attempt = |limit: Cycles| {
         let mut array = array(limit);
         feed(&mut |batch| {
             array.feed(batch);
-            Ok(array.run()?)
+            array.run()?;
+            observe(&array);
+            Ok(())
         })?;
         Ok::<_, E>(array.finish_probed())
     };

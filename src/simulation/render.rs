@@ -10,7 +10,7 @@ use crate::geometry::Hit;
 use crate::host::camera::{ImageSize, View};
 use crate::host::sampling::{Pass, Sampling};
 use crate::host::shading::{Limits, Shader};
-use crate::machine::{Cycles, MachineSpec, OpBatch, RunStats, Stuck, Unfinished};
+use crate::machine::{Array, Cycles, MachineSpec, OpBatch, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
 use crate::scene::{Mesh, Object, Scene};
 
@@ -41,6 +41,8 @@ pub enum Seen<'a> {
         done: usize,
         /// How many are to be known.
         of: usize,
+        /// The array as it is by now, if there is one.
+        array: Option<&'a Array>,
     },
     /// The host sends a ray: its ops, and the hit that it will find. Not without timing.
     Sent(&'a OpBatch, &'a Hit),
@@ -176,7 +178,8 @@ impl Canvas {
                 }
             }
             index += 1;
-            observe(Seen::Samples { done: range.end, of: pass.len() })?;
+            let array = host.as_ref().map(ClosedLoop::array);
+            observe(Seen::Samples { done: range.end, of: pass.len(), array })?;
             match host {
                 Some(host) => host.add(batch, &mut |ops, hit| observe(Seen::Sent(ops, hit))),
                 None => Ok(batch),

@@ -1,7 +1,8 @@
-//! Pictures of a run over time, each as SVG and as PNG.
+//! Pictures of a run over time, and of a table of runs ([`curves`]), each as SVG and as PNG.
 
 mod cells;
 mod chart;
+pub mod curves;
 mod fifos;
 mod rays;
 mod render;

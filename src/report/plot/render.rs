@@ -15,6 +15,12 @@ pub const FONT_NAME: &str = "DejaVu Sans";
 #[error("a picture cannot be drawn: {0}")]
 pub struct PlotError(String);
 
+impl PlotError {
+    pub(super) fn new(why: String) -> PlotError {
+        PlotError(why)
+    }
+}
+
 /// A picture's files.
 #[derive(Clone, Debug)]
 pub struct Rendered {
