@@ -20,9 +20,12 @@ impl Bin for CellStats {
 }
 
 impl Watcher for &mut CellLane {
-    #[inline]
+    #[inline(always)]
     fn spent(&mut self, state: CellState, from: u64, cycles: u64) {
-        self.timeline.for_each(from, from + cycles, |bin, cycles| *bin.of_mut(state) += Cycles(cycles));
+        match self.timeline.within(from + cycles) {
+            Some(bin) => *bin.of_mut(state) += Cycles(cycles),
+            None => self.timeline.cut(from, from + cycles, |bin, from, to| *bin.of_mut(state) += Cycles(to - from)),
+        }
     }
 }
 

@@ -18,7 +18,7 @@ use rays::RayLane;
 /// Bins of a run on few cells. A run that outgrows them has half as many, twice as wide.
 const MOST_BINS: usize = 1024;
 /// Bins of all cells together; cells of a large array have fewer each.
-const ALL_BINS: usize = 1 << 18;
+const ALL_BINS: usize = 1 << 15;
 
 /// Follows all cells and FIFOs of an array, and its rays.
 #[derive(Debug)]
