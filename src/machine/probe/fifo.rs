@@ -65,7 +65,8 @@ impl FifoLane {
             let (write, read_in) = (fifo.write_time(self.writes), fifo.read_time(self.reads));
             let (writes, reads) = (written - self.writes, read - self.reads);
             if write < read_in {
-                let count = self.write_run.length(self.writes, writes.min(read_in - write), |word| fifo.write_time(word));
+                let count =
+                    self.write_run.length(self.writes, writes.min(read_in - write), |word| fifo.write_time(word));
                 self.rise(write, count);
             } else if read_in < write {
                 let count = self.read_run.length(self.reads, reads.min(write - read_in), |word| fifo.read_time(word));
