@@ -13,9 +13,7 @@ pub struct CellLane {
 
 impl Bin for CellStats {
     fn absorb(&mut self, later: &CellStats) {
-        for state in CellState::ALL {
-            *self.of_mut(state) += later.of(state);
-        }
+        self.add(later);
     }
 }
 

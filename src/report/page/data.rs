@@ -89,10 +89,10 @@ impl<'a> Data<'a> {
                 .collect(),
             rays: profile.rays.iter().zip(&lengths).map(rate).collect(),
             colors: Colors {
-                level: palette::LEVEL.to_string(),
+                level: palette::AMOUNT.to_string(),
                 range: palette::RANGE.to_string(),
                 full: palette::FULL.to_string(),
-                rays: palette::RAYS.to_string(),
+                rays: palette::AMOUNT.to_string(),
             },
         }
     }

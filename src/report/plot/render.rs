@@ -36,9 +36,13 @@ pub trait Figure {
 /// How drawing on a backend ends.
 pub type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
+/// Makes the font known; to be called before anything is drawn.
+pub fn bring_font() -> Result<(), PlotError> {
+    register_font(FONT_NAME, FontStyle::Normal, FONT).map_err(|_| PlotError("its font is broken".to_owned()))
+}
+
 /// Draws a figure in both formats.
 pub fn render(figure: &impl Figure) -> Result<Rendered, PlotError> {
-    register_font(FONT_NAME, FontStyle::Normal, FONT).map_err(|_| PlotError("its font is broken".to_owned()))?;
     Ok(Rendered { svg: svg(figure)?, png: png(figure)? })
 }
 
