@@ -45,7 +45,7 @@ where
         let last = first + part.len() - 1;
         let length = bins(&part[0]).len();
         Row {
-            name: if first == last { name(first) } else { format!("{} to {}", name(first), name(last)) },
+            name: if first == last { name(first) } else { format!("{} ...", name(first)) },
             bins: (0..length).map(|bin| merge(&part.iter().map(|item| bins(item)[bin]).collect::<Vec<_>>())).collect(),
             members: part.len() as f64,
         }
@@ -98,7 +98,7 @@ pub struct States<'a> {
 impl<'a> States<'a> {
     pub fn new(caption: &'a Caption, scale: TimeScale, all: &'a [Vec<CellStats>]) -> States<'a> {
         let together = all.len().div_ceil(MOST_ROWS).max(1);
-        let rows = rows(all, |index| index.to_string(), Vec::as_slice, CellStats::sum);
+        let rows = rows(all, |index| format!("cell {index}"), Vec::as_slice, CellStats::sum);
         States { caption, scale, rows, states: cells::occurring(all.iter()), together }
     }
 }
@@ -172,7 +172,7 @@ impl Figure for Levels<'_> {
             chart.draw_series([Polygon::new(outline, rgb(palette::RANGE).filled())])?;
             let words = fifos::means(&row.bins, self.scale).map(|mean| mean / row.members);
             let means = self.scale.steps(words, grain).into_iter().map(up);
-            chart.draw_series(LineSeries::new(means, rgb(palette::AMOUNT)))?;
+            chart.draw_series(AreaSeries::new(means, ground, rgb(palette::AMOUNT)))?;
             let marks = fifos::full_times(&row.bins, self.scale).map(|(start, end)| {
                 Rectangle::new([(start, ground + FILLED), (end, ground + 0.98)], rgb(palette::FULL).filled())
             });

@@ -66,6 +66,8 @@ fn png(figure: &impl Figure) -> Result<Vec<u8>, PlotError> {
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    // Twice to three times as large as the best, and many times as fast.
+    encoder.set_compression(png::Compression::Fast);
     let failed = |error: png::EncodingError| PlotError(error.to_string());
     let mut writer = encoder.write_header().map_err(failed)?;
     writer.write_image_data(&pixels).map_err(failed)?;
