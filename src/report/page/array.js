@@ -45,7 +45,7 @@ function drawArray() {
     if (size === LARGE) {
       group.append(svg("text", { x: from, y: middle - size.bar / 2 - 4 }, fifo.name));
       if (isFull) group.append(svg("text", { x: from + length, y: middle - size.bar / 2 - 4, "text-anchor": "end",
-        fill: run.colors.full }, `${Math.round(fifo.full_share)} %`));
+        fill: run.colors.full }, fifo.full_share < 1 ? "< 1 %" : `${Math.round(fifo.full_share)} %`));
     }
     drawing.append(group);
   };
