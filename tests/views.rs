@@ -4,6 +4,8 @@ mod support;
 
 use std::process::Command;
 
+use pcs_sim::machine::{Array, MachineSpec};
+use pcs_sim::report::plot::{self, Caption};
 use support::command::Folder;
 
 const RUN: &str = "--mode hybrid --cells 4 --scene room --size 12x10 --fifo-words 16";
@@ -118,15 +120,25 @@ fn opened(browser: &str, folder: &Folder, name: &str, window: &str) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Runs of no ray, of one, and of rays that hit nothing have all views too.
+/// Runs of one ray and of rays that hit nothing have all views too.
 #[test]
 fn next_to_nothing_can_be_seen() {
     let folder = Folder::new();
     let header = "ox,oy,oz,dx,dy,dz\n";
-    for (name, rays) in [("none", ""), ("one", "0,0,50,0,0,-1\n"), ("away", "0,0,500,0,0,1\n0,0,500,0,0,1\n")] {
+    for (name, rays) in [("one", "0,0,50,0,0,-1\n"), ("away", "0,0,500,0,0,1\n0,0,500,0,0,1\n")] {
         folder.file(&format!("{name}.csv"), format!("{header}{rays}"));
         let run = format!("--scene room --mode broadcast --cells 12 --rays {name}.csv");
         folder.run(&format!("{run} --plot {name} --page {name}.html")).success();
         assert!(folder.read(&format!("{name}.html")).contains("cell"), "{name}");
+    }
+}
+
+#[test]
+fn a_run_of_no_cycles_can_be_drawn() {
+    for cells in [1, 20] {
+        let spec = MachineSpec::default();
+        let (_, profile) = Array::new(&spec, cells).probed().finish_probed().unwrap();
+        let caption = Caption { title: "nothing".to_owned(), machine: "none".to_owned() };
+        assert!(plot::pictures(&profile.unwrap(), &spec, &caption, &[]).unwrap().len() >= 5);
     }
 }
