@@ -61,7 +61,7 @@ fn prepare_folder(folder: &Path, force: bool) -> Result<(), InputError> {
 }
 
 fn write_plots(folder: &Path, force: bool, run: &Page<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
-    let pictures = plot::pictures(run.profile, run.spec, run.caption);
+    let pictures = plot::pictures(run.profile, run.spec, run.caption, run.cell_names);
     for picture in pictures.map_err(|error| Failure::Output(error.to_string()))? {
         for (ending, bytes) in [("svg", picture.rendered.svg.as_bytes()), ("png", &picture.rendered.png)] {
             let path = folder.join(format!("{}.{ending}", picture.name));

@@ -126,6 +126,20 @@ impl CellStats {
         }
     }
 
+    /// Takes in the cycles of another cell, or of another time.
+    pub(super) fn add(&mut self, other: &CellStats) {
+        for state in CellState::ALL {
+            *self.of_mut(state) += other.of(state);
+        }
+    }
+
+    /// The cycles of some cells together.
+    pub fn sum(cells: &[CellStats]) -> CellStats {
+        let mut sum = CellStats::default();
+        cells.iter().for_each(|cell| sum.add(cell));
+        sum
+    }
+
     /// All cycles but the idle ones.
     pub fn active(&self) -> Cycles {
         let stalls = self.waiting_x + self.waiting_y + self.blocked_x + self.blocked_y;

@@ -7,14 +7,12 @@ use crate::machine::{CellState, Channel, Work};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rgb(pub u8, pub u8, pub u8);
 
-/// What a FIFO holds: the mean.
-pub const LEVEL: Rgb = Rgb(0, 114, 178);
-/// From the lowest to the highest that a FIFO holds.
-pub const RANGE: Rgb = Rgb(86, 180, 233);
-/// A FIFO that is full.
+/// Amounts: what a FIFO holds on average, rays that are done, how much a cell works. Colours are for states.
+pub const AMOUNT: Rgb = Rgb(55, 65, 95);
+/// From the lowest to the highest amount.
+pub const RANGE: Rgb = Rgb(168, 178, 208);
+/// A FIFO that is full, which blocks its writer.
 pub const FULL: Rgb = Rgb(213, 94, 0);
-/// Rays that are done.
-pub const RAYS: Rgb = Rgb(0, 158, 115);
 
 /// Lines that differ in what a caption says: blue, vermilion, green, orange, sky blue, purple, black.
 pub const LINES: [Rgb; 7] = [

@@ -18,7 +18,7 @@ use rays::RayLane;
 /// Bins of a run on few cells. A run that outgrows them has half as many, twice as wide.
 const MOST_BINS: usize = 1024;
 /// Bins of all cells together; cells of a large array have fewer each.
-const ALL_BINS: usize = 1 << 18;
+const ALL_BINS: usize = 1 << 15;
 
 /// Follows all cells and FIFOs of an array, and its rays.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ pub(super) struct Probe {
 impl Probe {
     /// A probe for an array of `cells` cells.
     pub fn new(cells: usize, fifo_words: u64) -> Probe {
-        let bins = (ALL_BINS / cells.next_power_of_two()).clamp(64, MOST_BINS);
+        let bins = (ALL_BINS / cells.next_power_of_two()).clamp(16, MOST_BINS);
         let lane = |exists: bool| exists.then(|| FifoLane::new(fifo_words, bins));
         Probe {
             cells: (0..cells).map(|_| CellLane::new(bins)).collect(),
