@@ -18,8 +18,8 @@ fn profile(spec: &MachineSpec, batches: &[OpBatch]) -> (RunStats, Profile) {
         array.feed(batch.clone());
         array.run().unwrap();
     }
-    let (stats, profile) = array.finish_probed().unwrap();
-    (stats, profile.expect("the array has a probe"))
+    let (stats, observed) = array.finish_observed().unwrap();
+    (stats, observed.profile.expect("the array has a probe"))
 }
 
 /// The naive profile: what happened in every cycle, sorted into bins of a given width.

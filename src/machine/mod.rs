@@ -16,17 +16,22 @@
 mod array;
 mod cell;
 mod fifo;
+mod observers;
 mod op;
 mod probe;
 mod profile;
+mod recorder;
+mod recording;
 mod spec;
 mod stats;
 mod stuck;
 mod units;
 
 pub use array::{Array, Unfinished};
+pub use observers::Observed;
 pub use op::{Op, OpBatch, OpKind, OpLine, OpStream, Work};
 pub use profile::{FifoBin, FifoProfile, Latency, Profile};
+pub use recording::{Activity, FifoLevels, Recording, Stretch, Visit};
 pub use spec::{LinkRate, MachineSpec, RateCounts};
 pub use stats::{Busy, CellState, CellStats, FifoStats, RunStats};
 pub use stuck::{Party, Stuck, StuckKind, Wait, WaitFor};

@@ -11,3 +11,4 @@ pub mod plot;
 pub mod stats;
 pub mod summary;
 pub mod time_unit;
+pub mod trace;
