@@ -70,4 +70,12 @@ impl Recording {
     /// How many stretches, visits and moves of words a recording holds at the most: what viewers open with ease, and a
     /// bound on its memory and on its files whatever the length of the run.
     pub const MOST_EVENTS: usize = 400_000;
+
+    /// The FIFOs that a cell reads, X first; after the last cell comes the host, which reads Yhost.
+    pub fn inputs_of(&self, reader: usize) -> impl Iterator<Item = &FifoLevels> {
+        let cells = self.cells.len();
+        let x = (reader < cells).then_some(reader);
+        let y = (reader > 0).then_some(cells + reader - 1);
+        x.into_iter().chain(y).filter_map(|fifo| self.fifos.get(fifo))
+    }
 }

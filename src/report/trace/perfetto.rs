@@ -1,6 +1,7 @@
-//! Perfetto's format: a process for the array, with a track for each cell and a counter for each FIFO.
+//! Perfetto's format: a track for the array and below it, in the array's order, one for each cell and a counter for each
+//! FIFO.
 //!
-//! A track has a slice for each ray and inside it, and between rays, a slice for each state. Flows lead from the slice in
+//! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state. Flows lead from the slice in
 //! which the host sends a ray over those of the cells to the one in which the host reads its HIT.
 
 use std::io::Write;
@@ -31,34 +32,17 @@ mod messages {
     pub struct Track {
         #[prost(uint64, optional, tag = "1")]
         pub uuid: Option<u64>,
-        #[prost(uint64, optional, tag = "5")]
-        pub parent: Option<u64>,
         #[prost(string, optional, tag = "2")]
         pub name: Option<String>,
-        #[prost(message, optional, tag = "3")]
-        pub process: Option<Process>,
-        #[prost(message, optional, tag = "4")]
-        pub thread: Option<Thread>,
+        #[prost(uint64, optional, tag = "5")]
+        pub parent: Option<u64>,
         #[prost(message, optional, tag = "8")]
         pub counter: Option<Counter>,
-    }
-
-    #[derive(Clone, PartialEq, prost::Message)]
-    pub struct Process {
-        #[prost(int32, optional, tag = "1")]
-        pub pid: Option<i32>,
-        #[prost(string, optional, tag = "6")]
-        pub name: Option<String>,
-    }
-
-    #[derive(Clone, PartialEq, prost::Message)]
-    pub struct Thread {
-        #[prost(int32, optional, tag = "1")]
-        pub pid: Option<i32>,
-        #[prost(int32, optional, tag = "2")]
-        pub tid: Option<i32>,
-        #[prost(string, optional, tag = "5")]
-        pub name: Option<String>,
+        /// 3 orders the children by their ranks.
+        #[prost(int32, optional, tag = "11")]
+        pub order_of_children: Option<i32>,
+        #[prost(int32, optional, tag = "12")]
+        pub rank: Option<i32>,
     }
 
     #[derive(Clone, PartialEq, prost::Message)]
@@ -117,7 +101,7 @@ mod messages {
     }
 }
 
-use messages::{Argument, Counter, Event, Interned, Name, Packet, Process, Thread, Track};
+use messages::{Argument, Counter, Event, Interned, Name, Packet, Track};
 
 const BEGIN: i32 = 1;
 const END: i32 = 2;
@@ -137,30 +121,21 @@ const CYCLES: u64 = 3;
 /// What states are grouped into; likewise.
 const CATEGORIES: [&str; 5] = ["busy", "moving", "waiting", "blocked", "idle"];
 
-/// The array as a process. Its tracks have the numbers that follow.
+/// The array's track. Those below it have the numbers that follow, in their order.
 const ARRAY: u64 = 1;
+const BY_RANK: i32 = 3;
 
 pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> std::io::Result<()> {
     let recording = trace.recording;
     let mut writer = Writer { out, scale, buffer: Vec::new(), tracks: ARRAY };
     writer.describe(&trace.caption.title)?;
-    let host = writer.thread("host sends")?;
-    let hits = writer.thread("host reads HITs")?;
-    let cells: Vec<u64> =
-        (0..recording.cells.len()).map(|cell| writer.thread(&trace.cell_name(cell))).collect::<Result<_, _>>()?;
-    let fifos: Vec<u64> = recording.fifos.iter().map(|fifo| writer.counter(fifo)).collect::<Result<_, _>>()?;
-    writer.activity(host, &recording.host)?;
-    for (&track, activity) in cells.iter().zip(&recording.cells) {
-        writer.activity(track, activity)?;
+    writer.activity("host sends".to_owned(), &recording.host)?;
+    for (index, cell) in recording.cells.iter().enumerate() {
+        recording.inputs_of(index).try_for_each(|fifo| writer.levels(fifo))?;
+        writer.activity(trace.cell_name(index), cell)?;
     }
-    for visit in &recording.hits {
-        writer.begin_visit(hits, visit, true)?;
-        writer.end(hits, visit.until)?;
-    }
-    for (&track, fifo) in fifos.iter().zip(&recording.fifos) {
-        writer.levels(track, fifo)?;
-    }
-    Ok(())
+    recording.inputs_of(recording.cells.len()).try_for_each(|fifo| writer.levels(fifo))?;
+    writer.hits(&recording.hits)
 }
 
 struct Writer<'a, W> {
@@ -192,27 +167,16 @@ impl<W: Write> Writer<'_, W> {
         };
         let flags = Some(RESETS_NAMES | NEEDS_NAMES);
         self.packet(Packet { interned: Some(interned), sequence_flags: flags, ..Packet::default() })?;
-        let process = Process { pid: Some(1), name: Some(title.to_owned()) };
-        let track = Track { uuid: Some(ARRAY), process: Some(process), ..Track::default() };
-        self.packet(Packet { track: Some(track), ..Packet::default() })
+        let name = Some(title.to_owned());
+        let array = Track { uuid: Some(ARRAY), name, order_of_children: Some(BY_RANK), ..Track::default() };
+        self.packet(Packet { track: Some(array), ..Packet::default() })
     }
 
-    /// Adds a track of slices, and returns its number.
-    fn thread(&mut self, name: &str) -> std::io::Result<u64> {
-        let thread = |number: u64| Thread { pid: Some(1), tid: Some(number as i32), name: Some(name.to_owned()) };
-        self.track(|number| Track { thread: Some(thread(number)), ..Track::default() })
-    }
-
-    /// Adds a track of a FIFO's levels, and returns its number.
-    fn counter(&mut self, fifo: &FifoLevels) -> std::io::Result<u64> {
-        let counter = Counter { unit_name: Some("words".to_owned()) };
-        let name = format!("{} (of {})", fifo.name, fifo.capacity);
-        self.track(|_| Track { parent: Some(ARRAY), name: Some(name), counter: Some(counter), ..Track::default() })
-    }
-
-    fn track(&mut self, describe: impl FnOnce(u64) -> Track) -> std::io::Result<u64> {
+    /// Adds a track, of slices or of a counter, and returns its number.
+    fn track(&mut self, name: String, counter: Option<Counter>) -> std::io::Result<u64> {
         self.tracks += 1;
-        let track = Track { uuid: Some(self.tracks), ..describe(self.tracks) };
+        let (uuid, rank) = (Some(self.tracks), Some(self.tracks as i32));
+        let track = Track { uuid, name: Some(name), parent: Some(ARRAY), counter, rank, order_of_children: None };
         self.packet(Packet { track: Some(track), ..Packet::default() })?;
         Ok(self.tracks)
     }
@@ -223,7 +187,8 @@ impl<W: Write> Writer<'_, W> {
     }
 
     /// The states, and around those on a ray its visit.
-    fn activity(&mut self, track: u64, activity: &Activity) -> std::io::Result<()> {
+    fn activity(&mut self, name: String, activity: &Activity) -> std::io::Result<()> {
+        let track = self.track(name, None)?;
         let mut visits = activity.visits.iter().peekable();
         for stretch in &activity.states {
             let visit = visits.peek().copied().filter(|visit| visit.from <= stretch.from);
@@ -248,6 +213,14 @@ impl<W: Write> Writer<'_, W> {
         Ok(())
     }
 
+    fn hits(&mut self, hits: &[Visit]) -> std::io::Result<()> {
+        let track = self.track("host reads HITs".to_owned(), None)?;
+        hits.iter().try_for_each(|hit| {
+            self.begin_visit(track, hit, true)?;
+            self.end(track, hit.until)
+        })
+    }
+
     /// Begins the slice of a ray; the one of its HIT ends its flow.
     fn begin_visit(&mut self, track: u64, visit: &Visit, is_hit: bool) -> std::io::Result<()> {
         let arguments = [(RAY, visit.ray as u64), (CYCLE, visit.from.0), (CYCLES, (visit.until - visit.from).0)];
@@ -269,7 +242,9 @@ impl<W: Write> Writer<'_, W> {
         self.event(at, Event { kind: Some(END), track: Some(track), ..Event::default() })
     }
 
-    fn levels(&mut self, track: u64, fifo: &FifoLevels) -> std::io::Result<()> {
+    fn levels(&mut self, fifo: &FifoLevels) -> std::io::Result<()> {
+        let counter = Counter { unit_name: Some("words".to_owned()) };
+        let track = self.track(format!("{} (of {})", fifo.name, fifo.capacity), Some(counter))?;
         fifo.levels.iter().try_for_each(|&(cycle, words)| {
             let count = Some(words.0 as i64);
             self.event(cycle, Event { kind: Some(COUNT), track: Some(track), count, ..Event::default() })

@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use super::Trace;
-use crate::machine::{Activity, CellState, Cycles, Visit, Words};
+use crate::machine::{Activity, CellState, Cycles, FifoLevels, Visit, Words};
 
 /// A name for each state, in the order of [`CellState::ALL`]; waveform formats have no spaces in them.
 pub struct StateNames([String; CellState::ALL.len()]);
 
-/// The signals of one party, or the FIFOs' levels.
+/// The signals of one party: what it does, and the FIFOs that it reads.
 pub struct Scope {
     /// Its name.
     pub name: String,
@@ -58,7 +58,7 @@ pub struct Change<'a> {
 /// All signals, and their changes in the order of time, which begin with the first value of each.
 #[derive(Default)]
 pub struct Signals<'a> {
-    /// The host, the cells, the FIFOs.
+    /// The array from left to right.
     pub scopes: Vec<Scope>,
     /// What changes when.
     pub changes: Vec<Change<'a>>,
@@ -81,19 +81,16 @@ impl<'a> Signals<'a> {
         let recording = trace.recording;
         let window = &recording.window;
         let mut all = Signals::default();
-        all.scope("host");
+        all.scope("host sends");
         all.activity(&recording.host, window, names);
-        all.visits("hit", &recording.hits, window);
         for (index, cell) in recording.cells.iter().enumerate() {
             all.scope(&trace.cell_name(index));
+            recording.inputs_of(index).for_each(|fifo| all.levels(fifo));
             all.activity(cell, window, names);
         }
-        all.scope("fifos");
-        for fifo in &recording.fifos {
-            let signal = all.signal(&fifo.name, Kind::Number(u64::BITS - fifo.capacity.0.leading_zeros()));
-            let change = |&(at, Words(level))| Change { at, signal, value: Value::Number(level) };
-            all.changes.extend(fifo.levels.iter().map(change));
-        }
+        all.scope("host reads");
+        recording.inputs_of(recording.cells.len()).for_each(|fifo| all.levels(fifo));
+        all.visits("hit", &recording.hits, window);
         // Each signal's changes are in order, which makes this a merge.
         all.changes.sort_by_key(|change| change.at);
         all
@@ -110,6 +107,12 @@ impl<'a> Signals<'a> {
         }
         self.count += 1;
         self.count - 1
+    }
+
+    fn levels(&mut self, fifo: &FifoLevels) {
+        let signal = self.signal(&fifo.name, Kind::Number(u64::BITS - fifo.capacity.0.leading_zeros()));
+        let change = |&(at, Words(level))| Change { at, signal, value: Value::Number(level) };
+        self.changes.extend(fifo.levels.iter().map(change));
     }
 
     fn activity(&mut self, activity: &Activity, window: &Range<Cycles>, names: &'a StateNames) {
