@@ -390,6 +390,6 @@ fn bad_flags_are_refused() {
     }
     assert!(folder.run("--scene room --trace-window 1..2").refused().contains("--trace"));
     let error = folder.run("image room -o a.png --timing off --trace a.vcd").refused();
-    assert!(error.contains("--trace tells of the array"), "{error}");
+    assert!(error.contains("--trace is about the machine at work"), "{error}");
     assert_eq!(folder.names(), Vec::<String>::new());
 }

@@ -11,7 +11,7 @@ use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot;
 use pcs_sim::report::trace::{Format, Trace};
 
-use super::args::{ViewerArgs, ViewArgs};
+use super::args::{ViewArgs, ViewerArgs};
 use super::{Failure, outputs};
 
 /// The views that are asked for, their places found fit before the run.
