@@ -83,8 +83,11 @@ mod perfetto {
         pub parent_uuid: u64,
     }
 
+    /// Lists are not packed: a reader that expects one number must find it.
     #[derive(Clone, PartialEq, prost::Message)]
     pub struct TrackEvent {
+        #[prost(uint64, tag = "3")]
+        pub category_iids: u64,
         #[prost(message, repeated, tag = "4")]
         pub debug_annotations: Vec<DebugAnnotation>,
         #[prost(int32, tag = "9")]
@@ -97,10 +100,10 @@ mod perfetto {
         pub name: String,
         #[prost(int64, tag = "30")]
         pub counter_value: i64,
-        #[prost(fixed64, repeated, tag = "47")]
-        pub flow_ids: Vec<u64>,
-        #[prost(fixed64, repeated, tag = "48")]
-        pub terminating_flow_ids: Vec<u64>,
+        #[prost(fixed64, tag = "47")]
+        pub flow_ids: u64,
+        #[prost(fixed64, tag = "48")]
+        pub terminating_flow_ids: u64,
     }
 
     #[derive(Clone, PartialEq, prost::Message)]
@@ -113,6 +116,8 @@ mod perfetto {
 
     #[derive(Clone, PartialEq, prost::Message)]
     pub struct InternedData {
+        #[prost(message, repeated, tag = "1")]
+        pub event_categories: Vec<Name>,
         #[prost(message, repeated, tag = "2")]
         pub event_names: Vec<Name>,
         #[prost(message, repeated, tag = "3")]
@@ -171,8 +176,13 @@ fn read_perfetto(bytes: &[u8]) -> Read {
                 };
                 let arguments = event.debug_annotations.iter();
                 let arguments = arguments.map(|a| (named(&interned.debug_annotation_names, a.name_iid), a.uint_value));
-                let flow = event.flow_ids.iter().chain(&event.terminating_flow_ids).next().copied();
-                assert_eq!(event.terminating_flow_ids.is_empty(), !name.starts_with("HIT"));
+                let flow = Some(event.flow_ids.max(event.terminating_flow_ids)).filter(|&flow| flow > 0);
+                assert_eq!(event.terminating_flow_ids > 0, name.starts_with("HIT"));
+                if event.name.is_empty() {
+                    let category = named(&interned.event_categories, event.category_iids);
+                    let of_state = name.split(' ').next().unwrap();
+                    assert!(category == of_state || category == "busy", "{name} is {category}");
+                }
                 let arguments = arguments.collect();
                 stack.push(read.slices.len());
                 read.slices.push(Slice { track, name, depth: stack.len() - 1, from: at, until: 0, arguments, flow });

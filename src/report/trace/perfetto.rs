@@ -53,7 +53,7 @@ mod messages {
 
     #[derive(Clone, PartialEq, prost::Message)]
     pub struct Event {
-        #[prost(uint64, repeated, tag = "3")]
+        #[prost(uint64, repeated, packed = "false", tag = "3")]
         pub categories: Vec<u64>,
         #[prost(message, repeated, tag = "4")]
         pub arguments: Vec<Argument>,
