@@ -21,14 +21,14 @@ fn profile(spec: &MachineSpec, batches: &[OpBatch]) -> Option<(RunStats, Profile
             array.feed(batch.clone());
             array.run()?;
         }
-        array.finish_probed()
+        array.finish_observed()
     };
-    let (stats, profile) = match attempt(Cycles(u64::MAX)) {
+    let (stats, observed) = match attempt(Cycles(u64::MAX)) {
         Err(Unfinished::Outlived(cycles)) => attempt(cycles).expect("it ended before"),
         Err(Unfinished::Stuck(_)) => return None,
         Ok(finished) => finished,
     };
-    Some((stats, profile.expect("the array has a probe")))
+    Some((stats, observed.profile.expect("the array has a probe")))
 }
 
 /// The naive profile: what happened in every cycle, sorted into bins of a given width.

@@ -1,11 +1,12 @@
 //! What can be typed.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pcs_sim::geometry::Partition;
 use pcs_sim::host::camera::ImageSize;
-use pcs_sim::machine::RateCounts;
+use pcs_sim::machine::{Cycles, RateCounts};
 
 /// Simulates ray tracing on a linear array of PCS processors (INRIA RR-0992, 1989), exact to the cycle.
 ///
@@ -75,6 +76,8 @@ pub struct ImageArgs {
     pub results: ResultArgs,
     #[command(flatten)]
     pub tracing: TracingArgs,
+    #[command(flatten)]
+    pub viewer: ViewerArgs,
 }
 
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
@@ -307,6 +310,20 @@ pub struct ViewArgs {
     /// Write a page (HTML) to look at the run in a browser: the array, and charts to zoom into.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
+    #[command(flatten)]
+    pub viewer: ViewerArgs,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Views of the run over time")]
+pub struct ViewerArgs {
+    /// Write the run cycle by cycle for a viewer: .pftrace for Perfetto, .vcd or .fst for GTKWave and Surfer.
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
+    /// The cycles to trace, from A to before B; either may be left out [default: from 0 on, as many as viewers open with
+    /// ease].
+    #[arg(long, value_name = "A..B", requires = "trace", value_parser = window)]
+    pub trace_window: Option<Range<Cycles>>,
 }
 
 #[derive(Debug, Args)]
@@ -352,6 +369,16 @@ fn image_size(text: &str) -> Result<ImageSize, String> {
         return Err(format!("an image can have at most {MOST_PIXELS} pixels"));
     }
     Ok(size)
+}
+
+fn window(text: &str) -> Result<Range<Cycles>, String> {
+    let (from, until) = text.split_once("..").ok_or("expected two cycles, as in 2000..3000")?;
+    let cycle = |cycle: &str, default: u64| match cycle {
+        "" => Ok(Cycles(default)),
+        _ => cycle.parse().map(Cycles).map_err(|_| format!("'{cycle}' is no number of a cycle")),
+    };
+    let window = cycle(from, 0)?..cycle(until, u64::MAX)?;
+    if window.is_empty() { Err("it has no cycle: B must be larger than A".to_owned()) } else { Ok(window) }
 }
 
 fn rate_counts(text: &str) -> Result<RateCounts, String> {

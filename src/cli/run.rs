@@ -13,6 +13,7 @@ use pcs_sim::report::page::Page;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
+use pcs_sim::report::trace::Trace;
 use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
@@ -166,6 +167,7 @@ fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
         args.tracing.ops.as_ref(),
         args.image.as_ref(),
         args.views.page.as_ref(),
+        args.views.viewer.trace.as_ref(),
     ];
     let inputs = [
         Some(Path::new(&args.scene.scene)),
@@ -281,7 +283,7 @@ pub fn memory_line(workload: &Workload) -> String {
 }
 
 /// What a cell runs, in a word or two.
-pub fn kernel_names(kernels: &[Kernel]) -> String {
+fn kernel_names(kernels: &[Kernel]) -> String {
     let name = |kernel: &Kernel| match kernel {
         Kernel::Grid => "grid",
         Kernel::Slabs => "slabs",
@@ -315,21 +317,34 @@ fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Output
         let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
         image::write_png(file, args.scene.shape.size, &pixels)
     })?;
-    if let Some(profile) = &outcome.profile {
-        let spec = &setup.machine.spec;
-        let image = page_image(args, setup, outcome, &files.views)?;
-        let page = Page {
-            caption: &Caption { title: title(setup), machine: machine_line(spec) },
-            spec,
-            stats: &outcome.stats,
-            profile,
-            cell_names: &cell_names(&setup.workload),
-            configuration: Some(&configuration),
-            image: image.as_deref(),
-        };
-        files.views.write(&page, &mut written)?;
-    }
+    write_views(args, setup, outcome, &configuration, files.views, &mut written)?;
     Ok(written)
+}
+
+fn write_views(
+    args: &RunArgs,
+    setup: &Setup,
+    outcome: &Outcome,
+    configuration: &Configuration,
+    views: Views,
+    written: &mut Vec<PathBuf>,
+) -> Result<(), Failure> {
+    let spec = &setup.machine.spec;
+    let caption = &Caption { title: title(setup), machine: machine_line(spec) };
+    let cell_names = &cell_names(&setup.workload);
+    let image = page_image(args, setup, outcome, &views)?;
+    let page = outcome.observed.profile.as_ref().map(|profile| Page {
+        caption,
+        spec,
+        stats: &outcome.stats,
+        profile,
+        cell_names,
+        configuration: Some(configuration),
+        image: image.as_deref(),
+    });
+    let recording = outcome.observed.recording.as_ref();
+    let trace = recording.map(|recording| Trace { caption, spec, cell_names, recording });
+    views.write(page, trace, written)
 }
 
 /// The traced picture, if a view shows it and the rays are those of a picture.

@@ -33,6 +33,7 @@ pub fn check_image(args: &ImageArgs, program: &ArrayProgram) -> Result<(), Input
             ("--stats", args.results.stats.is_some()),
             ("--hits", args.tracing.hits.is_some()),
             ("--ops", args.tracing.ops.is_some()),
+            ("--trace", args.viewer.trace.is_some()),
             ("--policy", args.host.policy.is_some()),
             ("--in-flight", args.host.in_flight.is_some()),
             ("--open-samples", args.host.open_samples.is_some()),

@@ -120,6 +120,24 @@ impl Watcher for () {
     fn spent(&mut self, _: CellState, _: u64, _: u64) {}
 }
 
+impl<W: Watcher> Watcher for Option<W> {
+    #[inline(always)]
+    fn spent(&mut self, state: CellState, from: u64, cycles: u64) {
+        if let Some(watcher) = self {
+            watcher.spent(state, from, cycles);
+        }
+    }
+}
+
+/// Both see all.
+impl<A: Watcher, B: Watcher> Watcher for (A, B) {
+    #[inline(always)]
+    fn spent(&mut self, state: CellState, from: u64, cycles: u64) {
+        self.0.spent(state, from, cycles);
+        self.1.spent(state, from, cycles);
+    }
+}
+
 /// Where a cell's cycles are entered.
 struct Ledger<'a, W> {
     stats: &'a mut CellStats,
@@ -173,13 +191,20 @@ impl Cell {
 
     /// Does the host's ops likewise. It only writes, computes and waits for messages, of which `returned` tells when the
     /// last word of each was read.
-    pub fn run_host(&mut self, ops: &[Op], done: &mut usize, output: &mut Link, returned: &[u64]) -> Halt {
-        let ledger = &mut Ledger { stats: &mut self.stats, watcher: () };
+    pub fn run_host(
+        &mut self,
+        ops: &[Op],
+        done: &mut usize,
+        output: &mut Link,
+        returned: &[u64],
+        watcher: impl Watcher,
+    ) -> Halt {
+        let ledger = &mut Ledger { stats: &mut self.stats, watcher };
         self.now.run(ops, done, |now, op, left| match op.kind() {
             OpKind::Compute(work) => now.compute(work, left, ledger),
             OpKind::WriteX => now.write(left, Channel::X, output, ledger),
             OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
-            OpKind::Await => now.wait_for_return(left, returned),
+            OpKind::Await => now.wait_for_return(left, returned, ledger),
             OpKind::PassX | OpKind::ReadX => Err(Halt::NoWord),
             OpKind::ReadY => Err(Halt::NoWord),
         })
@@ -197,6 +222,9 @@ impl Cell {
         }
         if let (Some(channel), Halt::NoRoom) = (writes, halt) {
             now.stall_until(now.limit, CellState::Blocked(channel), ledger);
+        }
+        if halt == Halt::NotReturned {
+            now.stall_until(now.limit, CellState::Waiting(Channel::Y), ledger);
         }
     }
 
@@ -326,9 +354,9 @@ impl Now {
     }
 
     /// The wait ends in the cycle in which the message's last word is read; the next op starts in the cycle after it.
-    fn wait_for_return(&mut self, message: u64, returned: &[u64]) -> Done {
+    fn wait_for_return(&mut self, message: u64, returned: &[u64], ledger: &mut Ledger<'_, impl Watcher>) -> Done {
         let Some(read_at) = returned.get(message as usize) else { return Err(Halt::NotReturned) };
-        self.clock = self.clock.max(read_at + 1).min(self.limit);
+        self.stall_until(read_at + 1, CellState::Waiting(Channel::Y), ledger);
         Ok(())
     }
 

@@ -16,9 +16,12 @@
 mod array;
 mod cell;
 mod fifo;
+mod observers;
 mod op;
 mod probe;
 mod profile;
+mod recorder;
+mod recording;
 mod so_far;
 mod spec;
 mod stats;
@@ -26,8 +29,10 @@ mod stuck;
 mod units;
 
 pub use array::{Array, Unfinished};
+pub use observers::Observed;
 pub use op::{Op, OpBatch, OpKind, OpLine, OpStream, Work};
 pub use profile::{FifoBin, FifoProfile, Latency, Profile};
+pub use recording::{Activity, FifoLevels, Recording, Stretch, Visit};
 pub use so_far::SoFar;
 pub use spec::{LinkRate, MachineSpec, RateCounts};
 pub use stats::{Busy, CellState, CellStats, FifoStats, RunStats};

@@ -227,6 +227,11 @@ impl OpStream {
         self.lines.get(line).map(|found| (found.ray, index - self.line_start(line)))
     }
 
+    /// The line that op number `index` is in.
+    pub(super) fn line_of(&self, index: usize) -> Option<OpLine> {
+        self.lines.get(self.lines.partition_point(|line| line.end as usize <= index)).copied()
+    }
+
     fn line_start(&self, line: usize) -> usize {
         if line == 0 { 0 } else { self.lines[line - 1].end as usize }
     }

@@ -12,3 +12,4 @@ pub mod stats;
 pub mod summary;
 pub mod table;
 pub mod time_unit;
+pub mod trace;

@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 use super::trees::{ByKind, TreeBatch};
 use crate::geometry::Hit;
 use crate::host::shading::RayKind;
-use crate::machine::{Array, Cycles, MachineSpec, OpBatch, OpKind, OpStream, Stuck, Work};
+use crate::machine::{Array, Cycles, OpBatch, OpKind, OpStream, Stuck, Work};
 use crate::program::{HostTimes, send_ray};
 
 /// What the host sends next when it can choose.
@@ -105,9 +105,10 @@ pub(super) struct ClosedLoop {
 }
 
 impl ClosedLoop {
-    pub fn new(spec: &MachineSpec, cells: usize, times: HostTimes, rules: HostRules) -> ClosedLoop {
+    /// The host of an array of `cells` cells.
+    pub fn new(array: Array, cells: usize, times: HostTimes, rules: HostRules) -> ClosedLoop {
         ClosedLoop {
-            array: Array::new(spec, cells),
+            array,
             cells,
             rules,
             times,

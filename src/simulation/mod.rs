@@ -10,7 +10,7 @@ pub use render::{KindLatencies, Picture, Rendered, Seen, Timing, render};
 pub use trees::{ByKind, KindCounts};
 
 use crate::geometry::{Hit, Ray};
-use crate::machine::{Array, Cycles, MachineSpec, OpBatch, Profile, RunStats, Stuck, Unfinished};
+use crate::machine::{Array, Cycles, MachineSpec, Observed, OpBatch, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
 
 /// What a run gives.
@@ -22,8 +22,8 @@ pub struct Outcome {
     pub counts: Counts,
     /// Each ray's first hit, in the order of the rays.
     pub hits: Vec<Hit>,
-    /// The run over time, if the array had a probe.
-    pub profile: Option<Profile>,
+    /// What the array's observers saw.
+    pub observed: Observed,
 }
 
 /// Some consecutive rays, traced.
@@ -61,7 +61,7 @@ pub fn run<E>(
     run_in(Array::new(spec, workload.cells()), workload, rays, threads, |batch, _| observe(batch))
 }
 
-/// The same in an array of the caller's, which may have a probe. `observe` sees it as it is before the batch.
+/// The same in an array of the caller's, which may have observers. `observe` sees it as it is before the batch.
 pub fn run_in<E>(
     mut array: Array,
     workload: &Workload,
@@ -80,12 +80,12 @@ pub fn run_in<E>(
         batch.ops = array.take_spent().unwrap_or_default();
         Ok::<_, RunError<E>>(batch)
     })?;
-    let (stats, profile) = array.finish_probed().map_err(|unfinished| match unfinished {
+    let (stats, observed) = array.finish_observed().map_err(|unfinished| match unfinished {
         Unfinished::Stuck(stuck) => stuck,
         // No array program has a cell work on after the last hit has left the array.
         Unfinished::Outlived(cycles) => unreachable!("a cell outlived the last hit in cycle {cycles}"),
     })?;
-    Ok(Outcome { stats, counts, hits, profile })
+    Ok(Outcome { stats, counts, hits, observed })
 }
 
 /// Times a trace: `feed` hands it, from its start, batch by batch to the function that it is given. It is called again if
@@ -98,13 +98,13 @@ pub fn replay<E: From<Stuck>>(
     Ok(replay_in(|limit| Array::until(spec, cells, limit), feed, |_| ())?.0)
 }
 
-/// The same in arrays that `array` makes, for the limit that it is given, and what their probe saw, if they have one.
+/// The same in arrays that `array` makes, for the limit that it is given, and what their observers saw.
 /// `observe` sees the array after each batch.
 pub fn replay_in<E: From<Stuck>>(
     array: impl Fn(Cycles) -> Array,
     mut feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<(), E>) -> Result<(), E>,
     mut observe: impl FnMut(&Array),
-) -> Result<(RunStats, Option<Profile>), E> {
+) -> Result<(RunStats, Observed), E> {
     let mut attempt = |limit: Cycles| {
         let mut array = array(limit);
         feed(&mut |batch| {
@@ -113,7 +113,7 @@ pub fn replay_in<E: From<Stuck>>(
             observe(&array);
             Ok(())
         })?;
-        Ok::<_, E>(array.finish_probed())
+        Ok::<_, E>(array.finish_observed())
     };
     let mut result = attempt(Cycles(u64::MAX))?;
     if let Err(Unfinished::Outlived(cycles)) = result {

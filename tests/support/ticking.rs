@@ -12,6 +12,8 @@ use pcs_sim::machine::{
 pub struct History {
     /// For each cell, its state in each cycle.
     pub states: Vec<Vec<CellState>>,
+    /// For each cell, in each cycle the number of the op that it was at; that behind the last when it had done all.
+    pub at: Vec<Vec<usize>>,
     /// For each FIFO, in the order of the statistics, its occupancy at the end of each cycle.
     pub occupancies: Vec<Vec<u64>>,
     /// The cycles in which the host wrote the words of X.
@@ -120,6 +122,7 @@ impl<'a> Ticking<'a> {
             now: 0,
             history: History {
                 states: vec![Vec::new(); cells],
+                at: vec![Vec::new(); cells],
                 occupancies: vec![Vec::new(); 2 * cells],
                 ..History::default()
             },
@@ -143,6 +146,7 @@ impl<'a> Ticking<'a> {
         let mut history = std::mem::take(&mut self.history);
         history.returned = self.returned.clone();
         self.history.states = vec![Vec::new(); self.cells.len()];
+        self.history.at = vec![Vec::new(); self.cells.len()];
         self.history.occupancies = vec![Vec::new(); 2 * self.cells.len()];
         if to_return > 0 {
             let mut still = 0;
@@ -212,6 +216,7 @@ impl<'a> Ticking<'a> {
         while self.cells[index].ops.get(self.cells[index].at).is_some_and(|op| op.count() == 0) {
             self.cells[index].at += 1;
         }
+        self.history.at[index].push(self.cells[index].at);
         let Some(op) = self.cells[index].ops.get(self.cells[index].at).copied() else {
             self.cells[index].stats.idle += Cycles(1);
             return false;
