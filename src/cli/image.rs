@@ -68,6 +68,7 @@ pub fn image(args: &ImageArgs) -> Result<(), Failure> {
     let rays = camera::primary_rays(&scene.camera, args.shape.size);
     let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
+    workload.check_fifos(machine.spec.fifo_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, workload };
     setup.machine.notes.iter().chain(&setup.scene.notes).for_each(|note| eprintln!("note: {note}"));
@@ -157,6 +158,7 @@ fn render(
     bar.finish_and_clear();
     result.map_err(|error| match error {
         RunError::Stuck(stuck) => Failure::Stuck(stuck),
+        RunError::Unfit(error) => error.into(),
         RunError::Observer(Cut::Output(error)) => unwritable(error),
         RunError::Observer(Cut::Interrupted { done, of }) => {
             let (done, of) = (grouped(done as u64), grouped(of as u64));

@@ -39,7 +39,7 @@ const RETURN_WORDS: u64 = 5;
 /// ```
 #[derive(Debug)]
 pub struct Array {
-    /// `links[i]` leads into cell i; the last one leads back to the host, on Y only.
+    /// `links[i]` leads into cell i, and on Z out of it to the left; the last one leads back to the host, on Y only.
     links: Vec<Link>,
     host: Station,
     cells: Vec<Station>,
@@ -278,11 +278,13 @@ impl Array {
         };
         let xs = (0..count).map(|index| fifo(index, Channel::X));
         let ys = (1..=count).map(|index| fifo(index, Channel::Y));
+        let zs = (1..count).filter(|&index| self.links[index].z.words_written() > 0);
+        let zs = zs.map(|index| fifo(index, Channel::Z));
         RunStats {
             cycles: Cycles(cycles),
             rays: self.rays,
             cells: self.cells.iter().map(|station| station.cell.stats(cycles)).collect(),
-            fifos: xs.chain(ys).collect(),
+            fifos: xs.chain(ys).chain(zs).collect(),
         }
     }
 

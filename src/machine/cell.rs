@@ -7,19 +7,22 @@ use super::stats::{CellState, CellStats};
 use super::units::Cycles;
 use super::{Channel, Work};
 
-/// The two FIFOs at the end of a link, and the wire that leads to them.
+/// The FIFOs at both ends of a link, and the wires that lead to them.
 #[derive(Debug)]
 pub(super) struct Link {
     pub x: Fifo,
     pub y: Fifo,
+    /// At the left end: the right cell writes to it. Its wire is the other way's, and shared with nobody.
+    pub z: Fifo,
     rate: LinkRate,
     /// For each channel, the first cycle in which the wire takes its next word.
-    wire_free: [u64; 2],
+    wire_free: [u64; 3],
 }
 
 impl Link {
     pub fn new(capacity: u64, latency: u64, rate: LinkRate) -> Link {
-        Link { x: Fifo::new(capacity, latency), y: Fifo::new(capacity, latency), rate, wire_free: [0; 2] }
+        let fifo = || Fifo::new(capacity, latency);
+        Link { x: fifo(), y: fifo(), z: fifo(), rate, wire_free: [0; 3] }
     }
 
     #[inline(always)]
@@ -27,6 +30,7 @@ impl Link {
         match channel {
             Channel::X => &self.x,
             Channel::Y => &self.y,
+            Channel::Z => &self.z,
         }
     }
 
@@ -35,6 +39,7 @@ impl Link {
         match channel {
             Channel::X => &mut self.x,
             Channel::Y => &mut self.y,
+            Channel::Z => &mut self.z,
         }
     }
 
@@ -62,16 +67,19 @@ impl Link {
 
     fn occupy_wire(&mut self, channel: Channel, at: u64) {
         let free = at + self.rate.cycles_per_word;
-        match self.rate.counts {
-            RateCounts::Link => self.wire_free = [free; 2],
-            RateCounts::Channel => self.wire_free[channel as usize] = free,
+        match (channel, self.rate.counts) {
+            (Channel::X | Channel::Y, RateCounts::Link) => self.wire_free[..2].fill(free),
+            (Channel::Z, _) | (_, RateCounts::Channel) => self.wire_free[channel as usize] = free,
         }
     }
 
-    /// Brings both FIFOs' maxima up to date; see [`Fifo::track_max`].
+    /// Brings the FIFOs' maxima up to date; see [`Fifo::track_max`].
     pub fn track_max(&mut self) {
         self.x.track_max();
         self.y.track_max();
+        if self.z.words_written() > 0 {
+            self.z.track_max();
+        }
     }
 }
 
@@ -166,6 +174,8 @@ impl Cell {
                 OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
                 OpKind::WriteX => now.write(left, Channel::X, output, ledger),
                 OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
+                OpKind::ReadZ => now.read_back(left, &mut output.z, ledger),
+                OpKind::WriteZ => now.write_back(left, input, ledger),
                 OpKind::Await => Err(Halt::NotReturned),
             }
         })
@@ -180,8 +190,7 @@ impl Cell {
             OpKind::WriteX => now.write(left, Channel::X, output, ledger),
             OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
             OpKind::Await => now.wait_for_return(left, returned),
-            OpKind::PassX | OpKind::ReadX => Err(Halt::NoWord),
-            OpKind::ReadY => Err(Halt::NoWord),
+            OpKind::PassX | OpKind::ReadX | OpKind::ReadY | OpKind::ReadZ | OpKind::WriteZ => Err(Halt::NoWord),
         })
     }
 
@@ -288,6 +297,18 @@ impl Now {
             left -= 1;
         }
         Ok(())
+    }
+
+    /// Reads from Z, which comes from the right. Kept out of the way of the programs that have no use for it.
+    #[inline(never)]
+    fn read_back(&mut self, left: u64, output: &mut Fifo, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
+        self.read(left, Channel::Z, output, ledger)
+    }
+
+    /// Writes to the left neighbour's Z.
+    #[inline(never)]
+    fn write_back(&mut self, left: u64, input: &mut Link, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
+        self.write(left, Channel::Z, input, ledger)
     }
 
     /// Reads words from X and writes each to the right neighbour's X in the cycle in which it is read.

@@ -34,11 +34,12 @@ pub fn speed(stats: &RunStats, spec: &MachineSpec) -> String {
 
 /// Where every cell's cycles went: a row a cell. `names` tells what each cell runs, as far as that is known.
 pub fn cells(stats: &RunStats, names: &[String]) -> String {
-    let header: Vec<&str> = std::iter::once("cell").chain(CellState::ALL.map(CellState::name)).collect();
+    let states: Vec<CellState> = stats.states().collect();
+    let header: Vec<&str> = std::iter::once("cell").chain(states.iter().map(|state| state.name())).collect();
     let mut table = table(&header);
     for (index, cell) in stats.cells.iter().enumerate() {
         let name = names.get(index).map_or(index.to_string(), |name| format!("{index} {name}"));
-        let shares = CellState::ALL.map(|state| percent(cell.of(state), stats.cycles));
+        let shares = states.iter().map(|&state| percent(cell.of(state), stats.cycles));
         table.add_row(std::iter::once(name).chain(shares));
     }
     aligned(table)

@@ -113,6 +113,7 @@ impl Recording {
     pub fn time(&self, setting: &Setting) -> Result<Outcome, String> {
         let spec = &setting.machine.spec;
         self.workload.check_memory(spec.memory_words).map_err(reason)?;
+        self.workload.check_fifos(spec.fifo_words).map_err(reason)?;
         let mut array = Array::new(spec, self.workload.cells());
         let stuck = |stuck: Stuck| stuck.to_string();
         for batch in &self.batches {
