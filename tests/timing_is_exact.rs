@@ -5,6 +5,7 @@ mod support;
 use pcs_sim::machine::{
     Array, Cycles, MachineSpec, OpBatch, OpKind, OpStream, RateCounts, RunStats, Unfinished, Words, Work,
 };
+use pcs_sim::program::ArrayProgram;
 use proptest::prelude::*;
 use support::ticking;
 
@@ -32,10 +33,13 @@ fn compute() -> impl Strategy<Value = (OpKind, u32)> {
     (work, prop_oneof![0u32..4, 0u32..60]).prop_map(|(work, cycles)| (OpKind::Compute(work), cycles))
 }
 
-/// For each ray: words on Y from each cell to the next, and an order in which each cell does things.
+/// For each ray: words on Y from each cell to the next and on Z to the one before, and an order in which each cell does
+/// things.
 #[derive(Clone, Debug)]
 struct RayPlan {
     words: Vec<u32>,
+    /// The right neighbour reads them with the next ray, mostly.
+    back: Vec<u32>,
     seeds: Vec<u64>,
     computes: Vec<Vec<(OpKind, u32)>>,
     waits: bool,
@@ -45,13 +49,15 @@ struct RayPlan {
 fn ray_plan(cells: usize) -> impl Strategy<Value = RayPlan> {
     (
         prop::collection::vec(0u32..7, cells),
+        prop::collection::vec(prop_oneof![3 => Just(0u32), 2 => 1u32..5], cells),
         prop::collection::vec(any::<u64>(), cells),
         prop::collection::vec(prop::collection::vec(compute(), 0..4), cells),
         prop::bool::weighted(0.2),
         prop_oneof![Just(0u32), 0u32..40],
     )
-        .prop_map(|(words, seeds, computes, waits, host_time)| RayPlan {
+        .prop_map(|(words, back, seeds, computes, waits, host_time)| RayPlan {
             words,
+            back,
             seeds,
             computes,
             waits,
@@ -70,10 +76,12 @@ fn shuffle<T>(mut items: Vec<T>, mut seed: u64) -> Vec<T> {
     out
 }
 
-fn batch_of(cells: usize, rays: &[RayPlan], first_ray: u32) -> OpBatch {
+/// The ops of some of the rays.
+fn batch_of(cells: usize, rays: &[RayPlan], range: std::ops::Range<usize>) -> OpBatch {
     let mut batch = OpBatch::new(cells);
-    for (offset, plan) in rays.iter().enumerate() {
-        let ray = first_ray + offset as u32;
+    for index in range {
+        let (plan, ray) = (&rays[index], index as u32);
+        let before = index.checked_sub(1).map(|before| &rays[before]);
         if plan.waits && ray > 0 {
             batch.host.push(OpKind::Await, ray as u64 - 1);
         }
@@ -82,15 +90,16 @@ fn batch_of(cells: usize, rays: &[RayPlan], first_ray: u32) -> OpBatch {
         batch.host.end_line(ray);
         for cell in 0..cells {
             let last = cell + 1 == cells;
-            push_line(&mut batch.cells[cell], plan, cell, last);
+            push_line(&mut batch.cells[cell], plan, before, cell, last);
             batch.cells[cell].end_line(ray);
         }
     }
     batch
 }
 
-/// Eight words of X (passed on, or read and written by themselves), what the left cell sent, what the right one gets.
-fn push_line(stream: &mut OpStream, plan: &RayPlan, cell: usize, last: bool) {
+/// Eight words of X (passed on, or read and written by themselves), what the left cell sent, what the right one gets, what
+/// goes back to the left, and what the right cell sent back for the ray before.
+fn push_line(stream: &mut OpStream, plan: &RayPlan, before: Option<&RayPlan>, cell: usize, last: bool) {
     let seed = plan.seeds[cell];
     let mut items: Vec<Vec<(OpKind, u32)>> = plan.computes[cell].iter().map(|&op| vec![op]).collect();
     items.push(match seed % 4 {
@@ -100,6 +109,10 @@ fn push_line(stream: &mut OpStream, plan: &RayPlan, cell: usize, last: bool) {
     });
     if cell > 0 {
         items.extend(split(plan.words[cell - 1], seed).map(|count| vec![(OpKind::ReadY, count)]));
+        items.extend(split(plan.back[cell], seed >> 24).map(|count| vec![(OpKind::WriteZ, count)]));
+    }
+    if let Some(before) = before.filter(|_| !last) {
+        items.extend(split(before.back[cell + 1], seed >> 32).map(|count| vec![(OpKind::ReadZ, count)]));
     }
     let sent = if last { 5 } else { plan.words[cell] };
     items.extend(split(sent, seed >> 8).map(|count| vec![(OpKind::WriteY, count)]));
@@ -138,11 +151,9 @@ proptest! {
 
     #[test]
     fn every_field_equals_the_ticking_model((spec, cells, rays, per_batch) in case()) {
-        let batches: Vec<OpBatch> = rays
-            .chunks(per_batch)
-            .enumerate()
-            .map(|(index, chunk)| batch_of(cells, chunk, (index * per_batch) as u32))
-            .collect();
+        let range = |first: usize| first..rays.len().min(first + per_batch);
+        let batches: Vec<OpBatch> =
+            (0..rays.len()).step_by(per_batch).map(|first| batch_of(cells, &rays, range(first))).collect();
         prop_assert_eq!(time(&spec, &batches), ticking::run(&spec, &batches));
     }
 }
@@ -152,14 +163,25 @@ proptest! {
 fn on_real_scenes() {
     for (scene, size) in [("room", 1), ("teapot", 3)] {
         let (scene, rays) = support::scene(scene, size, 7);
-        for (mode, groups) in [("pipeline", 1), ("broadcast", 3), ("hybrid", 2), ("hybrid-3", 2)] {
-            let workload = support::workload(&scene.mesh, &support::program(mode, groups), &rays);
+        for (mode, groups, stop_words, forward_ahead) in [
+            ("pipeline", 1, None, 0),
+            ("broadcast", 3, None, 0),
+            ("hybrid", 2, None, 0),
+            ("hybrid-3", 2, None, 0),
+            ("pipeline", 1, Some(1), 0),
+            ("pipeline", 1, Some(10), 0),
+            ("hybrid", 2, Some(4), 1),
+            ("hybrid-3", 2, Some(2), 3),
+            ("broadcast", 3, None, 4),
+        ] {
+            let program = ArrayProgram { stop_words, forward_ahead, ..support::program(mode, groups) };
+            let workload = support::workload(&scene.mesh, &program, &rays);
             let batches = support::ops(&workload, &rays);
             for (fifo_words, link_mb_s) in [(512, 80.0), (64, 80.0), (5, 27.0)] {
                 let spec = MachineSpec { fifo_words: Words(fifo_words), link_mb_s, ..MachineSpec::default() };
                 let expected = ticking::run(&spec, &batches).expect("it ends");
                 let found = time(&spec, &batches).expect("it ends");
-                assert_eq!(found, expected, "{}, {mode}, {fifo_words} words, {link_mb_s} Mbyte/s", scene.name);
+                assert_eq!(found, expected, "{}, {program:?}, {fifo_words} words, {link_mb_s} Mbyte/s", scene.name);
             }
         }
     }
@@ -170,11 +192,11 @@ fn on_real_scenes() {
 fn random_cases_are_varied() {
     use proptest::strategy::ValueTree;
     let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let mut seen = [0u64; 8];
+    let mut seen = [0u64; 10];
     let mut stuck = 0;
     for _ in 0..400 {
         let (spec, cells, rays, _) = case().new_tree(&mut runner).unwrap().current();
-        match time(&spec, &[batch_of(cells, &rays, 0)]) {
+        match time(&spec, &[batch_of(cells, &rays, 0..rays.len())]) {
             None => stuck += 1,
             Some(stats) => {
                 for cell in &stats.cells {
@@ -183,8 +205,10 @@ fn random_cases_are_varied() {
                         cell.moving,
                         cell.waiting_x,
                         cell.waiting_y,
+                        cell.waiting_z,
                         cell.blocked_x,
                         cell.blocked_y,
+                        cell.blocked_z,
                         cell.idle,
                         stats.fifos.iter().map(|fifo| fifo.full).sum(),
                     ];
