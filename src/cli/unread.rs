@@ -36,6 +36,7 @@ pub fn check_image(args: &ImageArgs, program: &ArrayProgram) -> Result<(), Input
             ("--policy", args.host.policy.is_some()),
             ("--in-flight", args.host.in_flight.is_some()),
             ("--open-samples", args.host.open_samples.is_some()),
+            ("--forward-ahead", args.program.forward_ahead.is_some()),
         ];
         let machine = [&array(&args.machine)[..], &host(&args.machine), &kernels(&args.machine)].concat();
         let flags = [&files[..], &machine].concat();

@@ -12,17 +12,19 @@ use super::{Channel, Work};
 pub(super) struct Link {
     pub x: Fifo,
     pub y: Fifo,
-    /// At the left end: the right cell writes to it. Its wire is the other way's, and shared with nobody.
+    /// At the left end: the right cell writes to it, on a wire of its own.
     pub z: Fifo,
     rate: LinkRate,
-    /// For each channel, the first cycle in which the wire takes its next word.
-    wire_free: [u64; 3],
+    /// For X and Y, the first cycle in which the wire takes its next word.
+    wire_free: [u64; 2],
+    /// The same for the wire that leads to the left.
+    wire_back_free: u64,
 }
 
 impl Link {
     pub fn new(capacity: u64, latency: u64, rate: LinkRate) -> Link {
         let fifo = || Fifo::new(capacity, latency);
-        Link { x: fifo(), y: fifo(), z: fifo(), rate, wire_free: [0; 3] }
+        Link { x: fifo(), y: fifo(), z: fifo(), rate, wire_free: [0; 2], wire_back_free: 0 }
     }
 
     #[inline(always)]
@@ -46,7 +48,7 @@ impl Link {
     /// The first cycle in which the wire takes the next word of `channel`.
     #[inline(always)]
     fn wire_free(&self, channel: Channel) -> u64 {
-        self.wire_free[channel as usize]
+        if channel == Channel::Z { self.wire_back_free } else { self.wire_free[channel as usize] }
     }
 
     /// Whether `count` words can be written in as many cycles from `at` on.
@@ -67,9 +69,10 @@ impl Link {
 
     fn occupy_wire(&mut self, channel: Channel, at: u64) {
         let free = at + self.rate.cycles_per_word;
-        match (channel, self.rate.counts) {
-            (Channel::X | Channel::Y, RateCounts::Link) => self.wire_free[..2].fill(free),
-            (Channel::Z, _) | (_, RateCounts::Channel) => self.wire_free[channel as usize] = free,
+        match self.rate.counts {
+            _ if channel == Channel::Z => self.wire_back_free = free,
+            RateCounts::Link => self.wire_free = [free; 2],
+            RateCounts::Channel => self.wire_free[channel as usize] = free,
         }
     }
 
@@ -174,8 +177,7 @@ impl Cell {
                 OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
                 OpKind::WriteX => now.write(left, Channel::X, output, ledger),
                 OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
-                OpKind::ReadZ => now.read_back(left, &mut output.z, ledger),
-                OpKind::WriteZ => now.write_back(left, input, ledger),
+                OpKind::ReadZ | OpKind::WriteZ => now.move_back(op, left, input, output, ledger),
                 OpKind::Await => Err(Halt::NotReturned),
             }
         })
@@ -299,16 +301,22 @@ impl Now {
         Ok(())
     }
 
-    /// Reads from Z, which comes from the right. Kept out of the way of the programs that have no use for it.
+    /// Reads from Z, which comes from the right, or writes to the left neighbour's. Kept out of the way of the programs that
+    /// have no use for it.
+    #[cold]
     #[inline(never)]
-    fn read_back(&mut self, left: u64, output: &mut Fifo, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
-        self.read(left, Channel::Z, output, ledger)
-    }
-
-    /// Writes to the left neighbour's Z.
-    #[inline(never)]
-    fn write_back(&mut self, left: u64, input: &mut Link, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
-        self.write(left, Channel::Z, input, ledger)
+    fn move_back(
+        &mut self,
+        op: Op,
+        left: u64,
+        input: &mut Link,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
+        match op.kind() {
+            OpKind::ReadZ => self.read(left, Channel::Z, &mut output.z, ledger),
+            _ => self.write(left, Channel::Z, input, ledger),
+        }
     }
 
     /// Reads words from X and writes each to the right neighbour's X in the cycle in which it is read.

@@ -104,15 +104,15 @@ impl Workload {
 
     /// Fails if the cells want rays before the hits of others have left the array, for a host that sends some only after.
     pub fn check_closed_loop(&self) -> Result<(), InputError> {
-        let ahead = match self.forward_ahead {
+        let message = match self.forward_ahead {
             0 => return Ok(()),
-            1 => "the ray after it".to_owned(),
-            ahead => format!("{ahead} rays after it"),
+            ahead => format!(
+                "a cell would begin a ray only when the next {ahead} have come, and the host of an image may send those \
+                 only after that ray's hit"
+            ),
         };
-        let message = format!(
-            "a cell would wait for {ahead} before it begins a ray, and the host of an image for that ray's hit"
-        );
-        Err(InputError::new(message).help("forward no rays ahead, or make the image with --timing off"))
+        let help = "forward no rays ahead: that is for primary rays alone, which the host sends without waiting";
+        Err(InputError::new(message).help(help))
     }
 
     /// Fails if the FIFOs are too shallow for the stop words that are on their way at the end of a run.

@@ -15,7 +15,9 @@ const shade = (percent) => {
 };
 
 function drawArray() {
-  const step = 168, box = 84, top = 14, height = 96;
+  // Words that go to the left have a row of their own.
+  const zs = run.fifos.filter((fifo) => fifo.name.startsWith("Z"));
+  const step = 168, box = 84, top = 14, height = zs.length ? 140 : 96;
   const count = run.cells.length;
   const width = (count + 1) * step + box + 20;
   const drawing = svg("svg", { width, height: height + 28, viewBox: `0 0 ${width} ${height + 28}` });
@@ -54,9 +56,10 @@ function drawArray() {
       `Cell ${index} ${cell.name} works ${cell.works.toFixed(1)} % of the time`);
   });
   drawBox(x(count), "#fff", "#000", ["host", "hits"], "The host reads the hits");
-  const xs = run.fifos.slice(0, count), ys = run.fifos.slice(count);
+  const xs = run.fifos.slice(0, count), ys = run.fifos.slice(count, 2 * count);
   xs.forEach((fifo, index) => drawFifo(fifo, index, top + 22));
   ys.forEach((fifo, index) => drawFifo(fifo, index + 1, top + 66));
+  zs.forEach((fifo) => drawFifo(fifo, Number(fifo.name.slice(1)) + 1, top + 110));
   document.getElementById("array").append(drawing);
 }
 
