@@ -6,6 +6,7 @@ use pcs_sim::machine::{
     Array, CellState, CellStats, Cycles, FifoBin, FifoProfile, Latency, MachineSpec, OpBatch, OpKind, Profile,
     RateCounts, RunStats, Unfinished, Words, Work,
 };
+use pcs_sim::program::ArrayProgram;
 use proptest::prelude::*;
 use support::random_ops::{batches_of, case};
 use support::ticking::{self, History};
@@ -63,6 +64,8 @@ fn count_states(states: &[CellState]) -> CellStats {
             CellState::Waiting(pcs_sim::machine::Channel::Y) => one(&mut stats.waiting_y),
             CellState::Blocked(pcs_sim::machine::Channel::X) => one(&mut stats.blocked_x),
             CellState::Blocked(pcs_sim::machine::Channel::Y) => one(&mut stats.blocked_y),
+            CellState::Waiting(pcs_sim::machine::Channel::Z) => one(&mut stats.waiting_z),
+            CellState::Blocked(pcs_sim::machine::Channel::Z) => one(&mut stats.blocked_z),
             CellState::Idle => one(&mut stats.idle),
         }
     }
@@ -100,17 +103,19 @@ fn assert_exact(spec: &MachineSpec, batches: &[OpBatch]) -> Profile {
 }
 
 /// A hundred rays of the room, in batches of a few, in a mode.
-fn hundred_rays(program: &str, groups: usize) -> Vec<OpBatch> {
+fn hundred_rays(program: &ArrayProgram) -> Vec<OpBatch> {
     let (scene, rays) = support::scene("room", 1, 10);
     let rays: Vec<_> = rays.into_iter().collect();
-    let workload = support::workload(&scene.mesh, &support::program(program, groups), &rays);
+    let workload = support::workload(&scene.mesh, program, &rays);
     support::ops(&workload, &rays)
 }
 
 #[test]
 fn the_occupancy_curves_of_a_hundred_rays_are_the_ticking_models() {
-    for (program, groups) in [("pipeline", 1), ("broadcast", 5), ("hybrid", 2)] {
-        let batches = hundred_rays(program, groups);
+    for (program, groups, stop_words) in
+        [("pipeline", 1, None), ("broadcast", 5, None), ("hybrid", 2, None), ("pipeline", 1, Some(5))]
+    {
+        let batches = hundred_rays(&ArrayProgram { stop_words, ..support::program(program, groups) });
         for (fifo_words, latency, link_mb_s, rate_counts) in [
             (512, 1, 80.0, RateCounts::Link),
             (8, 1, 80.0, RateCounts::Link),
@@ -194,7 +199,7 @@ fn what_comes_after_the_run_is_not_in_the_profile() {
 
 #[test]
 fn bins_are_as_many_however_long_the_run() {
-    let batch = hundred_rays("pipeline", 1).remove(0);
+    let batch = hundred_rays(&support::program("pipeline", 1)).remove(0);
     let bins = |repeats: usize| {
         let batches: Vec<OpBatch> = (0..repeats).map(|_| batch.clone()).collect();
         let (stats, profile) = profile(&MachineSpec::default(), &batches).expect("it ends");

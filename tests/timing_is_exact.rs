@@ -3,6 +3,7 @@
 mod support;
 
 use pcs_sim::machine::{Array, Cycles, MachineSpec, OpBatch, RunStats, Unfinished, Words};
+use pcs_sim::program::ArrayProgram;
 use proptest::prelude::*;
 use support::random_ops::{batch_of, batches_of, case};
 use support::ticking;
@@ -40,14 +41,25 @@ proptest! {
 fn on_real_scenes() {
     for (scene, size) in [("room", 1), ("teapot", 3)] {
         let (scene, rays) = support::scene(scene, size, 7);
-        for (mode, groups) in [("pipeline", 1), ("broadcast", 3), ("hybrid", 2), ("hybrid-3", 2)] {
-            let workload = support::workload(&scene.mesh, &support::program(mode, groups), &rays);
+        for (mode, groups, stop_words, forward_ahead) in [
+            ("pipeline", 1, None, 0),
+            ("broadcast", 3, None, 0),
+            ("hybrid", 2, None, 0),
+            ("hybrid-3", 2, None, 0),
+            ("pipeline", 1, Some(1), 0),
+            ("pipeline", 1, Some(10), 0),
+            ("hybrid", 2, Some(4), 1),
+            ("hybrid-3", 2, Some(2), 3),
+            ("broadcast", 3, None, 4),
+        ] {
+            let program = ArrayProgram { stop_words, forward_ahead, ..support::program(mode, groups) };
+            let workload = support::workload(&scene.mesh, &program, &rays);
             let batches = support::ops(&workload, &rays);
             for (fifo_words, link_mb_s) in [(512, 80.0), (64, 80.0), (5, 27.0)] {
                 let spec = MachineSpec { fifo_words: Words(fifo_words), link_mb_s, ..MachineSpec::default() };
                 let expected = ticking::run(&spec, &batches).expect("it ends");
                 let found = time(&spec, &batches).expect("it ends");
-                assert_eq!(found, expected, "{}, {mode}, {fifo_words} words, {link_mb_s} Mbyte/s", scene.name);
+                assert_eq!(found, expected, "{}, {program:?}, {fifo_words} words, {link_mb_s} Mbyte/s", scene.name);
             }
         }
     }
@@ -58,11 +70,11 @@ fn on_real_scenes() {
 fn random_cases_are_varied() {
     use proptest::strategy::ValueTree;
     let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let mut seen = [0u64; 8];
+    let mut seen = [0u64; 10];
     let mut stuck = 0;
     for _ in 0..400 {
         let (spec, cells, rays, _) = case().new_tree(&mut runner).unwrap().current();
-        match time(&spec, &[batch_of(cells, &rays, 0)]) {
+        match time(&spec, &[batch_of(cells, &rays, 0..rays.len())]) {
             None => stuck += 1,
             Some(stats) => {
                 for cell in &stats.cells {
@@ -71,8 +83,10 @@ fn random_cases_are_varied() {
                         cell.moving,
                         cell.waiting_x,
                         cell.waiting_y,
+                        cell.waiting_z,
                         cell.blocked_x,
                         cell.blocked_y,
+                        cell.blocked_z,
                         cell.idle,
                         stats.fifos.iter().map(|fifo| fifo.full).sum(),
                     ];

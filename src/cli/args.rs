@@ -169,6 +169,12 @@ pub struct ProgramArgs {
     /// Let the grid send no polygon twice for the same ray.
     #[arg(long)]
     pub mailbox: bool,
+    /// Let the intersection's cell tell the grid's to stop, which walks up to W voxels ahead of its words.
+    #[arg(long, value_name = "W")]
+    pub stop_words: Option<u32>,
+    /// Let each cell read and pass on K rays ahead of the one that it begins.
+    #[arg(long, value_name = "K")]
+    pub forward_ahead: Option<u32>,
 }
 
 /// The paper's two organisations of the array, and both together.

@@ -65,6 +65,7 @@ pub fn image(args: &ImageArgs) -> Result<(), Failure> {
     let rays = camera::primary_rays(&scene.camera, args.shape.size);
     let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
+    workload.check_fifos(machine.spec.fifo_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, workload };
     setup.machine.notes.iter().chain(&setup.scene.notes).for_each(|note| eprintln!("note: {note}"));
@@ -149,6 +150,7 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
     live.finish();
     result.map_err(|error| match error {
         RunError::Stuck(stuck) => Failure::Stuck(stuck),
+        RunError::Unfit(error) => error.into(),
         RunError::Observer(error) => unwritable(error),
     })
 }

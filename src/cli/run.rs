@@ -54,6 +54,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let rays = rays(&args.scene, &scene)?;
     let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
+    workload.check_fifos(machine.spec.fifo_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
     notes(&setup);
@@ -117,6 +118,8 @@ pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
     program.partition = args.partition.unwrap_or(program.partition);
     program.grid_coefficient = args.grid_coefficient.unwrap_or(program.grid_coefficient);
     program.mailbox |= args.mailbox;
+    program.stop_words = args.stop_words.or(program.stop_words);
+    program.forward_ahead = args.forward_ahead.unwrap_or(program.forward_ahead);
     program.check()?;
     Ok(program)
 }
@@ -213,6 +216,7 @@ fn simulate(setup: &Setup, threads: usize, watch: bool, files: &mut Outputs) -> 
     live.finish();
     outcome.map_err(|error| match error {
         RunError::Stuck(stuck) => Failure::Stuck(stuck),
+        RunError::Unfit(error) => error.into(),
         RunError::Observer(error) => failed(error),
     })
 }

@@ -37,6 +37,7 @@ pub fn check_image(args: &ImageArgs, program: &ArrayProgram) -> Result<(), Input
             ("--policy", args.host.policy.is_some()),
             ("--in-flight", args.host.in_flight.is_some()),
             ("--open-samples", args.host.open_samples.is_some()),
+            ("--forward-ahead", args.program.forward_ahead.is_some()),
         ];
         let flags = [&files[..], &links(&args.machine), &host(&args.machine)].concat();
         refuse(&flags, "is about the machine at work, which --timing off leaves out", "leave out one of the two")?;

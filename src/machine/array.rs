@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::Channel;
 use super::cell::{Cell, Halt, Link};
+use super::fifo::Fifo;
 use super::observers::{Observed, Observers};
 use super::op::OpBatch;
 use super::probe::Probe;
@@ -42,7 +43,7 @@ pub(super) const RETURN_WORDS: u64 = 5;
 /// ```
 #[derive(Debug)]
 pub struct Array {
-    /// `links[i]` leads into cell i; the last one leads back to the host, on Y only.
+    /// `links[i]` leads into cell i, and on Z out of it to the left; the last one leads back to the host, on Y only.
     links: Vec<Link>,
     host: Station,
     cells: Vec<Station>,
@@ -155,19 +156,15 @@ impl Array {
 
     /// What has been worked out by now. Takes no longer than a few reads for each cell.
     pub fn so_far(&self) -> SoFar {
-        let count = self.cells.len();
-        let fifo = |link: usize, channel: Channel| {
-            let fifo = self.links[link].fifo(channel);
+        let fifo = |fifo: &Fifo, name: String| {
             let until = fifo.known_until();
-            (fifo.stats(fifo_name(channel, link, count), until), Cycles(until))
+            (fifo.stats(name, until), Cycles(until))
         };
-        let xs = (0..count).map(|link| fifo(link, Channel::X));
-        let ys = (1..=count).map(|link| fifo(link, Channel::Y));
         SoFar {
-            cycles: Cycles(self.links[count].y.known_until()),
+            cycles: Cycles(self.links[self.cells.len()].y.known_until()),
             returned: self.returned.len() as u64,
             cells: self.cells.iter().map(|station| station.cell.stats(station.cell.now.clock)).collect(),
-            fifos: xs.chain(ys).collect(),
+            fifos: self.each_fifo(fifo),
         }
     }
 
@@ -306,18 +303,22 @@ impl Array {
     }
 
     fn stats(&self, cycles: u64) -> RunStats {
-        let count = self.cells.len();
-        let fifo = |index: usize, channel: Channel| {
-            self.links[index].fifo(channel).stats(fifo_name(channel, index, count), cycles)
-        };
-        let xs = (0..count).map(|index| fifo(index, Channel::X));
-        let ys = (1..=count).map(|index| fifo(index, Channel::Y));
         RunStats {
             cycles: Cycles(cycles),
             rays: self.rays,
             cells: self.cells.iter().map(|station| station.cell.stats(cycles)).collect(),
-            fifos: xs.chain(ys).collect(),
+            fifos: self.each_fifo(|fifo, name| fifo.stats(name, cycles)),
         }
+    }
+
+    /// Asks each FIFO, in the order of [`RunStats::fifos`]. Those of Z are there once they have carried a word.
+    fn each_fifo<T>(&self, ask: impl Fn(&Fifo, String) -> T) -> Vec<T> {
+        let count = self.cells.len();
+        let xs = (0..count).map(|link| (link, Channel::X));
+        let ys = (1..=count).map(|link| (link, Channel::Y));
+        let zs = (1..count).filter(|&link| self.links[link].z.words_written() > 0).map(|link| (link, Channel::Z));
+        let all = xs.chain(ys).chain(zs);
+        all.map(|(link, channel)| ask(self.links[link].fifo(channel), fifo_name(channel, link, count))).collect()
     }
 
     /// Who waits for whom, in an array that does not go on.

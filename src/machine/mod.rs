@@ -39,13 +39,15 @@ pub use stats::{Busy, CellState, CellStats, FifoStats, RunStats};
 pub use stuck::{Party, Stuck, StuckKind, Wait, WaitFor};
 pub use units::{Cycles, Words};
 
-/// The two channels of a link between neighbours (§4.2: "two input FIFOs").
+/// The channels between neighbours: X and Y lead to the right (§4.2: "two input FIFOs"), Z leads to the left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     /// Carries the rays.
     X,
     /// Carries candidates and hits.
     Y,
+    /// Leads from a cell to its left neighbour, on a wire of its own, for programs that need it. Beyond the paper.
+    Z,
 }
 
 impl std::fmt::Display for Channel {
@@ -53,6 +55,7 @@ impl std::fmt::Display for Channel {
         f.write_str(match self {
             Channel::X => "X",
             Channel::Y => "Y",
+            Channel::Z => "Z",
         })
     }
 }

@@ -71,11 +71,12 @@ impl Recording {
     /// bound on its memory and on its files whatever the length of the run.
     pub const MOST_EVENTS: usize = 400_000;
 
-    /// The FIFOs that a cell reads, X first; after the last cell comes the host, which reads Yhost.
+    /// The FIFOs that a cell reads, X first and Z, where it carries words, last; after the last cell comes the host, which reads Yhost.
     pub fn inputs_of(&self, reader: usize) -> impl Iterator<Item = &FifoLevels> {
         let cells = self.cells.len();
         let x = (reader < cells).then_some(reader);
         let y = (reader > 0).then_some(cells + reader - 1);
-        x.into_iter().chain(y).filter_map(|fifo| self.fifos.get(fifo))
+        let z = self.fifos.iter().skip(2 * cells).find(move |fifo| fifo.name == format!("Z{reader}"));
+        x.into_iter().chain(y).filter_map(|fifo| self.fifos.get(fifo)).chain(z)
     }
 }

@@ -7,6 +7,7 @@ use crate::scene::Mesh;
 
 use super::array_program::{ArrayProgram, Stages};
 use super::kernel::KernelTimes;
+use super::stop_words::StopWords;
 use super::trace::{Tracer, WorkSample};
 use super::workload::{Group, Workload};
 
@@ -31,6 +32,8 @@ impl Workload {
             stages: program.placement(),
             times,
             mailbox: program.mailbox,
+            stop_words: program.stop_words.map(|ahead| StopWords { ahead, last: program.stages.len() - 1 }),
+            forward_ahead: program.forward_ahead,
             kernels: program.stages.clone(),
         };
         let boxes = workload.cut(program, rays)?;
@@ -66,6 +69,7 @@ impl Workload {
         let whole = Workload {
             groups: self.fill_groups(&[volume], coefficient)?,
             stages: Stages { slabs: self.stages.slabs.map(|_| 0), intersection: 0 },
+            stop_words: None,
             ..self.clone()
         };
         let mut sample = WorkSample::default();

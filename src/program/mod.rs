@@ -7,6 +7,7 @@ mod array_program;
 mod kernel;
 mod layout;
 mod machine_file;
+mod stop_words;
 mod trace;
 mod workload;
 

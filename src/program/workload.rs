@@ -2,10 +2,12 @@
 
 use crate::error::InputError;
 use crate::geometry::{Grid, Polygons, Slabs, slabs};
-use crate::machine::Words;
+use crate::machine::{OpBatch, Words};
 
 use super::array_program::{Kernel, Stages};
 use super::kernel::{HostTimes, KernelTimes};
+use super::stop_words::StopWords;
+use super::trace::RAY_WORDS;
 
 /// A scene's polygons with the grids and slabs that an array program gives its cells.
 #[derive(Clone, Debug)]
@@ -16,6 +18,8 @@ pub struct Workload {
     pub(super) stages: Stages,
     pub(super) times: KernelTimes,
     pub(super) mailbox: bool,
+    pub(super) stop_words: Option<StopWords>,
+    pub(super) forward_ahead: u32,
     pub(super) kernels: Vec<Vec<Kernel>>,
 }
 
@@ -35,12 +39,14 @@ pub struct CellMemory {
     pub slabs: Words,
     /// Planes and vertices.
     pub polygons: Words,
+    /// Rays that have been passed on and wait for their turn.
+    pub rays: Words,
 }
 
 impl CellMemory {
     /// All of it.
     pub fn total(&self) -> Words {
-        self.grid + self.slabs + self.polygons
+        self.grid + self.slabs + self.polygons + self.rays
     }
 }
 
@@ -83,7 +89,40 @@ impl Workload {
             grid: words(Kernel::Grid, group.grid.memory_words()),
             slabs: words(Kernel::Slabs, slabs::WORDS * group.members.len() as u64),
             polygons: words(Kernel::Intersection, self.polygons.memory_words(&group.members)),
+            rays: Words(RAY_WORDS * self.forward_ahead as u64),
         }
+    }
+
+    /// A batch without a ray: what the cells do before the first one.
+    pub fn opening(&self) -> OpBatch {
+        let mut batch = OpBatch::new(self.cells());
+        if let Some(words) = self.stop_words {
+            batch.cells.chunks_mut(self.stages.count()).for_each(|group| words.begin(group));
+        }
+        batch
+    }
+
+    /// Fails if the cells want rays before the hits of others have left the array, for a host that sends some only after.
+    pub fn check_closed_loop(&self) -> Result<(), InputError> {
+        let message = match self.forward_ahead {
+            0 => return Ok(()),
+            ahead => format!(
+                "a cell would begin a ray only when the next {ahead} have come, and the host of an image may send those \
+                 only after that ray's hit"
+            ),
+        };
+        let help = "forward no rays ahead: that is for primary rays alone, which the host sends without waiting";
+        Err(InputError::new(message).help(help))
+    }
+
+    /// Fails if the FIFOs are too shallow for the stop words that are on their way at the end of a run.
+    pub fn check_fifos(&self, fifo_words: Words) -> Result<(), InputError> {
+        let Some(words) = self.stop_words.filter(|words| words.least_fifo_words() > fifo_words.0) else {
+            return Ok(());
+        };
+        let (ahead, least) = (words.ahead, words.least_fifo_words());
+        let message = format!("stop words {ahead} voxels ahead need FIFOs of {least} words, these hold {fifo_words}");
+        Err(InputError::new(message).help("use deeper FIFOs, or fewer voxels ahead"))
     }
 
     /// Fails if some cell needs more memory than it has.
@@ -95,11 +134,12 @@ impl Workload {
             return Ok(());
         };
         let message = format!(
-            "the scene does not fit: cell {cell} needs {} (grid {}, slabs {}, planes and vertices {}) and has {memory}",
+            "the scene does not fit: cell {cell} needs {} (grid {}, slabs {}, planes and vertices {}, rays ahead {}) and has {memory}",
             need.total(),
             need.grid.0,
             need.slabs.0,
             need.polygons.0,
+            need.rays.0,
         );
         Err(InputError::new(message).help("use more cells, a smaller grid coefficient, or more memory_words"))
     }

@@ -35,8 +35,10 @@ pub fn of_state(state: CellState) -> Rgb {
         CellState::Moving => Rgb(0, 0, 0),
         CellState::Waiting(Channel::X) => Rgb(240, 228, 66),
         CellState::Waiting(Channel::Y) => Rgb(250, 243, 176),
+        CellState::Waiting(Channel::Z) => Rgb(196, 180, 60),
         CellState::Blocked(Channel::X) => Rgb(213, 94, 0),
         CellState::Blocked(Channel::Y) => Rgb(230, 159, 0),
+        CellState::Blocked(Channel::Z) => Rgb(150, 62, 0),
         CellState::Idle => Rgb(225, 225, 225),
     }
 }

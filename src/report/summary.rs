@@ -43,13 +43,14 @@ pub struct Rows {
 
 /// Where every cell's cycles went: a row a cell. `names` tells what each cell runs, as far as that is known.
 pub fn cell_rows(stats: &RunStats, names: &[String]) -> Rows {
+    let states: Vec<CellState> = stats.states().collect();
     let row = |(index, cell): (usize, &CellStats)| {
         let name = names.get(index).map_or(index.to_string(), |name| format!("{index} {name}"));
-        let shares = CellState::ALL.map(|state| percent(cell.of(state), stats.cycles));
+        let shares = states.iter().map(|&state| percent(cell.of(state), stats.cycles));
         std::iter::once(name).chain(shares).collect()
     };
     Rows {
-        header: std::iter::once("cell").chain(CellState::ALL.map(CellState::name)).collect(),
+        header: std::iter::once("cell").chain(states.iter().map(|state| state.name())).collect(),
         rows: stats.cells.iter().enumerate().map(row).collect(),
     }
 }

@@ -9,6 +9,7 @@ pub use closed_loop::{HostRules, Policy};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timing, render};
 pub use trees::{ByKind, KindCounts};
 
+use crate::error::InputError;
 use crate::geometry::{Hit, Ray};
 use crate::machine::{Array, Cycles, MachineSpec, Observed, OpBatch, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
@@ -43,6 +44,9 @@ pub enum RunError<E> {
     /// The array can go no further.
     #[error(transparent)]
     Stuck(#[from] Stuck),
+    /// The array program does not go with what is to be run.
+    #[error(transparent)]
+    Unfit(#[from] InputError),
     /// `observe` failed.
     #[error("{0}")]
     Observer(E),
@@ -137,9 +141,12 @@ pub fn trace<E>(
     let first = |index: usize| index * per_batch;
     let make = |tracer: &mut Tracer<'_>, index: usize, mut batch: TracedBatch| {
         batch.reset(workload.cells());
-        let rays = &rays[first(index)..rays.len().min(first(index + 1))];
-        for (id, ray) in (first(index) as u32..).zip(rays) {
-            batch.hits.push(tracer.trace(id, ray, &mut batch.ops));
+        if index == 0 {
+            batch.ops = workload.opening();
+        }
+        let some = &rays[first(index)..rays.len().min(first(index + 1))];
+        for (id, ray) in (first(index) as u32..).zip(some) {
+            batch.hits.push(tracer.trace(id, rays.len(), ray, &mut batch.ops));
         }
         batch.counts = std::mem::take(&mut tracer.counts);
         batch

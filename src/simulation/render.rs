@@ -104,9 +104,10 @@ pub fn render<E>(
     threads: usize,
     mut observe: impl FnMut(Seen<'_>) -> Result<(), E>,
 ) -> Result<Rendered, RunError<E>> {
-    let cells = picture.workload.cells();
-    let times = picture.workload.host_times();
-    let mut host = timing.map(|(array, rules)| ClosedLoop::new(array, cells, times, rules));
+    if timing.is_some() {
+        picture.workload.check_closed_loop()?;
+    }
+    let mut host = timing.map(|(array, rules)| ClosedLoop::new(array, picture.workload, rules));
     let mut canvas = Canvas::new(picture);
     let mut seen = |seen: Seen<'_>| observe(seen).map_err(RunError::Observer);
     let first = Pass::first(picture.size, picture.sampling);

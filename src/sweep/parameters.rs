@@ -56,6 +56,8 @@ parameters! {
     partition: "text", Text, "partition of the scene";
     grid_coefficient: "number", Number, "grid coefficient (voxels a polygon)";
     mailbox: "truth", Truth, "mailbox in the grid";
+    stop_words: "whole", Whole, "voxels ahead of the stop words";
+    forward_ahead: "whole", Whole, "rays passed on ahead";
     machine: "text", Text, "machine";
     clock_ns: "number", Number, "length of a cycle (ns)";
     word_bytes: "whole", Whole, "size of a word (bytes)";

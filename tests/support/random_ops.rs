@@ -9,10 +9,13 @@ fn compute() -> impl Strategy<Value = (OpKind, u32)> {
     (work, prop_oneof![0u32..4, 0u32..60]).prop_map(|(work, cycles)| (OpKind::Compute(work), cycles))
 }
 
-/// For each ray: words on Y from each cell to the next, and an order in which each cell does things.
+/// For each ray: words on Y from each cell to the next and on Z to the one before, and an order in which each cell does
+/// things.
 #[derive(Clone, Debug)]
 pub struct RayPlan {
     words: Vec<u32>,
+    /// The left neighbour reads them with the next ray.
+    back: Vec<u32>,
     seeds: Vec<u64>,
     computes: Vec<Vec<(OpKind, u32)>>,
     waits: bool,
@@ -22,13 +25,15 @@ pub struct RayPlan {
 fn ray_plan(cells: usize) -> impl Strategy<Value = RayPlan> {
     (
         prop::collection::vec(0u32..7, cells),
+        prop::collection::vec(prop_oneof![3 => Just(0u32), 2 => 1u32..5], cells),
         prop::collection::vec(any::<u64>(), cells),
         prop::collection::vec(prop::collection::vec(compute(), 0..4), cells),
         prop::bool::weighted(0.2),
         prop_oneof![Just(0u32), 0u32..40],
     )
-        .prop_map(|(words, seeds, computes, waits, host_time)| RayPlan {
+        .prop_map(|(words, back, seeds, computes, waits, host_time)| RayPlan {
             words,
+            back,
             seeds,
             computes,
             waits,
@@ -47,11 +52,12 @@ fn shuffle<T>(mut items: Vec<T>, mut seed: u64) -> Vec<T> {
     out
 }
 
-/// The ops of some rays, the first of which has that number.
-pub fn batch_of(cells: usize, rays: &[RayPlan], first_ray: u32) -> OpBatch {
+/// The ops of some of the rays.
+pub fn batch_of(cells: usize, rays: &[RayPlan], range: std::ops::Range<usize>) -> OpBatch {
     let mut batch = OpBatch::new(cells);
-    for (offset, plan) in rays.iter().enumerate() {
-        let ray = first_ray + offset as u32;
+    for index in range {
+        let (plan, ray) = (&rays[index], index as u32);
+        let before = index.checked_sub(1).map(|before| &rays[before]);
         if plan.waits && ray > 0 {
             batch.host.push(OpKind::Await, ray as u64 - 1);
         }
@@ -60,15 +66,16 @@ pub fn batch_of(cells: usize, rays: &[RayPlan], first_ray: u32) -> OpBatch {
         batch.host.end_line(ray);
         for cell in 0..cells {
             let last = cell + 1 == cells;
-            push_line(&mut batch.cells[cell], plan, cell, last);
+            push_line(&mut batch.cells[cell], plan, before, cell, last);
             batch.cells[cell].end_line(ray);
         }
     }
     batch
 }
 
-/// Eight words of X (passed on, or read and written by themselves), what the left cell sent, what the right one gets.
-fn push_line(stream: &mut OpStream, plan: &RayPlan, cell: usize, last: bool) {
+/// Eight words of X (passed on, or read and written by themselves), what the left cell sent, what the right one gets, what
+/// goes back to the left, and what the right cell sent back for the ray before.
+fn push_line(stream: &mut OpStream, plan: &RayPlan, before: Option<&RayPlan>, cell: usize, last: bool) {
     let seed = plan.seeds[cell];
     let mut items: Vec<Vec<(OpKind, u32)>> = plan.computes[cell].iter().map(|&op| vec![op]).collect();
     items.push(match seed % 4 {
@@ -78,6 +85,10 @@ fn push_line(stream: &mut OpStream, plan: &RayPlan, cell: usize, last: bool) {
     });
     if cell > 0 {
         items.extend(split(plan.words[cell - 1], seed).map(|count| vec![(OpKind::ReadY, count)]));
+        items.extend(split(plan.back[cell], seed >> 24).map(|count| vec![(OpKind::WriteZ, count)]));
+    }
+    if let Some(before) = before.filter(|_| !last) {
+        items.extend(split(before.back[cell + 1], seed >> 32).map(|count| vec![(OpKind::ReadZ, count)]));
     }
     let sent = if last { 5 } else { plan.words[cell] };
     items.extend(split(sent, seed >> 8).map(|count| vec![(OpKind::WriteY, count)]));
@@ -107,8 +118,8 @@ fn machine() -> impl Strategy<Value = MachineSpec> {
 
 /// The ops of all rays, so many rays a batch.
 pub fn batches_of(cells: usize, rays: &[RayPlan], per_batch: usize) -> Vec<OpBatch> {
-    let part = |(index, part): (usize, &[RayPlan])| batch_of(cells, part, (index * per_batch) as u32);
-    rays.chunks(per_batch).enumerate().map(part).collect()
+    let end = |first: usize| rays.len().min(first + per_batch);
+    (0..rays.len()).step_by(per_batch).map(|first| batch_of(cells, rays, first..end(first))).collect()
 }
 
 /// A machine, its number of cells, rays, and how many of them a batch has.

@@ -136,6 +136,7 @@ impl Recording<'_> {
     pub fn time(&self, setting: &Setting) -> Result<Outcome, String> {
         let spec = &setting.machine.spec;
         self.workload.check_memory(spec.memory_words).map_err(reason)?;
+        self.workload.check_fifos(spec.fifo_words).map_err(reason)?;
         let mut array = Array::new(spec, self.workload.cells());
         for batch in &self.batches {
             let mut copy = array.take_spent().unwrap_or_default();

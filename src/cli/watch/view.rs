@@ -127,8 +127,10 @@ fn difference(now: &CellStats, before: &CellStats) -> CellStats {
         moving: less(CellState::Moving),
         waiting_x: less(CellState::Waiting(Channel::X)),
         waiting_y: less(CellState::Waiting(Channel::Y)),
+        waiting_z: less(CellState::Waiting(Channel::Z)),
         blocked_x: less(CellState::Blocked(Channel::X)),
         blocked_y: less(CellState::Blocked(Channel::Y)),
+        blocked_z: less(CellState::Blocked(Channel::Z)),
         idle: Cycles(0),
     }
 }

@@ -30,8 +30,8 @@ pub(super) struct Recorder {
     cut: bool,
     host: Track,
     cells: Vec<Track>,
-    /// X and Y of each link, where there is such a FIFO.
-    links: Vec<[Option<WordTimes>; 2]>,
+    /// X, Y and Z of each link, where there is such a FIFO.
+    links: Vec<[Option<WordTimes>; 3]>,
     hits: Hits,
     /// About how many events are held: all but those of the last stretches.
     events: usize,
@@ -63,7 +63,9 @@ impl Recorder {
             cut: false,
             host: Track::default(),
             cells: vec![Track::default(); cells],
-            links: (0..=cells).map(|link| [words(link < cells), words(link > 0)]).collect(),
+            links: (0..=cells)
+                .map(|link| [words(link < cells), words(link > 0), words(link > 0 && link < cells)])
+                .collect(),
             hits: Hits::default(),
             events: 0,
             most_events,
@@ -92,7 +94,7 @@ impl Recorder {
 
     /// Follows the FIFOs of a link, after each stretch of reads or writes.
     pub fn follow(&mut self, index: usize, link: &Link) {
-        for (words, fifo) in self.links[index].iter_mut().zip([&link.x, &link.y]) {
+        for (words, fifo) in self.links[index].iter_mut().zip([&link.x, &link.y, &link.z]) {
             if let Some(words) = words {
                 self.events += words.follow(fifo, self.window);
             }
@@ -138,11 +140,12 @@ impl Recorder {
         let from = self.window.from.min(cycles);
         let window = Window { from, until: self.window.until.clamp(from, cycles.max(from)) };
         let count = self.cells.len();
-        let mut fifos: [Vec<FifoLevels>; 2] = Default::default();
+        let mut fifos: [Vec<FifoLevels>; 3] = Default::default();
         for (index, (words, link)) in self.links.into_iter().zip(links).enumerate() {
-            for (words, channel) in words.into_iter().zip([Channel::X, Channel::Y]) {
-                let name = fifo_name(channel, index, count);
-                let levels = |words: WordTimes| words.finish(link.fifo(channel), name, window);
+            for (words, channel) in words.into_iter().zip([Channel::X, Channel::Y, Channel::Z]) {
+                let fifo = link.fifo(channel);
+                let words = words.filter(|_| channel != Channel::Z || fifo.words_written() > 0);
+                let levels = |words: WordTimes| words.finish(fifo, fifo_name(channel, index, count), window);
                 fifos[channel as usize].extend(words.map(levels));
             }
         }

@@ -15,14 +15,17 @@ const shade = (percent) => {
 };
 
 // Sizes in pixels: for a few cells, and for many.
-const LARGE = { box: 76, height: 92, link: 72, row: 122, bar: 15, x: 30, y: 72, font: 13 };
-const SMALL = { box: 32, height: 36, link: 26, row: 50, bar: 8, x: 8, y: 24, font: 11 };
+const LARGE = { box: 76, height: 92, link: 72, row: 122, bar: 15, x: 30, y: 72, z: 108, font: 13 };
+const SMALL = { box: 32, height: 36, link: 26, row: 50, bar: 8, x: 8, y: 24, z: 38, font: 11 };
 
 // What stands in the row: the host as sender, the cells, the host as receiver. FIFOs lead into each but the first.
 function drawArray() {
   const place = document.getElementById("array");
   const count = run.cells.length;
-  const size = count <= 24 ? LARGE : SMALL;
+  // Words that go to the left have a row of their own.
+  const zs = run.fifos.slice(2 * count);
+  const plain = count <= 24 ? LARGE : SMALL, more = zs.length ? plain.z - plain.y : 0;
+  const size = { ...plain, height: plain.height + more, row: plain.row + more };
   const step = size.box + size.link;
   const across = Math.max(2, Math.min(Math.floor((place.clientWidth - 8) / step), count + 2));
   const lines = Math.ceil((count + 2) / across);
@@ -42,7 +45,7 @@ function drawArray() {
     group.append(svg("rect", { ...bar, x: from, width: filled(fifo.average), fill: run.colors.amount }));
     const isFull = fifo.full_share >= 0.05;
     if (isFull) group.append(svg("rect", { ...bar, x: from + length - 3, width: 3, fill: run.colors.full }));
-    if (size === LARGE) {
+    if (plain === LARGE) {
       group.append(svg("text", { x: from, y: middle - size.bar / 2 - 4 }, fifo.name));
       if (isFull) group.append(svg("text", { x: from + length, y: middle - size.bar / 2 - 4, "text-anchor": "end",
         fill: run.colors.full }, fifo.full_share < 1 ? "< 1 %" : `${Math.round(fifo.full_share)} %`));
@@ -69,11 +72,12 @@ function drawArray() {
     if (at <= count) drawFifo(run.fifos[at - 1], at, size.x);
     if (at > 1) drawFifo(run.fifos[count + at - 2], at, size.y);
   }
-  const host = (what) => size === LARGE ? ["host", what] : ["host"];
+  zs.forEach((fifo) => drawFifo(fifo, Number(fifo.name.slice(1)) + 2, size.z));
+  const host = (what) => plain === LARGE ? ["host", what] : ["host"];
   drawBox(0, "#fff", "#000", host("rays"), "The host sends the rays", null);
   run.cells.forEach((cell, index) => {
     const name = cell.name === "intersection" ? "inters." : cell.name;
-    const lines = size === LARGE ? [`cell ${index}`, name, `${cell.works.toFixed(1)} %`] : [`${index}`];
+    const lines = plain === LARGE ? [`cell ${index}`, name, `${cell.works.toFixed(1)} %`] : [`${index}`];
     drawBox(index + 1, shade(cell.works), cell.works > 50 ? "#fff" : "#000", lines.filter((line) => line !== ""),
       `Cell ${index} ${cell.name} works ${cell.works.toFixed(1)} % of the time`, index);
   });

@@ -61,7 +61,7 @@ function addOverviews() {
     return run.cells[row].shares().map((share, at) => [(sum += share[bin]) / 100, colors[at]]);
   }, (row, bin) => `cell ${row}: ${describeCell(run.cells[row], bin)}`);
   const [amount, range, full] = [run.colors.amount, run.colors.range, run.colors.full].map(rgb);
-  for (const [channel, fifos, first] of [["X", run.fifos.slice(0, count), 0], ["Y", run.fifos.slice(count), 1]]) {
+  for (const [channel, fifos, first] of [["X", run.fifos.slice(0, count), 0], ["Y", run.fifos.slice(count, 2 * count), 1]]) {
     const shown = levelShown(Math.max(...fifos.map((fifo) => fifo.most)), fifos[0].capacity);
     addOverview(`all FIFOs on ${channel}, each from 0 to ${shown} words`, count, first, (row, bin) => {
       const levels = fifos[row].levels();

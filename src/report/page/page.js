@@ -25,6 +25,8 @@ function showSelected() {
     if (station < count) addCell(run.cells[station], station);
     if (station < count) addFifo(run.fifos[station], station, reader);
     if (station > 0) addFifo(run.fifos[count + station - 1], station, reader);
+    const back = run.fifos.find(({ name }) => name === `Z${station}`);
+    if (back) addFifo(back, station, reader);
   }
   const place = document.getElementById("charts");
   place.append(...[...place.children].sort((a, b) => a.dataset.station - b.dataset.station));

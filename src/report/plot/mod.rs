@@ -39,8 +39,8 @@ const MOST_PANELS: usize = 8;
 type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
 
 /// Draws all that a profile shows: the FIFOs' levels, their histograms, the cells' states, the rays done, and how long rays
-/// took. `names` tells what each cell runs, as far as that is known. There are seven pictures at the most, however many
-/// cells there are.
+/// took. `names` tells what each cell runs, as far as that is known. There are seven pictures at the most (nine
+/// with words on Z), however many cells there are.
 pub fn pictures(
     profile: &Profile,
     spec: &MachineSpec,
@@ -78,11 +78,11 @@ pub fn pictures(
     pictures.into_par_iter().map(|(name, draw)| Ok(Picture { name, rendered: draw()? })).collect()
 }
 
-/// The FIFOs of each picture: all in one, or those of X and those of Y by themselves.
+/// The FIFOs of each picture: all in one, or those of each channel by themselves.
 fn fifo_pictures(fifos: &[FifoProfile]) -> Vec<(&'static str, &[FifoProfile])> {
     if fifos.len() <= MOST_PANELS {
         return vec![("", fifos)];
     }
-    let (x, y) = fifos.split_at(fifos.len() / 2);
-    vec![("-x", x), ("-y", y)]
+    let channels = fifos.chunk_by(|a, b| a.name.as_bytes()[0] == b.name.as_bytes()[0]);
+    ["-x", "-y", "-z"].into_iter().zip(channels).collect()
 }

@@ -8,7 +8,7 @@ use std::io::Write;
 
 use super::Trace;
 use super::time_scale::TimeScale;
-use crate::machine::{Activity, CellState, Channel, Cycles, FifoLevels, Visit};
+use crate::machine::{Activity, CellState, Cycles, FifoLevels, Visit};
 
 /// The parts of Perfetto's messages that a trace needs, with their numbers.
 mod messages {
@@ -264,8 +264,8 @@ fn category(state: CellState) -> u64 {
     match state {
         CellState::Busy(_) => 1,
         CellState::Moving => 2,
-        CellState::Waiting(Channel::X | Channel::Y) => 3,
-        CellState::Blocked(Channel::X | Channel::Y) => 4,
+        CellState::Waiting(_) => 3,
+        CellState::Blocked(_) => 4,
         CellState::Idle => 5,
     }
 }
