@@ -56,6 +56,7 @@ pub mod geometry;
 pub mod host;
 mod input;
 pub mod machine;
+pub mod model;
 pub mod program;
 pub mod report;
 pub mod scene;

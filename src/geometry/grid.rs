@@ -87,6 +87,16 @@ impl Grid {
         self.lattice.size
     }
 
+    /// The volume that the voxels fill.
+    pub fn volume(&self) -> Bounds {
+        self.lattice.volume
+    }
+
+    /// Every voxel's list of polygons, x running fastest.
+    pub fn lists(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|pair| &self.lists[pair[0] as usize..pair[1] as usize])
+    }
+
     /// Number of references to polygons in all voxels' lists.
     pub fn reference_count(&self) -> usize {
         self.lists.len()
