@@ -101,14 +101,12 @@ fn t_with_filters() {
     assert_eq!(grid::steps_bound(50.0, 100_000.0).round(), 171.0);
 }
 
-/// nb_steps is cbrt(nb_voxel) for random lines through a cube, as Devillers has it, and less than 1 % off in the boxes that
-/// the paper generalises it to; the sharper form is right in any.
+/// nb_steps is cbrt(nb_voxel) for random lines through a cube, as Devillers has it. In the boxes that the paper generalises
+/// it to it is 1.11 times too large (1 x 3 x 2) or 1.86 times (1 x 1 x 0.1); the sharper form is right in any.
 #[test]
 fn steps_of_random_lines() {
     let (scene, _) = scene("mountain", 4, 1);
-    for (stretch, paper_error) in
-        [(DVec3::ONE, 0.02), (DVec3::new(1.0, 3.0, 2.0), 0.2), (DVec3::new(1.0, 1.0, 0.1), 0.6)]
-    {
+    for (stretch, factor) in [(DVec3::ONE, 1.0), (DVec3::new(1.0, 3.0, 2.0), 1.11), (DVec3::new(1.0, 1.0, 0.1), 1.86)] {
         let mut mesh = scene.mesh.clone();
         let (low, high) = mesh.bounds().unwrap();
         mesh.points.iter_mut().for_each(|point| *point = (*point - low) / (high - low) * stretch.as_vec3());
@@ -129,7 +127,7 @@ fn steps_of_random_lines() {
         let size = DVec3::from_array(filled.size().map(f64::from));
         let expected = grid::steps_of_random_line(size, filled.volume().extent() / size);
         assert_near("steps", expected, voxels / meets, 0.005);
-        assert_near("cbrt", grid::steps_bound(50.0, polygons.len() as f64), voxels / meets, paper_error);
+        assert_near("cbrt", grid::steps_bound(50.0, polygons.len() as f64), factor * voxels / meets, 0.02);
         // nb_filter1 = nb_steps nb_poly/voxel is right, too, for such lines, wherever the polygons are.
         let per_polygon = filled.reference_count() as f64 / polygons.len() as f64;
         let coefficient = filled.voxel_count() as f64 / polygons.len() as f64;
@@ -210,19 +208,14 @@ fn predictions_stand_within_the_stated_errors() {
     // Mode, quantity, error; then what the scenes outside it have.
     type Exceptions = &'static [(&'static str, f64)];
     let stated: [(&str, &str, f64, Exceptions); 8] = [
-        ("pipeline", "voxels", 0.02, &[("room", 0.05)]),
-        ("pipeline", "candidates", 0.08, &[("gears", 0.40), ("room", 0.50), ("sombrero", 0.35), ("tetra", 0.12)]),
-        ("pipeline", "survivors", 0.15, &[("gears", 0.50), ("tetra", 0.20)]),
+        ("pipeline", "voxels", 0.018, &[("room", 0.045)]),
+        ("pipeline", "candidates", 0.075, &[("gears", 0.40), ("room", 0.50), ("sombrero", 0.35), ("tetra", 0.14)]),
+        ("pipeline", "survivors", 0.16, &[("gears", 0.50), ("tetra", 0.23)]),
         ("pipeline", "references", 0.06, &[("gears", 0.40), ("sombrero", 0.32), ("tetra", 0.12)]),
-        ("broadcast", "voxels", 0.02, &[("room", 0.06)]),
-        (
-            "broadcast",
-            "candidates",
-            0.20,
-            &[("gears", 0.40), ("room", 0.75), ("shells", 0.60), ("sombrero", 0.45), ("rings", 0.45)],
-        ),
-        ("broadcast", "survivors", 0.15, &[("shells", 0.25)]),
-        ("broadcast", "cycles", 0.10, &[("room", 0.20)]),
+        ("broadcast", "voxels", 0.016, &[("room", 0.06)]),
+        ("broadcast", "candidates", 0.20, &[("gears", 0.40), ("room", 0.75), ("shells", 0.45), ("sombrero", 0.45)]),
+        ("broadcast", "survivors", 0.18, &[("shells", 0.22)]),
+        ("broadcast", "cycles", 0.10, &[("gears", 0.15)]),
     ];
     let mut worst: BTreeMap<(&str, &str, &str), f64> = BTreeMap::new();
     for (name, size) in SCENES {
@@ -247,11 +240,13 @@ fn predictions_stand_within_the_stated_errors() {
     }
     // What is stated is no wider than it must be.
     for (mode, quantity, allowed, exceptions) in stated {
-        let of =
-            |name: &str| worst.iter().filter(|e| (e.0.0, e.0.1) == (mode, quantity) && e.0.2 == name).map(|e| *e.1);
+        let of = |name: &str| {
+            let entry = worst.iter().find(|((of, what, scene), _)| (*of, *what, *scene) == (mode, quantity, name));
+            entry.map_or(0.0, |entry| *entry.1)
+        };
         let others = SCENES.iter().filter(|scene| exceptions.iter().all(|exception| exception.0 != scene.0));
-        let most = others.flat_map(|scene| of(scene.0)).fold(0.0, f64::max);
-        let stated = exceptions.iter().map(|&(name, allowed)| (name, of(name).fold(0.0, f64::max), allowed));
+        let most = others.map(|scene| of(scene.0)).fold(0.0, f64::max);
+        let stated = exceptions.iter().map(|&(name, allowed)| (name, of(name), allowed));
         for (name, error, allowed) in stated.chain([("all others", most, allowed)]) {
             if error < 0.8 * allowed && allowed > 0.01 {
                 failures += &format!("{mode}, {quantity} of {name}: only {error:.3}, stated {allowed}\n");
@@ -331,9 +326,25 @@ fn the_documented_errors_are_these() {
     assert!(include_str!("../docs/cost-model.md").contains(&table), "docs/cost-model.md has another table");
 }
 
+/// The same smaller, to be traced with many coefficients.
+const SMALL_SCENES: [(&str, u32); 12] = [
+    ("balls", 2),
+    ("gears", 2),
+    ("lattice", 3),
+    ("mountain", 5),
+    ("rings", 2),
+    ("shells", 3),
+    ("sombrero", 1),
+    ("teapot", 6),
+    ("tetra", 5),
+    ("tree", 6),
+    ("room", 1),
+    ("reference", 5),
+];
+
 /// T_0 to T_2 of a scene in one cell, from counting, with the grid coefficient that suits T_1 and T_2 best of those tried.
 fn counted_times(name: &str, size: u32) -> [f64; 3] {
-    let (scene, rays) = scene(name, size, 48);
+    let (scene, rays) = scene(name, size, 40);
     let without = ArrayProgram { stages: vec![vec![Kernel::Grid, Kernel::Intersection]], ..program("broadcast", 1) };
     let with = program("broadcast", 1);
     let best = |program: &ArrayProgram| {
@@ -341,7 +352,7 @@ fn counted_times(name: &str, size: u32) -> [f64; 3] {
             let program = ArrayProgram { grid_coefficient, ..program.clone() };
             count(&scene.mesh, &program, &rays).cycles
         };
-        [1.0, 3.0, 10.0, 30.0].iter().map(time).fold(f64::INFINITY, f64::min)
+        [3.0, 10.0, 30.0, 100.0, 300.0, 1000.0].iter().map(time).fold(f64::INFINITY, f64::min)
     };
     let inter = machine().times.intersection;
     let all = inter.start.0 as f64 + inter.each.0 as f64 * scene.mesh.faces().len() as f64;
@@ -353,7 +364,7 @@ fn counted_times(name: &str, size: u32) -> [f64; 3] {
 fn slabs_gain_what_is_documented() {
     let mut table =
         String::from("| scene | T0, ms a ray | T1, µs | T2, µs | slabs gain |\n| --- | ---: | ---: | ---: | ---: |\n");
-    for (name, size) in SCENES {
+    for (name, size) in SMALL_SCENES {
         let times = counted_times(name, size).map(|cycles| cycles * 0.05);
         assert!(times[0] > times[1] && times[0] > times[2], "{name}: the grid pays");
         let gain = 100.0 * (1.0 - times[2] / times[1]);
