@@ -23,7 +23,7 @@
 //!   again under any machine without the scene.
 //!
 //! [`simulation`] runs both halves together. [`scene`] reads or generates what is traced, [`host`] makes rays and images,
-//! [`report`] tells what came out.
+//! [`report`] tells what came out, and [`model`] what the paper's equations expect to.
 //!
 //! # Guarantees
 //!

@@ -19,18 +19,18 @@ use support::{machine, program, scene, workload};
 
 /// Every built-in scene, the largest ones smaller than they come.
 const SCENES: [(&str, u32); 12] = [
-    ("balls", 3),
-    ("gears", 4),
-    ("lattice", 6),
+    ("balls", 2),
+    ("gears", 2),
+    ("lattice", 4),
     ("mountain", 6),
-    ("rings", 4),
-    ("shells", 4),
+    ("rings", 3),
+    ("shells", 3),
     ("sombrero", 1),
-    ("teapot", 12),
+    ("teapot", 8),
     ("tetra", 6),
-    ("tree", 9),
+    ("tree", 7),
     ("room", 1),
-    ("reference", 20),
+    ("reference", 10),
 ];
 
 const COEFFICIENTS: [f64; 3] = [5.0, 50.0, 200.0];
@@ -201,21 +201,26 @@ fn footprints_end_at_the_faces() {
 
 /// How far a prediction is from what is counted, by quantity: the largest error over all scenes but those named.
 ///
-/// In gears and sombrero many polygons lie just in the planes between voxels, and so in the voxels on both sides; room has
-/// 45 polygons as large as itself; shells is many spheres inside each other.
+/// In gears, lattice, sombrero and tetra many polygons lie just in the planes between voxels, and so in the voxels on both sides; room has
+/// 45 polygons as large as itself.
 #[test]
 fn predictions_stand_within_the_stated_errors() {
     // Mode, quantity, error; then what the scenes outside it have.
     type Exceptions = &'static [(&'static str, f64)];
     let stated: [(&str, &str, f64, Exceptions); 8] = [
-        ("pipeline", "voxels", 0.018, &[("room", 0.045)]),
-        ("pipeline", "candidates", 0.075, &[("gears", 0.40), ("room", 0.50), ("sombrero", 0.35), ("tetra", 0.14)]),
+        ("pipeline", "voxels", 0.015, &[("room", 0.045)]),
+        (
+            "pipeline",
+            "candidates",
+            0.09,
+            &[("gears", 0.40), ("lattice", 0.23), ("room", 0.50), ("sombrero", 0.35), ("tetra", 0.14)],
+        ),
         ("pipeline", "survivors", 0.16, &[("gears", 0.50), ("tetra", 0.23)]),
-        ("pipeline", "references", 0.06, &[("gears", 0.40), ("sombrero", 0.32), ("tetra", 0.12)]),
-        ("broadcast", "voxels", 0.016, &[("room", 0.06)]),
-        ("broadcast", "candidates", 0.20, &[("gears", 0.40), ("room", 0.75), ("shells", 0.45), ("sombrero", 0.45)]),
-        ("broadcast", "survivors", 0.18, &[("shells", 0.22)]),
-        ("broadcast", "cycles", 0.10, &[("gears", 0.15)]),
+        ("pipeline", "references", 0.08, &[("gears", 0.40), ("lattice", 0.18), ("sombrero", 0.32), ("tetra", 0.12)]),
+        ("broadcast", "voxels", 0.04, &[("room", 0.06)]),
+        ("broadcast", "candidates", 0.21, &[("gears", 0.50), ("lattice", 0.28), ("room", 0.75), ("sombrero", 0.45)]),
+        ("broadcast", "survivors", 0.19, &[("gears", 0.22), ("reference", 0.25)]),
+        ("broadcast", "cycles", 0.11, &[("gears", 0.24)]),
     ];
     let mut worst: BTreeMap<(&str, &str, &str), f64> = BTreeMap::new();
     for (name, size) in SCENES {
@@ -326,22 +331,6 @@ fn the_documented_errors_are_these() {
     assert!(include_str!("../docs/cost-model.md").contains(&table), "docs/cost-model.md has another table");
 }
 
-/// The same smaller, to be traced with many coefficients.
-const SMALL_SCENES: [(&str, u32); 12] = [
-    ("balls", 2),
-    ("gears", 2),
-    ("lattice", 3),
-    ("mountain", 5),
-    ("rings", 2),
-    ("shells", 3),
-    ("sombrero", 1),
-    ("teapot", 6),
-    ("tetra", 5),
-    ("tree", 6),
-    ("room", 1),
-    ("reference", 5),
-];
-
 /// T_0 to T_2 of a scene in one cell, from counting, with the grid coefficient that suits T_1 and T_2 best of those tried.
 fn counted_times(name: &str, size: u32) -> [f64; 3] {
     let (scene, rays) = scene(name, size, 40);
@@ -364,7 +353,7 @@ fn counted_times(name: &str, size: u32) -> [f64; 3] {
 fn slabs_gain_what_is_documented() {
     let mut table =
         String::from("| scene | T0, ms a ray | T1, µs | T2, µs | slabs gain |\n| --- | ---: | ---: | ---: | ---: |\n");
-    for (name, size) in SMALL_SCENES {
+    for (name, size) in SCENES {
         let times = counted_times(name, size).map(|cycles| cycles * 0.05);
         assert!(times[0] > times[1] && times[0] > times[2], "{name}: the grid pays");
         let gain = 100.0 * (1.0 - times[2] / times[1]);
@@ -393,7 +382,7 @@ fn the_best_grid_is_not_the_one_that_filters_most() {
 /// The coefficient that the model takes for the best costs at most 10 % more than the best of those that it chose from.
 #[test]
 fn the_best_coefficient_is_good() {
-    for (name, size) in [("reference", 20), ("teapot", 12), ("mountain", 6), ("rings", 4)] {
+    for (name, size) in [("reference", 10), ("teapot", 12), ("mountain", 6), ("rings", 3)] {
         let (scene, rays) = scene(name, size, 48);
         for mode in ["pipeline", "broadcast"] {
             let program = program(mode, 1);

@@ -8,7 +8,9 @@ use support::command::Folder;
 fn predictions_stand_beside_what_is_counted_and_measured() {
     let folder = Folder::new();
     insta::assert_snapshot!(folder.run("model room --mode hybrid --groups 2 --size 32x24").success());
-    insta::assert_snapshot!(folder.run("model room --mode pipeline --size 32x24 --predict-only --link-mb-s 0.2").success());
+    insta::assert_snapshot!(
+        folder.run("model room --mode pipeline --size 32x24 --predict-only --link-mb-s 0.2").success()
+    );
     insta::assert_snapshot!(folder.run("model room --predict-only --size 32x24 --host-ray-us 5000").success());
 }
 
@@ -37,6 +39,13 @@ fn threads_change_no_byte() {
     let folder = Folder::new();
     let run = |threads| folder.run(&format!("model teapot --size-factor 3 --size 40x30 --threads {threads}")).success();
     assert_eq!(run(1), run(5));
+}
+
+#[test]
+fn what_it_would_not_look_at_is_refused() {
+    let refused = |args: &str| Folder::new().run(&format!("model room --size 8x8 {args}")).refused();
+    assert!(refused("--mailbox").contains("knows no mailbox"));
+    assert!(refused("--predict-only --fifo-words 64").contains("--fifo-words is about the simulation"));
 }
 
 #[test]

@@ -14,12 +14,13 @@ use pcs_sim::scene::Scene;
 use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::ModelArgs;
-use super::{Failure, outputs, print, progress, run};
+use super::{Failure, outputs, print, progress, run, unread};
 
 /// `pcs-sim model SCENE [...]`
 pub fn model(args: &ModelArgs) -> Result<(), Failure> {
     let machine = run::machine_file(&args.machine)?.build()?;
     let program = run::array_program(&args.program)?;
+    unread::check_model(args, &program)?;
     check_outputs(args)?;
     let stats = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let spinner = progress::waiting("surveying the scene");

@@ -45,7 +45,9 @@ pub(super) struct Sketch<'a> {
     grid: Grid,
     /// How near to a face of the volume counts as at the face.
     tolerance: f64,
-    /// Each polygon's footprint in a unit of each coarse voxel that lists it.
+    /// Which of the sub-volume's polygons, counting from 0, each of the scene's is.
+    place: Vec<u32>,
+    /// The footprint of each of the sub-volume's polygons in a unit of each coarse voxel that lists it.
     shares: Vec<Footprint>,
     /// All polygons' footprint.
     pub all: Footprint,
@@ -73,7 +75,8 @@ impl<'a> Sketch<'a> {
             polygons,
             slabs,
             tolerance: 4.0 * polygons.margin(),
-            shares: vec![Footprint::default(); polygons.len()],
+            place: vec![u32::MAX; polygons.len()],
+            shares: vec![Footprint::default(); members.len()],
             all: Footprint::default(),
             area: 0.0,
             perimeter: 0.0,
@@ -92,14 +95,15 @@ impl<'a> Sketch<'a> {
 
     /// Spreads each polygon evenly over the coarse voxels that list it.
     fn spread(&mut self, members: &[u32]) {
-        let mut listed = vec![0u32; self.polygons.len()];
-        self.grid.lists().flatten().for_each(|&polygon| listed[polygon as usize] += 1);
+        (0..).zip(members).for_each(|(place, &polygon)| self.place[polygon as usize] = place);
+        let mut listed = vec![0u32; members.len()];
+        self.grid.lists().flatten().for_each(|&polygon| listed[self.place[polygon as usize] as usize] += 1);
         let size = DVec3::from_array(self.grid.size().map(f64::from));
         let voxel = (self.volume().extent() / size).element_product();
-        for &polygon in members.iter().filter(|&&polygon| listed[polygon as usize] > 0) {
+        for (place, &polygon) in members.iter().enumerate().filter(|&(place, _)| listed[place] > 0) {
             let corners: Vec<DVec3> = self.polygons.flattened(polygon).collect();
             let footprint = Footprint::within(corners.iter().copied(), self.volume(), self.tolerance);
-            self.shares[polygon as usize] = footprint * (1.0 / (listed[polygon as usize] as f64 * voxel));
+            self.shares[place] = footprint * (1.0 / (listed[place] as f64 * voxel));
             self.all += footprint;
             self.area += area_vector(&corners).length();
             let edges = (0..corners.len()).map(|k| corners[(k + 1) % corners.len()].distance(corners[k]));
@@ -119,12 +123,13 @@ impl<'a> Sketch<'a> {
 
     /// What a ray does in a grid of voxels with edges `edge`.
     pub fn work(&self, edge: DVec3) -> RayWork {
-        let mut seen = vec![u32::MAX; self.polygons.len()];
+        let mut seen = vec![u32::MAX; self.shares.len()];
         let mut sum = RayWork::default();
         for (id, ray) in (0..).zip(&self.rays) {
             let Some(span) = self.span(ray) else { continue };
-            let one =
-                self.ray_work(ray, span, edge, |polygon| std::mem::replace(&mut seen[polygon as usize], id) != id);
+            let one = self.ray_work(ray, span, edge, |polygon| {
+                std::mem::replace(&mut seen[self.place[polygon as usize] as usize], id) != id
+            });
             sum.voxels += one.voxels;
             sum.candidates += one.candidates;
             sum.survivors += one.survivors;
@@ -153,14 +158,14 @@ impl<'a> Sketch<'a> {
         let crossings = ray.direction.as_dvec3().abs() / edge;
         // Its last voxel is done as a whole: what stands in it behind the ray's end counts.
         let rest = REST_OF_VOXEL / crossings.element_sum();
-        let reach = Ray { t_max: ray.t_max + rest as f32, ..*ray };
+        let reach = Ray { t_max: (f64::from(ray.t_max).min(leaves) + rest) as f32, ..*ray };
         let ray_slabs = RaySlabs::new(&reach, self.polygons.largest_coordinate());
         let mut work = RayWork::default();
         let mut here = 0.0;
         let mut t = enters;
         self.grid.walk(ray, 0.0, |voxel| {
             let density = voxel.polygons.iter().fold(Footprint::default(), |mut sum, &polygon| {
-                sum += self.shares[polygon as usize];
+                sum += self.shares[self.place[polygon as usize] as usize];
                 sum
             });
             here = density.voxels(edge) * edge.element_product();
@@ -178,7 +183,7 @@ impl<'a> Sketch<'a> {
             for &polygon in voxel.polygons {
                 if is_new(polygon) && self.slabs.meets(&ray_slabs, polygon) {
                     work.meets = 1.0;
-                    work.survivors += self.shared_voxels(ray, &reach, polygon, edge);
+                    work.survivors += self.shared_voxels(ray, (enters - rest, &reach), polygon, edge);
                 }
             }
             ControlFlow::Continue(())
@@ -191,12 +196,13 @@ impl<'a> Sketch<'a> {
         work
     }
 
-    /// The voxels that a ray shares with a polygon whose slabs it meets.
+    /// The voxels that a ray shares with a polygon whose slabs it meets. Only hits from `from` on, and within `reach`, are in
+    /// this sub-volume.
     ///
     /// With an endless plane it would share Σ|d_i|/e_i Σ|n_i|e_i / |n.d|: the voxels on the ray from where they first touch
     /// the plane to where they last do. With a polygon it shares at most one, and one more for each plane between voxels
     /// that the polygon's box spans.
-    fn shared_voxels(&self, ray: &Ray, reach: &Ray, polygon: u32, edge: DVec3) -> f64 {
+    fn shared_voxels(&self, ray: &Ray, (from, reach): (f64, &Ray), polygon: u32, edge: DVec3) -> f64 {
         let direction = ray.direction.as_dvec3();
         let normal = self.polygons.normal(polygon).as_dvec3();
         let bounds = Bounds::around(self.polygons.flattened(polygon));
@@ -204,7 +210,7 @@ impl<'a> Sketch<'a> {
         let spanned = (bounds.extent() / edge).element_sum();
         let further = 1.0 / (1.0 / plane).hypot(1.0 / spanned);
         let hit = self.polygons.nearer(reach, polygon, Hit::MISS);
-        if !hit.is_hit() {
+        if !hit.is_hit() || f64::from(hit.t) < from {
             return (1.0 + further) / (1.0 + spanned / NEAR_VOXELS);
         }
         // A walk that ends on the polygon has seen the half before it, or all, where nothing lies behind.

@@ -5,14 +5,14 @@ use rayon::prelude::*;
 use super::prediction::{Group, Prediction};
 use super::sketch::Sketch;
 use super::throughput::ArrayModel;
-use crate::geometry::grid::GridTooLarge;
+use crate::geometry::grid::{GridTooLarge, voxels_for};
 use crate::geometry::partition::SubVolume;
 use crate::geometry::{Polygons, Ray, Slabs};
 
 /// How many of the rays are looked at.
 const SAMPLE: usize = 2000;
 
-/// The coefficients among which the best is sought: those that a person would try.
+/// The coefficients among which the best is sought.
 const COEFFICIENTS: [f64; 10] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
 
 /// A scene, cut into sub-volumes, with its rays: what predictions are made from.
@@ -34,6 +34,7 @@ impl<'a> Survey<'a> {
     ///
     /// Fails if the grids would be larger than any that can be built.
     pub fn predict(&self, array: &ArrayModel, coefficient: f64) -> Result<Prediction, GridTooLarge> {
+        self.sub_volumes.iter().try_for_each(|part| voxels_for(part.members.len(), coefficient).map(drop))?;
         let groups = self.sketch(array, coefficient)?;
         Ok(self.price(&groups, array, coefficient))
     }
