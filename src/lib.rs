@@ -23,7 +23,7 @@
 //!   again under any machine without the scene.
 //!
 //! [`simulation`] runs both halves together. [`scene`] reads or generates what is traced, [`host`] makes rays and images,
-//! [`report`] tells what came out.
+//! [`report`] tells what came out, and [`model`] what the paper's equations expect to.
 //!
 //! # Guarantees
 //!
@@ -56,6 +56,7 @@ pub mod geometry;
 pub mod host;
 mod input;
 pub mod machine;
+pub mod model;
 pub mod program;
 pub mod report;
 pub mod scene;

@@ -28,6 +28,8 @@ pub enum Command {
     Replay(Box<ReplayArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
     Sweep(SweepArgs),
+    /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
+    Model(Box<ModelArgs>),
     /// Tells in what two statistics files differ, and by how much.
     Compare(CompareArgs),
     /// Lists the built-in scenes.
@@ -352,6 +354,31 @@ pub struct SweepArgs {
     /// Watch the points come in, on a terminal.
     #[arg(long)]
     pub watch: bool,
+}
+
+/// `pcs-sim model`.
+#[derive(Debug, Args)]
+pub struct ModelArgs {
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Predict and simulate nothing: seconds where the simulation may take minutes.
+    #[arg(long)]
+    pub predict_only: bool,
+    #[command(flatten)]
+    pub program: ProgramArgs,
+    #[command(flatten)]
+    pub shape: ShapeArgs,
+    /// Take the rays from a CSV file (ox,oy,oz,dx,dy,dz and optionally tmax) instead of the camera.
+    #[arg(long, value_name = "FILE", help_heading = "Scene and rays")]
+    pub rays: Option<PathBuf>,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub results: ResultArgs,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
 }
 
 #[derive(Debug, Args)]

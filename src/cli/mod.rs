@@ -5,6 +5,7 @@ mod compare;
 mod diagnostics;
 mod image;
 mod interrupt;
+mod model;
 mod outputs;
 mod progress;
 mod replay;
@@ -70,6 +71,7 @@ fn command(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Image(args)) => image::image(args),
         Some(Command::Replay(args)) => replay::replay(args),
         Some(Command::Sweep(args)) => sweep::sweep(args),
+        Some(Command::Model(args)) => model::model(args),
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Scenes) => scenes::scenes(),
     }

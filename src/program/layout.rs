@@ -2,6 +2,7 @@
 
 use crate::error::InputError;
 use crate::geometry::grid::GridTooLarge;
+use crate::geometry::partition::SubVolume;
 use crate::geometry::{Bounds, Grid, Partition, Polygons, Ray, Slabs, partition};
 use crate::scene::Mesh;
 
@@ -19,13 +20,37 @@ impl Workload {
     ///
     /// Fails if there are more groups than polygons, or if a grid would be too large.
     pub fn new(mesh: &Mesh, program: &ArrayProgram, times: KernelTimes, rays: &[Ray]) -> Result<Workload, InputError> {
+        let mut workload = Workload::without_groups(mesh, program, times, rays)?;
+        let boxes = workload.cut(program, rays)?;
+        workload.groups = workload.fill_groups(&boxes, program.grid_coefficient)?;
+        Ok(workload)
+    }
+
+    /// The polygons and the sub-volumes that [`Workload::new`] would give the groups, without filling the groups' grids.
+    pub fn sub_volumes(
+        mesh: &Mesh,
+        program: &ArrayProgram,
+        times: KernelTimes,
+        rays: &[Ray],
+    ) -> Result<(Polygons, Vec<SubVolume>), InputError> {
+        let workload = Workload::without_groups(mesh, program, times, rays)?;
+        let sub_volumes = partition::assign(&workload.polygons, &workload.cut(program, rays)?);
+        Ok((workload.polygons, sub_volumes))
+    }
+
+    fn without_groups(
+        mesh: &Mesh,
+        program: &ArrayProgram,
+        times: KernelTimes,
+        rays: &[Ray],
+    ) -> Result<Workload, InputError> {
         program.check()?;
         let polygons = Polygons::for_rays(mesh, rays);
         if program.groups > polygons.len() {
             let message = format!("{} groups are more than the scene's {} polygons", program.groups, polygons.len());
             return Err(InputError::new(message).help("use fewer cells or a larger scene"));
         }
-        let mut workload = Workload {
+        Ok(Workload {
             slabs: Slabs::new(&polygons),
             polygons,
             groups: Vec::new(),
@@ -35,10 +60,7 @@ impl Workload {
             stop_words: program.stop_words.map(|ahead| StopWords { ahead, last: program.stages.len() - 1 }),
             forward_ahead: program.forward_ahead,
             kernels: program.stages.clone(),
-        };
-        let boxes = workload.cut(program, rays)?;
-        workload.groups = workload.fill_groups(&boxes, program.grid_coefficient)?;
-        Ok(workload)
+        })
     }
 
     fn cut(&self, program: &ArrayProgram, rays: &[Ray]) -> Result<Vec<Bounds>, InputError> {
@@ -82,7 +104,7 @@ impl Workload {
 
     fn fill_groups(&self, boxes: &[Bounds], coefficient: f64) -> Result<Vec<Group>, InputError> {
         let too_large = |error: GridTooLarge| InputError::new(error.to_string());
-        let fill = |sub_volume: partition::SubVolume| {
+        let fill = |sub_volume: SubVolume| {
             let grid = Grid::new(&self.polygons, &sub_volume.members, sub_volume.volume, coefficient);
             Ok(Group { grid: grid.map_err(too_large)?, members: sub_volume.members })
         };

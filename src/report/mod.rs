@@ -8,6 +8,7 @@ pub mod kinds;
 pub mod page;
 pub mod palette;
 pub mod plot;
+pub mod prediction;
 pub mod stats;
 pub mod summary;
 pub mod table;
