@@ -45,6 +45,8 @@ fn threads_change_no_byte() {
 fn what_it_would_not_look_at_is_refused() {
     let refused = |args: &str| Folder::new().run(&format!("model room --size 8x8 {args}")).refused();
     assert!(refused("--mailbox").contains("knows no mailbox"));
+    assert!(refused("--mode pipeline --stop-words 2").contains("knows neither stop words"));
+    assert!(refused("--forward-ahead 1").contains("nor rays forwarded ahead"));
     assert!(refused("--predict-only --fifo-words 64").contains("--fifo-words is about the simulation"));
 }
 

@@ -52,6 +52,11 @@ pub fn check_model(args: &ModelArgs, program: &ArrayProgram) -> Result<(), Input
         let error = InputError::new("the cost model knows no mailbox: it is the paper's, which has none");
         return Err(error.help("leave --mailbox out, or take a program with mailbox: false"));
     }
+    if program.stop_words.is_some() || program.forward_ahead > 0 {
+        let error =
+            InputError::new("the cost model knows neither stop words nor rays forwarded ahead, as the paper does not");
+        return Err(error.help("take a program without them, or run this one to see what it does"));
+    }
     if args.predict_only {
         let flags = [
             ("--fifo-words", args.machine.fifo_words.is_some()),
