@@ -79,7 +79,7 @@ pub struct ImageArgs {
     #[command(flatten)]
     pub tracing: TracingArgs,
     #[command(flatten)]
-    pub viewer: ViewerArgs,
+    pub views: ViewArgs,
 }
 
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
@@ -318,13 +318,6 @@ pub struct ViewArgs {
     /// Write a page (HTML) to look at the run in a browser: the array, and charts to zoom into.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
-    #[command(flatten)]
-    pub viewer: ViewerArgs,
-}
-
-#[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Views of the run over time")]
-pub struct ViewerArgs {
     /// Write the run cycle by cycle for a viewer: .pftrace for Perfetto, .vcd or .fst for GTKWave and Surfer.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,

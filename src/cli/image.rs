@@ -15,14 +15,13 @@ use pcs_sim::report::kinds::{self, RaysByKind};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::trace::Trace;
 use pcs_sim::report::{activity, bottleneck, hits};
 use pcs_sim::scene::Scene;
 use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, RunError, Seen};
 
 use super::args::{ImageArgs, PolicyName, Switch};
 use super::run::{array_program, cell_names, machine_file, machine_line, memory_line, plural, scene, threads};
-use super::views::TraceFile;
+use super::views::{self, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
@@ -39,7 +38,7 @@ struct Outputs {
     stats: Option<OutputFile>,
     hits: Option<OutputFile>,
     ops: Option<OutputFile>,
-    trace: TraceFile,
+    views: Views,
 }
 
 /// What an image is made of.
@@ -96,14 +95,17 @@ fn check(args: &ImageArgs) -> Result<(), InputError> {
 fn open_outputs(args: &ImageArgs) -> Result<Outputs, InputError> {
     let (stats, hits, ops) = (args.results.stats.as_ref(), args.tracing.hits.as_ref(), args.tracing.ops.as_ref());
     let inputs = [Some(Path::new(&args.scene)), args.program.program.as_deref(), args.machine.machine.as_deref()];
-    outputs::check_distinct(&[Some(&args.output), stats, hits, ops, args.viewer.trace.as_ref()], &inputs)?;
+    outputs::check_distinct(
+        &[Some(&args.output), stats, hits, ops, args.views.page.as_ref(), args.views.trace.as_ref()],
+        &inputs,
+    )?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
     Ok(Outputs {
         image: open(Some(&args.output))?,
         stats: open(stats)?,
         hits: open(hits)?,
         ops: open(ops)?,
-        trace: TraceFile::open(&args.viewer, args.results.force)?,
+        views: Views::open(&args.views, args.results.force)?,
     })
 }
 
@@ -128,7 +130,7 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
     };
     let timing = (args.host.timing == Switch::On).then(|| {
         let array = Array::new(&setup.machine.spec, setup.workload.cells());
-        (files.trace.fit(array), rules(args))
+        (files.views.fit(array), rules(args))
     });
     let unwritable = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
     if let Some(file) = &mut files.ops {
@@ -203,18 +205,29 @@ fn write_outputs(
         Format::Pfm => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
     })?;
     if let Some(timing) = &rendered.timing {
+        let configuration = configuration(setup);
         outputs::finish(files.stats, &mut written, |file| {
             let kinds = RaysByKind::new(&rendered.kinds, timing);
             let (spec, counts) = (&setup.machine.spec, &rendered.counts);
-            let json = stats::image_to_json(&timing.stats, spec, counts, &kinds, &configuration(setup))?;
+            let json = stats::image_to_json(&timing.stats, spec, counts, &kinds, &configuration)?;
             file.write_all(json.as_bytes())
         })?;
         let spec = &setup.machine.spec;
-        let caption = &Caption { title: title(setup, rendered), machine: machine_line(spec) };
-        let cell_names = &cell_names(&setup.workload);
-        let recording = timing.observed.recording.as_ref();
-        let trace = recording.map(|recording| Trace { caption, spec, cell_names, recording });
-        files.trace.write(trace, &mut written)?;
+        let mut png = Vec::new();
+        if files.views.show_image() {
+            image::write_png(&mut png, size, pixels)
+                .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
+        }
+        let seen = views::Seen {
+            caption: &Caption { title: title(setup, rendered), machine: machine_line(spec) },
+            spec,
+            stats: &timing.stats,
+            observed: &timing.observed,
+            cell_names: &cell_names(&setup.workload),
+            configuration: Some(&configuration),
+            image: Some(&png),
+        };
+        files.views.write(&seen, &mut written)?;
     }
     outputs::finish(files.hits, &mut written, |file| hits::write(file, setup.workload.polygons(), found))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;

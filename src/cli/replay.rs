@@ -4,16 +4,14 @@ use std::io::Write;
 
 use pcs_sim::machine::Array;
 use pcs_sim::report::activity::ActivityTrace;
-use pcs_sim::report::page::Page;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::trace::Trace;
 use pcs_sim::report::{bottleneck, stats};
 use pcs_sim::simulation;
 
 use super::args::ReplayArgs;
 use super::run::{machine_file, machine_line};
-use super::views::Views;
+use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
@@ -21,7 +19,7 @@ use super::{Failure, outputs, print, progress, unread};
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     unread::check_replay(args)?;
     let machine = machine_file(&args.machine)?.build()?;
-    let views = [args.views.page.as_ref(), args.views.viewer.trace.as_ref()];
+    let views = [args.views.page.as_ref(), args.views.trace.as_ref()];
     let inputs = [Some(args.ops.as_path()), args.machine.machine.as_deref()];
     outputs::check_distinct(&[args.results.stats.as_ref(), views[0], views[1]], &inputs)?;
     let stats_file = outputs::open(args.results.stats.as_deref(), args.results.force)?;
@@ -54,11 +52,15 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         let json = stats::to_json(&result, &machine.spec, None, None)?;
         file.write_all(json.as_bytes())
     })?;
-    let (caption, spec, stats, cell_names) = (&caption, &machine.spec, &result, &[]);
-    let page = observed.profile.as_ref();
-    let page = page.map(|profile| Page { caption, spec, stats, profile, cell_names, configuration: None, image: None });
-    let recording = observed.recording.as_ref();
-    let view = recording.map(|recording| Trace { caption, spec, cell_names, recording });
-    views.write(page, view, &mut written)?;
+    let seen = Seen {
+        caption: &caption,
+        spec: &machine.spec,
+        stats: &result,
+        observed: &observed,
+        cell_names: &[],
+        configuration: None,
+        image: None,
+    };
+    views.write(&seen, &mut written)?;
     print(&outputs::list(&written))
 }

@@ -9,17 +9,15 @@ use pcs_sim::host::{camera, image, ray_file};
 use pcs_sim::machine::{Array, MachineSpec};
 use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
 use pcs_sim::report::files::OutputFile;
-use pcs_sim::report::page::Page;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::trace::Trace;
 use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
-use super::views::Views;
+use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
@@ -170,7 +168,7 @@ fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
         args.tracing.ops.as_ref(),
         args.image.as_ref(),
         args.views.page.as_ref(),
-        args.views.viewer.trace.as_ref(),
+        args.views.trace.as_ref(),
     ];
     let inputs = [
         Some(Path::new(&args.scene.scene)),
@@ -337,18 +335,16 @@ fn write_views(
     let caption = &Caption { title: title(setup), machine: machine_line(spec) };
     let cell_names = &cell_names(&setup.workload);
     let image = page_image(args, setup, outcome, &views)?;
-    let page = outcome.observed.profile.as_ref().map(|profile| Page {
+    let seen = Seen {
         caption,
         spec,
         stats: &outcome.stats,
-        profile,
+        observed: &outcome.observed,
         cell_names,
         configuration: Some(configuration),
         image: image.as_deref(),
-    });
-    let recording = outcome.observed.recording.as_ref();
-    let trace = recording.map(|recording| Trace { caption, spec, cell_names, recording });
-    views.write(page, trace, written)
+    };
+    views.write(&seen, written)
 }
 
 /// The traced picture, if a view shows it and the rays are those of a picture.

@@ -5,27 +5,39 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::machine::{Array, Cycles, Recording};
+use pcs_sim::machine::{Array, Cycles, MachineSpec, Observed, Recording, RunStats};
 use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::page::{self, Page};
-use pcs_sim::report::plot;
+use pcs_sim::report::plot::{self, Caption};
+use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::trace::{Format, Trace};
 
-use super::args::{ViewArgs, ViewerArgs};
+use super::args::ViewArgs;
 use super::{Failure, outputs};
 
 /// The views that are asked for, their places found fit before the run.
 pub struct Views {
     plot: Option<PathBuf>,
     page: Option<OutputFile>,
-    trace: TraceFile,
+    trace: Option<(OutputFile, Format)>,
+    window: Range<Cycles>,
     force: bool,
 }
 
-/// A trace for viewers, if one is asked for, its place found fit before the run.
-pub struct TraceFile {
-    file: Option<(OutputFile, Format)>,
-    window: Range<Cycles>,
+/// A run that is over, for its views.
+pub struct Seen<'a> {
+    /// What ran.
+    pub caption: &'a Caption,
+    pub spec: &'a MachineSpec,
+    pub stats: &'a RunStats,
+    /// What the array saw that the views fitted.
+    pub observed: &'a Observed,
+    /// What each cell runs, as far as that is known.
+    pub cell_names: &'a [String],
+    /// All parameters, if they are known.
+    pub configuration: Option<&'a Configuration>,
+    /// The picture that was traced, as PNG, if there is one.
+    pub image: Option<&'a [u8]>,
 }
 
 impl Views {
@@ -34,14 +46,24 @@ impl Views {
         if let Some(folder) = &args.plot {
             prepare_folder(folder, force)?;
         }
-        let page = outputs::open(args.page.as_deref(), force)?;
-        Ok(Views { plot: args.plot.clone(), page, trace: TraceFile::open(&args.viewer, force)?, force })
+        let trace = |path: &PathBuf| {
+            let format = Format::of(path)?;
+            Ok((OutputFile::create(path, force)?, format))
+        };
+        Ok(Views {
+            plot: args.plot.clone(),
+            page: outputs::open(args.page.as_deref(), force)?,
+            trace: args.trace.as_ref().map(trace).transpose()?,
+            window: args.trace_window.clone().unwrap_or(Cycles(0)..Cycles(u64::MAX)),
+            force,
+        })
     }
 
     /// The array, with what the views need to see.
     pub fn fit(&self, array: Array) -> Array {
-        let array = self.trace.fit(array);
-        if self.plot.is_some() || self.page.is_some() { array.probed() } else { array }
+        let probes = self.plot.is_some() || self.page.is_some();
+        let array = if probes { array.probed() } else { array };
+        if self.trace.is_some() { array.recorded(self.window.clone(), Recording::MOST_EVENTS) } else { array }
     }
 
     /// Whether a view shows the traced picture.
@@ -49,48 +71,27 @@ impl Views {
         self.page.is_some()
     }
 
-    /// Writes the views of a run, of what its array saw.
-    pub fn write(
-        self,
-        page: Option<Page<'_>>,
-        trace: Option<Trace<'_>>,
-        written: &mut Vec<PathBuf>,
-    ) -> Result<(), Failure> {
-        if let Some(run) = page {
+    /// Writes the views of a run.
+    pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
+        let &Seen { caption, spec, stats, cell_names, configuration, image, .. } = run;
+        if let Some(profile) = &run.observed.profile {
             if let Some(folder) = &self.plot {
-                write_plots(folder, self.force, &run, written)?;
+                let pictures = plot::pictures(profile, spec, caption, cell_names);
+                write_plots(
+                    folder,
+                    self.force,
+                    pictures.map_err(|error| Failure::Output(error.to_string()))?,
+                    written,
+                )?;
             }
+            let page = Page { caption, spec, stats, profile, cell_names, configuration, image };
             outputs::finish(self.page, written, |file| {
-                let html = page::html(&run).map_err(std::io::Error::other)?;
+                let html = page::html(&page).map_err(std::io::Error::other)?;
                 file.write_all(html.as_bytes())
             })?;
         }
-        self.trace.write(trace, written)
-    }
-}
-
-impl TraceFile {
-    /// Opens the file.
-    pub fn open(args: &ViewerArgs, force: bool) -> Result<TraceFile, InputError> {
-        let open = |path: &PathBuf| {
-            let format = Format::of(path)?;
-            Ok((OutputFile::create(path, force)?, format))
-        };
-        let window = args.trace_window.clone().unwrap_or(Cycles(0)..Cycles(u64::MAX));
-        Ok(TraceFile { file: args.trace.as_ref().map(open).transpose()?, window })
-    }
-
-    /// The array, with what the trace needs to see.
-    pub fn fit(&self, array: Array) -> Array {
-        match self.file {
-            Some(_) => array.recorded(self.window.clone(), Recording::MOST_EVENTS),
-            None => array,
-        }
-    }
-
-    /// Writes what the array recorded, if it did.
-    pub fn write(self, trace: Option<Trace<'_>>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
-        let (Some((file, format)), Some(trace)) = (self.file, trace) else { return Ok(()) };
+        let (Some((file, format)), Some(recording)) = (self.trace, &run.observed.recording) else { return Ok(()) };
+        let trace = Trace { caption, spec, cell_names, recording };
         outputs::finish(Some(file), written, |file| trace.write(format, file))?;
         trace.notes(format).iter().for_each(|note| eprintln!("note: {note}"));
         Ok(())
@@ -107,9 +108,13 @@ fn prepare_folder(folder: &Path, force: bool) -> Result<(), InputError> {
     Err(InputError::in_file(folder, "is not empty").help("name a new folder, or --force to replace the plots in it"))
 }
 
-fn write_plots(folder: &Path, force: bool, run: &Page<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
-    let pictures = plot::pictures(run.profile, run.spec, run.caption, run.cell_names);
-    for picture in pictures.map_err(|error| Failure::Output(error.to_string()))? {
+fn write_plots(
+    folder: &Path,
+    force: bool,
+    pictures: Vec<plot::Picture>,
+    written: &mut Vec<PathBuf>,
+) -> Result<(), Failure> {
+    for picture in pictures {
         for (ending, bytes) in [("svg", picture.rendered.svg.as_bytes()), ("png", &picture.rendered.png)] {
             let path = folder.join(format!("{}.{ending}", picture.name));
             let file = OutputFile::create(&path, force)?;

@@ -10,7 +10,7 @@ use super::palette;
 use super::plot::Caption;
 use super::stats::Configuration;
 use super::summary::{self, Rows};
-use crate::machine::{CellState, MachineSpec, Profile, RunStats};
+use crate::machine::{MachineSpec, Profile, RunStats};
 
 /// What a page shows.
 #[derive(Debug)]
@@ -53,7 +53,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         bottleneck => bottleneck::sentence(page.stats, page.spec),
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
-        state_colors => CellState::ALL.map(|state| palette::of_state(state).to_string()),
+        state_colors => page.stats.states().map(|state| palette::of_state(state).to_string()).collect::<Vec<_>>(),
         configuration,
         image => page.image.map(|png| base64::engine::general_purpose::STANDARD.encode(png)).unwrap_or_default(),
         // No text in it may end the script that it stands in.
