@@ -95,7 +95,7 @@ fn a_replay() {
     assert_eq!(left, ["slow.ops"]);
 }
 
-/// A sweep keeps what is done, as it says, and goes on there.
+/// A sweep keeps what is done, as it says, and goes on there when it is called again.
 #[test]
 fn a_sweep() {
     let folder = Folder::new();
@@ -103,10 +103,10 @@ fn a_sweep() {
         format!("(scene: \"teapot\", size: \"64x64\", fifo_words: (from: 4, to: {last}, step: 1), link_mb_s: [80, 40])")
     };
     folder.file("sweep.ron", file(3000));
-    let lines =
-        |folder: &Folder| std::fs::read_to_string(folder.path("t.csv.journal")).map_or(0, |j| j.lines().count());
-    let (told, left) = interrupted(&folder, "sweep sweep.ron --table t.csv", |folder| lines(folder) > 2);
+    let lines = |folder: &Folder| std::fs::read_to_string(folder.path("t.journal")).map_or(0, |j| j.lines().count());
+    let under_way = |folder: &Folder| lines(folder) > 2 && folder.path("t.parquet").exists();
+    let (told, left) = interrupted(&folder, "sweep sweep.ron --table t.csv", under_way);
     assert!(told.starts_with("stopped after "), "{told}");
     assert!(told.ends_with(" of 5 994 points; the same command goes on from there\n"), "{told}");
-    assert_eq!(left, ["sweep.ron", "t.csv.journal"]);
+    assert_eq!(left, ["sweep.ron", "t.csv", "t.journal", "t.parquet"]);
 }
