@@ -55,6 +55,7 @@ pub mod error;
 pub mod geometry;
 pub mod host;
 mod input;
+pub mod isa;
 pub mod machine;
 pub mod program;
 pub mod report;

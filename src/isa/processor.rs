@@ -1,0 +1,388 @@
+//! The interpreter: a cell that executes a program, without a clock.
+
+use super::encoding::Instruction;
+use super::executable::{Executable, RESULT_SLOT, Step, is_x, queue_slot};
+use super::fault::{Fault, FaultKind};
+use super::register::{Queue, Register};
+use super::table::Opcode;
+use crate::machine::{OpKind, OpStream, Work};
+
+/// The words that come to a cell, and those that it has written.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Queues {
+    /// X and Y of the cell: all words that have come.
+    pub x: Vec<u32>,
+    /// The same on Y.
+    pub y: Vec<u32>,
+    /// How many words of [`Queues::x`] it has read.
+    pub x_read: usize,
+    /// How many words of [`Queues::y`] it has read.
+    pub y_read: usize,
+    /// What it has written to the right neighbour's X, words passed on among them.
+    pub x_out: Vec<u32>,
+    /// What it has written to the right neighbour's Y.
+    pub y_out: Vec<u32>,
+}
+
+/// Why a cell stands still.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// It is done with the message, and ready for the next.
+    Done,
+    /// It has halted.
+    Halted,
+    /// It reads a queue that has no word for it.
+    Waiting(Queue),
+}
+
+/// A cell that runs a program.
+#[derive(Clone, Debug)]
+pub struct Processor<'a> {
+    executable: &'a Executable,
+    /// The data memory as it was loaded.
+    loaded: &'a [u32],
+    /// The rest of the memory, behind the data: the scene, which programs can only read.
+    scene: &'a [u32],
+    data: Vec<u32>,
+    /// Addresses in the data memory that the message has changed.
+    changed: Vec<u32>,
+    registers: [u32; 64],
+    address: u32,
+    halted: bool,
+    /// Cycles computed for the message, and how many of them have been put down as ops.
+    cycles: u64,
+    noted: u64,
+    work: Work,
+    cycle_limit: u64,
+    executed: u64,
+    counts: Vec<u64>,
+}
+
+/// The most words that may be written for one message.
+const WORD_LIMIT: u64 = 1 << 24;
+
+impl<'a> Processor<'a> {
+    /// Limit of cycles for one message, unless another is asked for: 50 s of PCS.
+    pub const CYCLE_LIMIT: u64 = 1_000_000_000;
+
+    /// A cell that has done nothing yet. `data` is its data memory, from address 0 on, and `scene` what follows.
+    pub fn new(executable: &'a Executable, data: &'a [u32], scene: &'a [u32], cycle_limit: u64) -> Processor<'a> {
+        Processor {
+            executable,
+            loaded: data,
+            scene,
+            data: data.to_vec(),
+            changed: Vec::new(),
+            registers: [0; 64],
+            address: 0,
+            halted: false,
+            cycles: 0,
+            noted: 0,
+            work: Work::Other,
+            cycle_limit,
+            executed: 0,
+            counts: vec![0; executable.counters().len()],
+        }
+    }
+
+    /// What a register holds.
+    pub fn register(&self, register: Register) -> u32 {
+        if register.queue().is_some() { 0 } else { self.registers[register.number() as usize] }
+    }
+
+    /// The address of the instruction that comes next.
+    pub fn address(&self) -> u32 {
+        self.address
+    }
+
+    /// Cycles computed for the message so far, without those of the words moved.
+    pub fn cycles(&self) -> u64 {
+        self.cycles
+    }
+
+    /// Instructions executed since the cell was made.
+    pub fn executed(&self) -> u64 {
+        self.executed
+    }
+
+    /// How often each event of [`Executable::counters`] has happened since the cell was made.
+    pub fn counts(&self) -> &[u64] {
+        &self.counts
+    }
+
+    /// A word of memory.
+    pub fn memory(&self, address: u32) -> Option<u32> {
+        let behind = address.wrapping_sub(self.data.len() as u32) as usize;
+        self.scene.get(behind).or_else(|| self.data.get(address as usize)).copied()
+    }
+
+    /// Runs until the message is done, the cell halts, or a word is missing. Adds what it does to `ops`.
+    pub fn run(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Stop, Fault> {
+        loop {
+            if let Some(stop) = self.step(queues, ops)? {
+                return Ok(stop);
+            }
+        }
+    }
+
+    /// Executes one instruction, unless it has to wait; tells if the cell stands still then.
+    #[inline(always)]
+    pub fn step(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, Fault> {
+        let Some(&step) = self.executable.steps.get(self.address as usize) else {
+            let length = self.executable.steps.len() as u32;
+            return Err(self.fault(FaultKind::OutsideProgram { length }));
+        };
+        if step.special {
+            return self.special(step, queues, ops).map_err(|kind| self.fault(kind));
+        }
+        self.charge(step, ops);
+        match self.execute(step) {
+            Ok(next) => self.address = next,
+            Err(kind) => return Err(self.fault(kind)),
+        }
+        Ok(None)
+    }
+
+    /// An instruction that moves words, is counted, ends the message, or is none.
+    #[inline(never)]
+    fn special(&mut self, step: Step, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, FaultKind> {
+        let address = self.address;
+        let instruction = match self.executable.instructions[address as usize] {
+            Ok(instruction) => instruction,
+            Err(why) => return Err(FaultKind::Invalid(self.executable.program.code[address as usize], why)),
+        };
+        if self.halted {
+            return Ok(Some(Stop::Halted));
+        }
+        if let Some(queue) = missing(&instruction, queues) {
+            self.note(ops);
+            return Ok(Some(Stop::Waiting(queue)));
+        }
+        for &(_, counter) in self.executable.counted.iter().filter(|(at, _)| *at == address) {
+            self.counts[counter] += 1;
+        }
+        if instruction.words() > 0 {
+            self.read_queues(&instruction, queues, ops);
+        }
+        self.charge(step, ops);
+        match instruction.opcode {
+            Opcode::Done => {
+                self.note(ops);
+                self.start_again();
+                return Ok(Some(Stop::Done));
+            }
+            Opcode::Halt => {
+                self.note(ops);
+                self.halted = true;
+                return Ok(Some(Stop::Halted));
+            }
+            _ => self.address = self.execute(step)?,
+        }
+        self.write_queue(&instruction, queues, ops)?;
+        Ok(None)
+    }
+
+    fn read_queues(&mut self, instruction: &Instruction, queues: &mut Queues, ops: &mut OpStream) {
+        self.note(ops);
+        for field in instruction.reads() {
+            let Some(queue) = instruction.register(field).queue() else { continue };
+            let (word, op) = match queue {
+                Queue::X => (queues.next_x(), OpKind::ReadX),
+                Queue::PassX => (queues.next_x(), OpKind::PassX),
+                Queue::Y => (queues.next_y(), OpKind::ReadY),
+            };
+            if queue == Queue::PassX {
+                queues.x_out.push(word);
+            }
+            ops.push(op, 1);
+            self.registers[queue_slot(field)] = word;
+        }
+    }
+
+    fn write_queue(
+        &mut self,
+        instruction: &Instruction,
+        queues: &mut Queues,
+        ops: &mut OpStream,
+    ) -> Result<(), FaultKind> {
+        let Some(queue) = instruction.written().and_then(Register::queue) else { return Ok(()) };
+        let (out, op) = match queue {
+            Queue::X | Queue::PassX => (&mut queues.x_out, OpKind::WriteX),
+            Queue::Y => (&mut queues.y_out, OpKind::WriteY),
+        };
+        if out.len() as u64 >= WORD_LIMIT {
+            return Err(FaultKind::WordLimit(WORD_LIMIT));
+        }
+        out.push(self.registers[RESULT_SLOT as usize]);
+        self.note(ops);
+        ops.push(op, 1);
+        Ok(())
+    }
+
+    /// Adds an instruction's cycles, after putting those of another kernel down.
+    #[inline(always)]
+    fn charge(&mut self, step: Step, ops: &mut OpStream) {
+        if step.work != self.work {
+            self.note(ops);
+            self.work = step.work;
+        }
+        self.cycles += step.cycles as u64;
+        self.executed += 1;
+    }
+
+    /// Puts the cycles computed so far down as an op.
+    fn note(&mut self, ops: &mut OpStream) {
+        if self.cycles > self.noted {
+            ops.push(OpKind::Compute(self.work), self.cycles - self.noted);
+            self.noted = self.cycles;
+        }
+    }
+
+    /// The state in which every message finds the cell.
+    fn start_again(&mut self) {
+        self.registers = [0; 64];
+        self.address = 0;
+        (self.cycles, self.noted) = (0, 0);
+        for address in self.changed.drain(..) {
+            self.data[address as usize] = self.loaded[address as usize];
+        }
+    }
+
+    fn fault(&self, kind: FaultKind) -> Fault {
+        Fault::new(kind, self.address, &self.executable.program)
+    }
+
+    /// Does what an instruction does, between registers and memory, and gives the address of the next.
+    #[inline(always)]
+    fn execute(&mut self, step: Step) -> Result<u32, FaultKind> {
+        let [first, second, third] = step.slots.map(|slot| self.registers[(slot & 63) as usize]);
+        let (a, b, i) = (second, third, step.constant as u32);
+        let (fa, fb) = (f32::from_bits(a), f32::from_bits(b));
+        let mut next = self.address + 1;
+        let value = match step.opcode {
+            Opcode::Mov => a,
+            Opcode::Li => i,
+            Opcode::Lw => {
+                let address = a.wrapping_add(i);
+                let words = (self.data.len() + self.scene.len()) as u32;
+                self.memory(address).ok_or(FaultKind::Load { address, words })?
+            }
+            Opcode::Sw => {
+                self.store(a.wrapping_add(i), first)?;
+                return Ok(next);
+            }
+            Opcode::Add => a.wrapping_add(b),
+            Opcode::Addi => a.wrapping_add(i),
+            Opcode::Sub => a.wrapping_sub(b),
+            Opcode::Mul => a.wrapping_mul(b),
+            Opcode::Div => (a as i32).wrapping_div(divisor(b)?) as u32,
+            Opcode::Rem => (a as i32).wrapping_rem(divisor(b)?) as u32,
+            Opcode::Min => (a as i32).min(b as i32) as u32,
+            Opcode::Max => (a as i32).max(b as i32) as u32,
+            Opcode::And => a & b,
+            Opcode::Or => a | b,
+            Opcode::Xor => a ^ b,
+            Opcode::Andi => a & i,
+            Opcode::Shl => a << (i & 31),
+            Opcode::Shr => a >> (i & 31),
+            Opcode::Sar => ((a as i32) >> (i & 31)) as u32,
+            Opcode::Seq => (a == b) as u32,
+            Opcode::Slt => ((a as i32) < b as i32) as u32,
+            Opcode::Sltu => (a < b) as u32,
+            Opcode::Fadd => (fa + fb).to_bits(),
+            Opcode::Fsub => (fa - fb).to_bits(),
+            Opcode::Fmul => (fa * fb).to_bits(),
+            Opcode::Fdiv => (fa / fb).to_bits(),
+            Opcode::Fmin => (if fa < fb { fa } else { fb }).to_bits(),
+            Opcode::Fmax => (if fa > fb { fa } else { fb }).to_bits(),
+            Opcode::Fabs => a & !SIGN,
+            Opcode::Fneg => a ^ SIGN,
+            // Rust's `as` is just what the instruction is to do.
+            Opcode::Ftoi => fa as i32 as u32,
+            Opcode::Itof => (a as i32 as f32).to_bits(),
+            Opcode::Feq => (fa == fb) as u32,
+            Opcode::Flt => (fa < fb) as u32,
+            Opcode::Fle => (fa <= fb) as u32,
+            Opcode::Beq => return self.branch(first == second, step, next),
+            Opcode::Bne => return self.branch(first != second, step, next),
+            Opcode::Blt => return self.branch((first as i32) < second as i32, step, next),
+            Opcode::Bge => return self.branch(first as i32 >= second as i32, step, next),
+            Opcode::Bltu => return self.branch(first < second, step, next),
+            Opcode::Bgeu => return self.branch(first >= second, step, next),
+            Opcode::Fblt => return self.branch(f32::from_bits(first) < f32::from_bits(second), step, next),
+            Opcode::Fble => return self.branch(f32::from_bits(first) <= f32::from_bits(second), step, next),
+            Opcode::Jmp => return self.branch(true, step, next),
+            Opcode::Call => {
+                let back = next;
+                next = self.branch(true, step, next)?;
+                back
+            }
+            Opcode::Jr => {
+                return self.branch(true, Step { constant: first as i32, ..step }, next);
+            }
+            Opcode::Done | Opcode::Halt => return Ok(next),
+        };
+        self.registers[(step.slots[0] & 63) as usize] = value;
+        Ok(next)
+    }
+
+    /// The address behind a branch. Every loop has one that is taken, so the limit is held here.
+    #[inline(always)]
+    fn branch(&self, taken: bool, step: Step, next: u32) -> Result<u32, FaultKind> {
+        if !taken {
+            return Ok(next);
+        }
+        if self.cycles > self.cycle_limit {
+            return Err(FaultKind::CycleLimit(self.cycle_limit));
+        }
+        Ok(step.constant as u32)
+    }
+
+    fn store(&mut self, address: u32, value: u32) -> Result<(), FaultKind> {
+        let words = self.data.len() as u32;
+        let word = self.data.get_mut(address as usize).ok_or(FaultKind::Store { address, words })?;
+        *word = value;
+        self.changed.push(address);
+        Ok(())
+    }
+}
+
+const SIGN: u32 = 1 << 31;
+
+fn divisor(b: u32) -> Result<i32, FaultKind> {
+    if b == 0 { Err(FaultKind::DivisionByZero) } else { Ok(b as i32) }
+}
+
+/// The queue that has too few words for an instruction.
+fn missing(instruction: &Instruction, queues: &Queues) -> Option<Queue> {
+    let (mut x, mut y) = (queues.x.len() - queues.x_read, queues.y.len() - queues.y_read);
+    instruction.reads().filter_map(|field| instruction.register(field).queue()).find(|&queue| {
+        let left = if is_x(queue) { &mut x } else { &mut y };
+        let enough = left.checked_sub(1);
+        *left = enough.unwrap_or(0);
+        enough.is_none()
+    })
+}
+
+impl Queues {
+    fn next_x(&mut self) -> u32 {
+        let word = self.x.get(self.x_read).copied().unwrap_or(0);
+        self.x_read += 1;
+        word
+    }
+
+    fn next_y(&mut self) -> u32 {
+        let word = self.y.get(self.y_read).copied().unwrap_or(0);
+        self.y_read += 1;
+        word
+    }
+
+    /// Makes what the cell has written what comes to its right neighbour.
+    pub fn hand_on(&mut self) {
+        std::mem::swap(&mut self.x, &mut self.x_out);
+        std::mem::swap(&mut self.y, &mut self.y_out);
+        (self.x_read, self.y_read) = (0, 0);
+        self.x_out.clear();
+        self.y_out.clear();
+    }
+}
