@@ -80,5 +80,18 @@ refusals! {
     machine_link_too_slow: "m.ron", &MACHINE.replace("80.0", "1e-13"), "--machine m.ron --scene room";
     trace_last_cell_writes_x: "a.ops", "0 host w8\n0 0 x8 w8 o5\n", "replay a.ops";
     trace_endless_line: "a.ops", &"0 ".repeat(9_000_000), "replay a.ops";
+    flag_pipeline_program_of_three_groups: "x", "", "--program pipeline --groups 3 --scene room";
+    unread_partition_of_one_group: "x", "", "--scene room --partition work";
+    unread_size_of_a_ray_file: "x", "", "--scene room --rays rays_ok.csv --size 4x4";
+    unread_resolution_of_a_builtin: "x", "", "--scene room --resolution 8";
+    unread_resolution_of_a_file: "s.obj", "v 0 0 0\n", "--scene s.obj --resolution 8";
+    unread_host_time_of_primary_rays: "x", "", "--scene room --host-hit-us 5";
+    unread_slabs_time: "p.ron", &PROGRAM.replace("slabs", "").replace("[grid, ]", "[grid]"), "--scene room --program p.ron --slabs-start 5";
+    unread_adaptive: "x", "", "image room -o i.png --adaptive";
+    unread_policy: "x", "", "image room -o i.png --timing off --policy primaries";
+    unread_fifos: "x", "", "image room -o i.png --timing off --fifo-words 4";
+    unread_stats: "x", "", "image room -o i.png --timing off --stats s.json";
+    unread_kernel_time_of_a_replay: "a.ops", "0 host w8\n0 0 x8 o5\n", "replay a.ops --grid-start 3";
+    unread_memory_of_a_replay: "a.ops", "0 host w8\n0 0 x8 o5\n", "replay a.ops --memory-words 3";
     image_of_a_ray_file: "x", "", "--scene room --rays rays_ok.csv --image i.png";
 }

@@ -45,18 +45,11 @@ pub struct RunArgs {
     pub results: ResultArgs,
     #[command(flatten)]
     pub views: ViewArgs,
-    /// Write the hits as CSV: ray, t, polygon, alpha, beta.
-    #[arg(long, value_name = "FILE", help_heading = "Results")]
-    pub hits: Option<PathBuf>,
-    /// Write what every cell did for every ray, for `pcs-sim replay`.
-    #[arg(long, value_name = "FILE", help_heading = "Results")]
-    pub ops: Option<PathBuf>,
     /// Write a picture of the primary rays' hits as PNG.
     #[arg(long, value_name = "FILE", help_heading = "Results", conflicts_with = "rays")]
     pub image: Option<PathBuf>,
-    /// Threads to use [default: all cores]. The results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
+    #[command(flatten)]
+    pub tracing: TracingArgs,
 }
 
 /// `pcs-sim image`.
@@ -80,7 +73,14 @@ pub struct ImageArgs {
     pub machine: MachineArgs,
     #[command(flatten)]
     pub results: ResultArgs,
-    /// Write the hits of all rays as CSV, in the order in which the host sends them: ray, t, polygon, alpha, beta.
+    #[command(flatten)]
+    pub tracing: TracingArgs,
+}
+
+/// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
+#[derive(Clone, Debug, Args)]
+pub struct TracingArgs {
+    /// Write the hits as CSV, in the order in which the host sends the rays: ray, t, polygon, alpha, beta.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub hits: Option<PathBuf>,
     /// Write what the host and every cell did for every ray, for `pcs-sim replay`.
@@ -114,15 +114,15 @@ pub struct HostArgs {
     /// Whether to time the array; without, there is just the image.
     #[arg(long, value_enum, default_value_t = Switch::On)]
     pub timing: Switch,
-    /// What the host sends next when it can choose.
-    #[arg(long, value_enum, default_value_t = PolicyName::Secondaries)]
-    pub policy: PolicyName,
+    /// What the host sends next when it can choose [default: secondaries].
+    #[arg(long, value_enum)]
+    pub policy: Option<PolicyName>,
     /// How many rays may be in the array at once [default: as many as it takes].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub in_flight: Option<u64>,
-    /// How many samples the host may have begun and not done.
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    pub open_samples: u32,
+    /// How many samples the host may have begun and not done [default: 1024].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub open_samples: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -199,7 +199,7 @@ pub struct SceneArgs {
     #[command(flatten)]
     pub shape: ShapeArgs,
     /// Take the rays from a CSV file (ox,oy,oz,dx,dy,dz and optionally tmax) instead of the camera.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "size")]
     pub rays: Option<PathBuf>,
 }
 

@@ -21,7 +21,7 @@ use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, RunError, 
 
 use super::args::{ImageArgs, PolicyName, Switch};
 use super::run::{array_program, kernel_names, machine_file, machine_line, memory_line, plural, scene, threads};
-use super::{Failure, outputs, print, progress};
+use super::{Failure, outputs, print, progress, unread};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
@@ -61,6 +61,7 @@ pub fn image(args: &ImageArgs) -> Result<(), Failure> {
     let machine_file = machine_file(&args.machine)?;
     let machine = machine_file.build()?;
     let program = array_program(&args.program)?;
+    unread::check_image(args, &program)?;
     let mut files = open_outputs(args)?;
     let spinner = progress::waiting("preparing the scene");
     let scene = scene(&args.scene, &args.shape)?;
@@ -91,14 +92,7 @@ fn check(args: &ImageArgs) -> Result<(), InputError> {
     if !(0.0..=1.0).contains(&share) {
         return Err(InputError::new(format!("--min-contribution is {share}, it must be from 0 to 1")));
     }
-    let timed = [("--stats", &args.results.stats), ("--hits", &args.hits), ("--ops", &args.ops)];
-    match timed.iter().find(|(_, file)| args.host.timing == Switch::Off && file.is_some()) {
-        Some((flag, _)) => {
-            let error = InputError::new(format!("{flag} tells of the array, which --timing off leaves out"));
-            Err(error.help("leave out one of the two"))
-        }
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 /// Becomes true when the user asks the command to stop.
@@ -111,7 +105,7 @@ fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
 }
 
 fn open_outputs(args: &ImageArgs) -> Result<Outputs, InputError> {
-    let (stats, hits, ops) = (args.results.stats.as_ref(), args.hits.as_ref(), args.ops.as_ref());
+    let (stats, hits, ops) = (args.results.stats.as_ref(), args.tracing.hits.as_ref(), args.tracing.ops.as_ref());
     let inputs = [Some(Path::new(&args.scene)), args.program.program.as_deref(), args.machine.machine.as_deref()];
     outputs::check_distinct(&[Some(&args.output), stats, hits, ops], &inputs)?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
@@ -119,12 +113,14 @@ fn open_outputs(args: &ImageArgs) -> Result<Outputs, InputError> {
 }
 
 fn rules(args: &ImageArgs) -> HostRules {
-    let policy = match args.host.policy {
+    let default = HostRules::default();
+    let policy = args.host.policy.map_or(default.policy, |policy| match policy {
         PolicyName::Secondaries => Policy::SecondariesFirst,
         PolicyName::Primaries => Policy::PrimariesFirst,
         PolicyName::Generation => Policy::ByGeneration,
-    };
-    HostRules { policy, in_flight: args.host.in_flight, open_samples: args.host.open_samples as usize }
+    });
+    let open_samples = args.host.open_samples.map_or(default.open_samples, |samples| samples as usize);
+    HostRules { policy, in_flight: args.host.in_flight, open_samples }
 }
 
 fn render(
@@ -147,7 +143,7 @@ fn render(
         activity::write_header(file, setup.workload.cells()).map_err(unwritable)?;
     }
     let bar = progress::samples();
-    let result = simulation::render(&picture, timing, threads(args.threads), |seen| match seen {
+    let result = simulation::render(&picture, timing, threads(args.tracing.threads), |seen| match seen {
         Seen::Samples { done, of } => {
             bar.set_length(of as u64);
             bar.set_position(done as u64);

@@ -10,6 +10,7 @@ mod replay;
 mod run;
 mod scenes;
 mod sweep;
+mod unread;
 mod views;
 
 use std::io::Write;

@@ -13,10 +13,11 @@ use pcs_sim::simulation;
 use super::args::ReplayArgs;
 use super::run::{machine_file, machine_line};
 use super::views::Views;
-use super::{Failure, outputs, print, progress};
+use super::{Failure, outputs, print, progress, unread};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
+    unread::check_replay(args)?;
     let machine = machine_file(&args.machine)?.build()?;
     let stats_file = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let views = Views::open(&args.views, args.results.force)?;

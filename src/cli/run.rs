@@ -19,7 +19,7 @@ use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
 use super::views::Views;
-use super::{Failure, outputs, print, progress};
+use super::{Failure, outputs, print, progress, unread};
 
 /// The files that a run writes.
 struct Outputs {
@@ -45,6 +45,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let machine_file = machine_file(&args.machine)?;
     let machine = machine_file.build()?;
     let program = array_program(&args.program)?;
+    unread::check_run(args, &program)?;
     let mut files = open_outputs(args)?;
     let spinner = progress::waiting("preparing the scene");
     let scene = scene(&args.scene.scene, &args.scene.shape)?;
@@ -54,7 +55,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
     notes(&setup);
-    let outcome = simulate(&setup, threads(args.threads), &mut files)?;
+    let outcome = simulate(&setup, threads(args.tracing.threads), &mut files)?;
     print(&report(&setup, &outcome))?;
     let written = write_outputs(args, &setup, &outcome, files)?;
     print(&outputs::list(&written))
@@ -94,8 +95,9 @@ pub fn machine_file(args: &MachineArgs) -> Result<MachineFile, InputError> {
 pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
     let mut program = match &args.program {
         Some(path) => named_program(path)?,
-        None => named_program(Path::new(args.mode.unwrap_or(Mode::Pipeline).program()))?,
+        None => standard_program(args.mode.unwrap_or(Mode::Pipeline).program())?,
     };
+    let is_pipeline = program == standard_program(Mode::Pipeline.program())?;
     let stages = program.stages.len();
     if let Some(cells) = args.cells {
         if cells == 0 || !cells.is_multiple_of(stages) {
@@ -106,8 +108,8 @@ pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
         program.groups = cells / stages;
     }
     program.groups = args.groups.unwrap_or(program.groups);
-    if args.program.is_none() && args.mode.unwrap_or(Mode::Pipeline) == Mode::Pipeline && program.groups != 1 {
-        let message = format!("the macro-pipeline is one group of {stages} cells, not {}", program.groups);
+    if is_pipeline && program.groups != 1 {
+        let message = format!("the macro-pipeline is one group of {stages} cells, not {} groups", program.groups);
         return Err(InputError::new(message).help("several macro-pipelines side by side are --program hybrid-3"));
     }
     program.partition = args.partition.unwrap_or(program.partition);
@@ -115,6 +117,10 @@ pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
     program.mailbox |= args.mailbox;
     program.check()?;
     Ok(program)
+}
+
+fn standard_program(name: &str) -> Result<ArrayProgram, InputError> {
+    ArrayProgram::standard(name).unwrap_or_else(|| Err(InputError::new(format!("there is no standard program {name}"))))
 }
 
 /// A program file, or a standard program where there is no such file.
@@ -128,8 +134,7 @@ fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
 /// A built-in scene or a file's.
 pub fn scene(scene: &str, args: &ShapeArgs) -> Result<Scene, InputError> {
     let path = Path::new(scene);
-    let is_name = !scene.contains(['.', '/', '\\']);
-    if is_name {
+    if is_builtin(scene) {
         return builtin::generate(scene, args.size_factor, args.resolution);
     }
     if args.size_factor.is_some() {
@@ -138,6 +143,11 @@ pub fn scene(scene: &str, args: &ShapeArgs) -> Result<Scene, InputError> {
     }
     let default = ReadOptions::default();
     pcs_sim::scene::load(path, &ReadOptions { resolution: args.resolution.unwrap_or(default.resolution) })
+}
+
+/// Whether a scene is the name of a built-in one, not that of a file.
+pub fn is_builtin(scene: &str) -> bool {
+    !scene.contains(['.', '/', '\\'])
 }
 
 /// The rays: the camera's, or a file's.
@@ -151,8 +161,8 @@ pub fn rays(args: &SceneArgs, scene: &Scene) -> Result<Vec<Ray>, InputError> {
 fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
     let named = [
         args.results.stats.as_ref(),
-        args.hits.as_ref(),
-        args.ops.as_ref(),
+        args.tracing.hits.as_ref(),
+        args.tracing.ops.as_ref(),
         args.image.as_ref(),
         args.views.page.as_ref(),
     ];
@@ -166,8 +176,8 @@ fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
     let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
     Ok(Outputs {
         stats: open(&args.results.stats)?,
-        hits: open(&args.hits)?,
-        ops: open(&args.ops)?,
+        hits: open(&args.tracing.hits)?,
+        ops: open(&args.tracing.ops)?,
         image: open(&args.image)?,
         views: Views::open(&args.views, args.results.force)?,
     })

@@ -101,7 +101,7 @@ impl Recording {
         let (scene, rays) = scene;
         let workload = Workload::new(&scene.mesh, &setting.program, setting.machine.times, rays).map_err(reason)?;
         let (mut batches, mut counts) = (Vec::new(), Counts::default());
-        let Ok(()) = simulation::trace(&workload, rays, run::threads(setting.args.threads), |batch| {
+        let Ok(()) = simulation::trace(&workload, rays, run::threads(setting.args.tracing.threads), |batch| {
             counts += batch.counts;
             batches.push(batch.ops);
             Ok::<_, Infallible>(TracedBatch::default())
