@@ -72,5 +72,5 @@ fn an_endless_loop_is_a_fault() {
     let mut processor = Processor::new(&executable, &[], &[], 10_000);
     let fault = processor.run(&mut Queues::default(), &mut OpStream::default()).unwrap_err();
     assert_eq!(fault.kind, FaultKind::CycleLimit(10_000));
-    assert_eq!(fault.source.unwrap().1, 1);
+    assert_eq!(fault.source.unwrap().line, 1);
 }

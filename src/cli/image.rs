@@ -156,7 +156,8 @@ fn render(
     });
     bar.finish_and_clear();
     result.map_err(|error| match error {
-        RunError::Stuck(stuck) => Failure::Stuck(stuck),
+        RunError::Stuck(stuck) => stuck.into(),
+        RunError::Fault(fault) => fault.into(),
         RunError::Observer(Cut::Output(error)) => unwritable(error),
         RunError::Observer(Cut::Interrupted { done, of }) => {
             let (done, of) = (grouped(done as u64), grouped(of as u64));

@@ -21,6 +21,7 @@ use clap::error::ErrorKind;
 
 use args::{Cli, Command};
 use pcs_sim::error::InputError;
+use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
 
 /// Why a command failed.
@@ -30,6 +31,8 @@ enum Failure {
     Input(Box<InputError>),
     /// The array can go no further: exit status 1.
     Stuck(Stuck),
+    /// A cell's program cannot go on: exit status 1.
+    Fault(Box<Fault>),
     /// A result could not be written: exit status 1.
     Output(String),
     /// It was told to stop: exit status 130.
@@ -39,6 +42,12 @@ enum Failure {
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Failure {
         Failure::Input(Box::new(error))
+    }
+}
+
+impl From<Fault> for Failure {
+    fn from(fault: Fault) -> Failure {
+        Failure::Fault(Box::new(fault))
     }
 }
 
@@ -80,6 +89,10 @@ fn report(failure: &Failure) -> ExitCode {
         }
         Failure::Stuck(stuck) => {
             eprint!("{}", diagnostics::draw_stuck(stuck));
+            ExitCode::from(1)
+        }
+        Failure::Fault(fault) => {
+            eprintln!("{}", diagnostics::draw_fault(fault));
             ExitCode::from(1)
         }
         Failure::Output(message) => {

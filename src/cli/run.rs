@@ -204,7 +204,8 @@ fn simulate(setup: &Setup, threads: usize, files: &mut Outputs) -> Result<Outcom
     });
     bar.finish_and_clear();
     outcome.map_err(|error| match error {
-        RunError::Stuck(stuck) => Failure::Stuck(stuck),
+        RunError::Stuck(stuck) => stuck.into(),
+        RunError::Fault(fault) => fault.into(),
         RunError::Observer(error) => failed(error),
     })
 }

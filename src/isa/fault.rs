@@ -18,8 +18,19 @@ pub struct Fault {
     pub message: u64,
     /// The address of the instruction.
     pub address: u32,
-    /// The file, line (from 1) and text of the instruction, if the program has a source.
-    pub source: Option<(PathBuf, u32, String)>,
+    /// The instruction's line of source, if the program has one.
+    pub source: Option<FaultLine>,
+}
+
+/// A line of source text, by itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FaultLine {
+    /// The file.
+    pub path: PathBuf,
+    /// The line's number, from 1.
+    pub line: u32,
+    /// What it says.
+    pub text: String,
 }
 
 /// What is wrong.
@@ -56,6 +67,15 @@ pub enum FaultKind {
     Starved(Queue),
     /// The message is done, and words of it have not been read.
     Unread(Queue, usize),
+    /// What the last cell wrote on Y for the message is no answer: so many words, instead of so many.
+    AnswerLength {
+        /// Words that it wrote.
+        words: usize,
+        /// Words of an answer.
+        expected: usize,
+    },
+    /// The answer names a polygon that there is not.
+    AnswerPolygon(u32),
     /// The cell has stopped for good, and there are more messages.
     Halted,
 }
@@ -66,7 +86,7 @@ impl Fault {
         let place = program.lines.get(address as usize).copied();
         let source = place.map(|place| {
             let path = program.files.get(place.file as usize).map(|file| file.path.clone()).unwrap_or_default();
-            (path, place.line, program.text_of(place).trim().to_owned())
+            FaultLine { path, line: place.line, text: program.text_of(place).trim().to_owned() }
         });
         Fault { kind, cell: 0, message: 0, address, source }
     }
@@ -93,6 +113,10 @@ impl fmt::Display for FaultKind {
             FaultKind::Unread(queue, words) => {
                 write!(f, "the message is done, but {words} words from {} are unread", channel(*queue))
             }
+            FaultKind::AnswerLength { words, expected } => {
+                write!(f, "the last cell wrote {words} words on Y for the message, an answer has {expected}")
+            }
+            FaultKind::AnswerPolygon(polygon) => write!(f, "the answer names polygon {polygon}, which there is not"),
             FaultKind::Halted => f.write_str("the cell has halted, but there are more messages"),
         }
     }
@@ -108,7 +132,7 @@ fn channel(queue: Queue) -> &'static str {
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "cell {}, ray {}, address {}", self.cell, self.message, self.address)?;
-        if let Some((path, line, _)) = &self.source {
+        if let Some(FaultLine { path, line, .. }) = &self.source {
             write!(f, " ({}:{line})", path.display())?;
         }
         write!(f, ": {}", self.kind)

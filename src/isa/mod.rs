@@ -31,7 +31,7 @@ pub use assembler::{Sources, assemble};
 pub use cycles::InstructionCycles;
 pub use encoding::{Instruction, InvalidInstruction};
 pub use executable::Executable;
-pub use fault::{Fault, FaultKind};
+pub use fault::{Fault, FaultKind, FaultLine};
 pub use processor::{Processor, Queues, Stop};
 pub use program::{Program, SourceFile, SourceLine};
 pub use register::{Queue, Register};

@@ -48,7 +48,8 @@ pub struct Processor<'a> {
     changed: Vec<u32>,
     registers: [u32; 64],
     address: u32,
-    halted: bool,
+    /// It has executed the `done` or `halt` at its address.
+    ended: bool,
     /// Cycles computed for the message, and how many of them have been put down as ops.
     cycles: u64,
     noted: u64,
@@ -75,7 +76,7 @@ impl<'a> Processor<'a> {
             changed: Vec::new(),
             registers: [0; 64],
             address: 0,
-            halted: false,
+            ended: false,
             cycles: 0,
             noted: 0,
             work: Work::Other,
@@ -90,7 +91,7 @@ impl<'a> Processor<'a> {
         if register.queue().is_some() { 0 } else { self.registers[register.number() as usize] }
     }
 
-    /// The address of the instruction that comes next.
+    /// The address of the instruction that comes next, or of the `done` or `halt` that it stands at.
     pub fn address(&self) -> u32 {
         self.address
     }
@@ -105,7 +106,12 @@ impl<'a> Processor<'a> {
         self.executed
     }
 
-    /// How often each event of [`Executable::counters`] has happened since the cell was made.
+    /// How often an event has happened since it was asked for last, by its place in [`Executable::counters`].
+    pub fn take_count(&mut self, counter: usize) -> u64 {
+        self.counts.get_mut(counter).map_or(0, std::mem::take)
+    }
+
+    /// How often each event of [`Executable::counters`] has happened since they were taken.
     pub fn counts(&self) -> &[u64] {
         &self.counts
     }
@@ -151,8 +157,8 @@ impl<'a> Processor<'a> {
             Ok(instruction) => instruction,
             Err(why) => return Err(FaultKind::Invalid(self.executable.program.code[address as usize], why)),
         };
-        if self.halted {
-            return Ok(Some(Stop::Halted));
+        if self.ended {
+            return Ok(self.go_on(instruction.opcode));
         }
         if let Some(queue) = missing(&instruction, queues) {
             self.note(ops);
@@ -166,15 +172,10 @@ impl<'a> Processor<'a> {
         }
         self.charge(step, ops);
         match instruction.opcode {
-            Opcode::Done => {
+            Opcode::Done | Opcode::Halt => {
                 self.note(ops);
-                self.start_again();
-                return Ok(Some(Stop::Done));
-            }
-            Opcode::Halt => {
-                self.note(ops);
-                self.halted = true;
-                return Ok(Some(Stop::Halted));
+                self.ended = true;
+                return Ok(Some(if instruction.opcode == Opcode::Done { Stop::Done } else { Stop::Halted }));
             }
             _ => self.address = self.execute(step)?,
         }
@@ -238,17 +239,23 @@ impl<'a> Processor<'a> {
         }
     }
 
-    /// The state in which every message finds the cell.
-    fn start_again(&mut self) {
+    /// Behind `done`, puts the cell into the state in which every message finds it.
+    fn go_on(&mut self, opcode: Opcode) -> Option<Stop> {
+        if opcode == Opcode::Halt {
+            return Some(Stop::Halted);
+        }
+        self.ended = false;
         self.registers = [0; 64];
         self.address = 0;
         (self.cycles, self.noted) = (0, 0);
         for address in self.changed.drain(..) {
             self.data[address as usize] = self.loaded[address as usize];
         }
+        None
     }
 
-    fn fault(&self, kind: FaultKind) -> Fault {
+    /// A fault of the instruction that the cell is at.
+    pub fn fault(&self, kind: FaultKind) -> Fault {
         Fault::new(kind, self.address, &self.executable.program)
     }
 
@@ -375,6 +382,21 @@ impl Queues {
         let word = self.y.get(self.y_read).copied().unwrap_or(0);
         self.y_read += 1;
         word
+    }
+
+    /// Empties all queues, and lets these words come on X.
+    pub fn restart(&mut self, x: &[u32]) {
+        for words in [&mut self.x, &mut self.y, &mut self.x_out, &mut self.y_out] {
+            words.clear();
+        }
+        (self.x_read, self.y_read) = (0, 0);
+        self.x.extend_from_slice(x);
+    }
+
+    /// A queue with words that have not been read, and how many.
+    pub fn unread(&self) -> Option<(Queue, usize)> {
+        let (x, y) = (self.x.len() - self.x_read, self.y.len() - self.y_read);
+        if x > 0 { Some((Queue::X, x)) } else { (y > 0).then_some((Queue::Y, y)) }
     }
 
     /// Makes what the cell has written what comes to its right neighbour.

@@ -32,6 +32,7 @@ impl Workload {
             times,
             mailbox: program.mailbox,
             kernels: program.stages.clone(),
+            programs: None,
         };
         let boxes = workload.cut(program, rays)?;
         workload.groups = workload.fill_groups(&boxes, program.grid_coefficient)?;

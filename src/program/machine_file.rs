@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::kernel::{HostTimes, KernelTimes, Times};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
+use crate::isa::{Class, InstructionCycles};
 use crate::machine::{Cycles, MachineSpec, RateCounts, Words};
 
 /// A machine as a file describes it, in the units that people use.
@@ -36,6 +37,9 @@ pub struct MachineFile {
     pub host_hit_us: f64,
     /// Figure 7.
     pub times_us: TimesUs,
+    /// What instructions cost, for cells that run programs; `None` for a machine that is only told Figure 7.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instruction_cycles: Option<InstructionCycles>,
 }
 
 /// Figure 7, in µs.
@@ -63,6 +67,8 @@ pub struct Machine {
     pub spec: MachineSpec,
     /// What the kernels cost.
     pub times: KernelTimes,
+    /// What instructions cost, if the machine file says.
+    pub instructions: Option<InstructionCycles>,
     /// What had to be rounded, one sentence each.
     pub notes: Vec<String>,
 }
@@ -119,7 +125,7 @@ impl MachineFile {
             return Err(impossible("link_mb_s", self.link_mb_s, "at least a word in a million cycles"));
         }
         let times = self.times(&spec, &mut notes)?;
-        Ok(Machine { spec, times, notes })
+        Ok(Machine { spec, times, instructions: self.instruction_cycles, notes })
     }
 
     fn check(&self) -> Result<(), Fault> {
@@ -133,6 +139,11 @@ impl MachineFile {
         };
         positive("clock_ns", self.clock_ns, 1e9)?;
         positive("link_mb_s", self.link_mb_s, 1e9)?;
+        for class in Class::ALL {
+            if let Some(cycles) = self.instruction_cycles {
+                within(class.name(), cycles.of(class) as u64, InstructionCycles::MOST as u64)?;
+            }
+        }
         within("word_bytes", self.word_bytes as u64, 1024)?;
         within("fifo_words", self.fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
         within("latency_cycles", self.latency_cycles, 1_000_000)?;

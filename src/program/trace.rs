@@ -6,8 +6,10 @@ use bitvec::vec::BitVec;
 
 use crate::geometry::partition::Weight;
 use crate::geometry::{Hit, Ray, RaySlabs};
+use crate::isa::Fault;
 use crate::machine::{Cycles, OpBatch, OpKind, OpStream, Work};
 
+use super::cells::ProgramTracer;
 use super::kernel::Times;
 use super::workload::{Group, Workload};
 
@@ -51,8 +53,12 @@ pub(super) struct WorkSample {
 pub struct Tracer<'a> {
     workload: &'a Workload,
     mailbox: Mailbox,
+    /// The cells at work, if they run programs.
+    programs: Option<ProgramTracer<'a>>,
     /// What has been counted so far.
     pub counts: Counts,
+    /// The first fault of a cell's program; rays that a fault ends hit nothing.
+    pub fault: Option<Fault>,
 }
 
 /// The polygons that a ray has already been tested against.
@@ -67,7 +73,8 @@ impl<'a> Tracer<'a> {
     pub fn new(workload: &'a Workload) -> Tracer<'a> {
         let polygons = if workload.mailbox { workload.polygons.len() } else { 0 };
         let mailbox = Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() };
-        Tracer { workload, mailbox, counts: Counts::default() }
+        let programs = workload.programs.as_ref().map(|cells| ProgramTracer::new(cells, workload.polygons.len()));
+        Tracer { workload, mailbox, programs, counts: Counts::default(), fault: None }
     }
 
     /// Traces ray number `id`: adds a line to the host's and to every cell's ops, and returns the first hit.
@@ -78,6 +85,20 @@ impl<'a> Tracer<'a> {
 
     /// The same without the host's line, for who decides himself when the ray is sent.
     pub fn trace_cells(&mut self, id: u32, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+        let hit = match &mut self.programs {
+            Some(programs) => programs.trace(id, ray, cells, &mut self.counts).unwrap_or_else(|fault| {
+                self.fault.get_or_insert(fault);
+                Hit::MISS
+            }),
+            None => self.visit_groups(ray, cells),
+        };
+        cells.iter_mut().for_each(|cell| cell.end_line(id));
+        self.counts.hits += hit.is_hit() as u64;
+        hit
+    }
+
+    /// The same where the cells take Figure 7's times.
+    fn visit_groups(&mut self, ray: &Ray, cells: &mut [OpStream]) -> Hit {
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
         let stages = self.workload.stages.count();
@@ -97,8 +118,6 @@ impl<'a> Tracer<'a> {
             nearest = nearest.nearer(visit.hit);
             self.mailbox.clear();
         }
-        cells.iter_mut().for_each(|cell| cell.end_line(id));
-        self.counts.hits += nearest.is_hit() as u64;
         nearest
     }
 

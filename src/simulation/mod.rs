@@ -10,6 +10,7 @@ pub use render::{KindLatencies, Picture, Rendered, Seen, Timing, render};
 pub use trees::{ByKind, KindCounts};
 
 use crate::geometry::{Hit, Ray};
+use crate::isa::Fault;
 use crate::machine::{Array, Cycles, MachineSpec, OpBatch, Profile, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
 
@@ -35,6 +36,8 @@ pub struct TracedBatch {
     pub hits: Vec<Hit>,
     /// What was counted on them.
     pub counts: Counts,
+    /// The first fault of a cell's program on them.
+    pub fault: Option<Fault>,
 }
 
 /// Why a run failed.
@@ -43,6 +46,9 @@ pub enum RunError<E> {
     /// The array can go no further.
     #[error(transparent)]
     Stuck(#[from] Stuck),
+    /// A cell's program cannot go on.
+    #[error(transparent)]
+    Fault(#[from] Fault),
     /// `observe` failed.
     #[error("{0}")]
     Observer(E),
@@ -72,6 +78,7 @@ pub fn run_in<E>(
     let mut counts = Counts::default();
     let mut hits = Vec::with_capacity(rays.len());
     trace(workload, rays, threads, |mut batch| {
+        batch.fault.take().map_or(Ok(()), Err)?;
         observe(&batch).map_err(RunError::Observer)?;
         counts += batch.counts;
         hits.append(&mut batch.hits);
@@ -138,6 +145,7 @@ pub fn trace<E>(
             batch.hits.push(tracer.trace(id, ray, &mut batch.ops));
         }
         batch.counts = std::mem::take(&mut tracer.counts);
+        batch.fault = tracer.fault.take();
         batch
     };
     ahead::in_order(rays.len().div_ceil(per_batch), threads, || Tracer::new(workload), make, take)
