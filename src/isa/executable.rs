@@ -101,13 +101,18 @@ impl Step {
             slots[0] = RESULT_SLOT;
         }
         let targets = matches!(entry.format, Format::Branch | Format::Jump | Format::Call);
-        let moves_only = instruction.opcode == Opcode::Mov && queues;
+        let free = match instruction.opcode {
+            Opcode::Mov => queues,
+            // The sequencer is back at the first instruction when the last one ends.
+            Opcode::Done | Opcode::Halt => true,
+            _ => false,
+        };
         Step {
             opcode: instruction.opcode,
             slots,
             work: Work::Other,
             special: queues || matches!(instruction.opcode, Opcode::Done | Opcode::Halt),
-            cycles: if moves_only { 0 } else { cycles.of(entry.class).min(InstructionCycles::MOST) as u16 },
+            cycles: if free { 0 } else { cycles.of(entry.class).min(InstructionCycles::MOST) as u16 },
             constant: if targets { instruction.constant.wrapping_add(address as i32) } else { instruction.constant },
         }
     }

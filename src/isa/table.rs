@@ -224,8 +224,8 @@ instructions! {
     Jmp  0x60 "jmp"  Jump           Branch        "goes on at to";
     Call 0x61 "call" Call           Branch        "d = the address of the next instruction; goes on at to";
     Jr   0x62 "jr"   One            Branch        "goes on at address a";
-    Done 0x68 "done" Bare           Branch        "ends the message: the program starts again with the next, all registers 0 and the data memory as loaded";
-    Halt 0x69 "halt" Bare           Branch        "stops the cell for good";
+    Done 0x68 "done" Bare           Branch        "ends the message: the program starts again with the next, all registers 0 and the data memory as loaded; it takes no cycles";
+    Halt 0x69 "halt" Bare           Branch        "stops the cell for good; it takes no cycles";
 }
 
 impl Opcode {

@@ -2,7 +2,7 @@
 
 use crate::geometry::{Hit, Ray};
 use crate::isa::{Fault, FaultKind, Processor, Queues, Stop};
-use crate::machine::OpStream;
+use crate::machine::{OpKind, OpStream};
 use crate::program::trace::Counts;
 
 use super::CellPrograms;
@@ -80,6 +80,9 @@ impl<'a> ProgramTracer<'a> {
         }
         if let Some((queue, words)) = self.queues.unread() {
             return Err(cell.fault(FaultKind::Unread(queue, words)));
+        }
+        if matches!(ops.ops().last().map(|op| op.kind()), Some(OpKind::Compute(_))) {
+            return Err(cell.fault(FaultKind::LateWork));
         }
         for (counter, event) in self.events[index].iter().enumerate() {
             let count = cell.take_count(counter);
