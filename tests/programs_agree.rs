@@ -43,3 +43,15 @@ fn on_full_built_in_scenes() {
         }
     }
 }
+
+#[test]
+fn fit() {
+    use pcs_sim::program::cells::{calibrate, figure7};
+    let cycles = calibrate::calibrate(&machine().spec, None).unwrap();
+    eprintln!("{cycles:?}");
+    let options = CellOptions { cycles, ..options() };
+    for (number, got) in figure7::NUMBERS.iter().zip(figure7::measure(machine().times, Some(&options)).unwrap()) {
+        eprintln!("{} {} {}", number.name, number.paper_us * 20.0, got);
+    }
+    eprintln!("{:?}", figure7::measure(machine().times, None).unwrap());
+}

@@ -3,6 +3,8 @@
 //! The programs are those of `pcs-programs/cells`, one for each set of kernels that a cell can have. They find hits by the
 //! same 32-bit operations in the same order as [`crate::geometry`], so they find the same bits.
 
+pub mod calibrate;
+pub mod figure7;
 mod loader;
 mod standard;
 mod trace;
