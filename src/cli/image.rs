@@ -21,7 +21,7 @@ use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, RunError, 
 
 use super::args::{ImageArgs, PolicyName, Switch};
 use super::run::{array_program, kernel_names, machine_file, machine_line, memory_line, plural, scene, threads};
-use super::{Failure, outputs, print, progress, unread};
+use super::{Failure, outputs, print, progress, run, unread};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
@@ -66,7 +66,7 @@ pub fn image(args: &ImageArgs) -> Result<(), Failure> {
     let spinner = progress::waiting("preparing the scene");
     let scene = scene(&args.scene, &args.shape)?;
     let rays = camera::primary_rays(&scene.camera, args.shape.size);
-    let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
+    let workload = run::workload(&args.cells, &scene, &program, &machine, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, workload };

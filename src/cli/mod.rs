@@ -1,8 +1,10 @@
 //! The command line: one file a command; each parses, calls the library, prints.
 
 mod args;
+mod calibrate;
 mod compare;
 mod diagnostics;
+mod figure7;
 mod image;
 mod outputs;
 mod progress;
@@ -73,6 +75,8 @@ pub fn main() -> ExitCode {
         Some(Command::Replay(args)) => replay::replay(args),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Compare(args)) => compare::compare(args),
+        Some(Command::Figure7(args)) => figure7::figure7(args),
+        Some(Command::Calibrate(args)) => calibrate::calibrate(args),
         Some(Command::Scenes) => scenes::scenes(),
     };
     match result {

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::{camera, image, ray_file};
+use pcs_sim::isa::Processor;
 use pcs_sim::machine::{Array, MachineSpec};
+use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
 use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::page::Page;
@@ -17,7 +19,7 @@ use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
-use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
+use super::args::{CellArgs, CellsRun, MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
 use super::views::Views;
 use super::{Failure, outputs, print, progress, unread};
 
@@ -50,7 +52,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let spinner = progress::waiting("preparing the scene");
     let scene = scene(&args.scene.scene, &args.scene.shape)?;
     let rays = rays(&args.scene, &scene)?;
-    let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
+    let workload = workload(&args.cells, &scene, &program, &machine, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
@@ -129,6 +131,31 @@ fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
         Some(standard) => standard,
         None => ArrayProgram::read(path),
     }
+}
+
+/// The scene laid out for the array, with the cells' programs if they run any.
+pub fn workload(
+    args: &CellArgs,
+    scene: &Scene,
+    program: &ArrayProgram,
+    machine: &Machine,
+    rays: &[Ray],
+) -> Result<Workload, InputError> {
+    let workload = Workload::new(&scene.mesh, program, machine.times, rays)?;
+    match args.cells_run {
+        Some(CellsRun::Programs) => workload.with_programs(&cell_options(args, machine)?),
+        Some(CellsRun::Timings) | None => Ok(workload),
+    }
+}
+
+/// How the cells run programs.
+fn cell_options(args: &CellArgs, machine: &Machine) -> Result<CellOptions, InputError> {
+    let cycles = machine.instructions.ok_or_else(|| {
+        let error = InputError::new("the machine file does not say what instructions cost: instruction_cycles is missing");
+        error.help("`pcs-sim calibrate --machine FILE` adds it")
+    })?;
+    let cycle_limit = args.cycle_limit.unwrap_or(Processor::CYCLE_LIMIT);
+    Ok(CellOptions { cycles, folder: args.cell_programs.clone(), cycle_limit })
 }
 
 /// A built-in scene or a file's.

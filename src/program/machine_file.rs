@@ -80,9 +80,12 @@ const LONGEST_WORD_CYCLES: f64 = 1e6;
 const LONGEST_TIME_CYCLES: u64 = 1_000_000_000;
 
 impl MachineFile {
+    /// The text of the standard machine file.
+    pub const STANDARD_TEXT: &str = include_str!("../../pcs-programs/pcs.ron");
+
     /// PCS, as the paper and the standard machine file have it.
     pub fn standard() -> Result<MachineFile, InputError> {
-        MachineFile::parse(Path::new("pcs.ron"), include_str!("../../pcs-programs/pcs.ron"))
+        MachineFile::parse(Path::new("pcs.ron"), Self::STANDARD_TEXT)
     }
 
     /// Reads the file of a machine, which must be a possible one.
@@ -90,7 +93,8 @@ impl MachineFile {
         MachineFile::parse(path, &fields::read_text(path)?)
     }
 
-    fn parse(path: &Path, text: &str) -> Result<MachineFile, InputError> {
+    /// Reads the text of a machine file; `path` is for the errors.
+    pub fn parse(path: &Path, text: &str) -> Result<MachineFile, InputError> {
         let file: MachineFile = fields::parse(path, text)?;
         file.convert().map_err(|fault| fault.in_text(path, text))?;
         Ok(file)

@@ -41,7 +41,7 @@ macro_rules! parameters {
 
 parameters! {
     scene, size_factor, resolution, size, rays,
-    mode, program, cells, groups, partition, grid_coefficient, mailbox,
+    mode, program, cells, groups, partition, grid_coefficient, mailbox, cells_run,
     machine, clock_ns, word_bytes, fifo_words, link_mb_s, rate_counts, latency_cycles, memory_words,
     host_ray_us, host_hit_us,
     grid_start, grid_voxel, slabs_start, slabs_polygon, intersection_start, intersection_polygon,

@@ -1,6 +1,5 @@
 //! One point of a sweep, and what it shares with others.
 
-use std::convert::Infallible;
 use std::rc::Rc;
 
 use pcs_sim::error::InputError;
@@ -58,7 +57,11 @@ impl Setting {
 
     /// Whether the cells do the same ops, if not in the same time.
     pub fn does_the_same_work(&self, other: &Setting) -> bool {
-        self.scene == other.scene && self.program == other.program && self.machine.times == other.machine.times
+        let cells = |setting: &Setting| format!("{:?} {:?}", setting.args.cells, setting.machine.instructions);
+        self.scene == other.scene
+            && self.program == other.program
+            && self.machine.times == other.machine.times
+            && cells(self) == cells(other)
     }
 }
 
@@ -99,13 +102,15 @@ impl Recording {
     /// Works the ops out, on all cores.
     pub fn new(setting: &Setting, scene: &(Scene, Vec<Ray>)) -> Result<Recording, String> {
         let (scene, rays) = scene;
-        let workload = Workload::new(&scene.mesh, &setting.program, setting.machine.times, rays).map_err(reason)?;
+        let workload = run::workload(&setting.args.cells, scene, &setting.program, &setting.machine, rays).map_err(reason)?;
         let (mut batches, mut counts) = (Vec::new(), Counts::default());
-        let Ok(()) = simulation::trace(&workload, rays, run::threads(setting.args.tracing.threads), |batch| {
+        let threads = run::threads(setting.args.tracing.threads);
+        simulation::trace(&workload, rays, threads, |batch| {
+            batch.fault.map_or(Ok(()), |fault| Err(fault.to_string()))?;
             counts += batch.counts;
             batches.push(batch.ops);
-            Ok::<_, Infallible>(TracedBatch::default())
-        });
+            Ok::<_, String>(TracedBatch::default())
+        })?;
         Ok(Recording { batches, counts, workload })
     }
 

@@ -50,7 +50,7 @@ const fn bound(class: Class, least_ns: f64, typical_ns: f64, most_ns: f64, why: 
 }
 
 /// The weight of being typical, against that of the six numbers.
-const TYPICAL_WEIGHT: f64 = 1e-4;
+const TYPICAL_WEIGHT: f64 = 1e-3;
 
 /// How many instructions of each class are behind each of the six numbers.
 type Mix = [[f64; Class::ALL.len()]; NUMBERS.len()];

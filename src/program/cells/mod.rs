@@ -4,6 +4,7 @@
 //! same 32-bit operations in the same order as [`crate::geometry`], so they find the same bits.
 
 pub mod calibrate;
+mod calibrated_text;
 pub mod figure7;
 mod loader;
 mod standard;
@@ -18,6 +19,7 @@ use crate::machine::Words;
 use super::array_program::Kernel;
 use super::workload::Workload;
 
+pub use calibrated_text::machine_text;
 pub use standard::STANDARD;
 pub(super) use trace::ProgramTracer;
 
