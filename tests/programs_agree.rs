@@ -1,57 +1,190 @@
-//! Cells that run programs find the same bits as cells that take Figure 7's times, and as brute force.
+//! Cells that run programs find the same bits as cells that take Figure 7's times, and take about as long.
+//! (`modes_agree` holds them against brute force on random polygon soups.)
 
 mod support;
 
 use std::convert::Infallible;
+use std::path::Path;
 
-use pcs_sim::geometry::{Polygons, Ray, brute_force};
+use pcs_sim::geometry::{Partition, Polygons, Ray, brute_force};
+use pcs_sim::isa::FaultKind;
+use pcs_sim::machine::Work;
 use pcs_sim::program::cells::CellOptions;
+use pcs_sim::program::cells::figure7::{NUMBERS, measure, us};
 use pcs_sim::program::{ArrayProgram, Counts, Workload};
 use pcs_sim::scene::{Mesh, builtin};
-use pcs_sim::simulation;
-use support::{bits, machine, program, scene};
+use pcs_sim::simulation::{self, Outcome, RunError};
+use support::command::{Folder, run_in};
+use support::{bits, cell_options, machine, program, scene};
 
-fn options() -> CellOptions {
-    CellOptions { cycles: machine().instructions.unwrap(), folder: None, cycle_limit: 1 << 40 }
+fn run(workload: &Workload, rays: &[Ray], threads: usize) -> Outcome {
+    simulation::run(workload, &machine().spec, rays, threads, |_| Ok::<_, Infallible>(())).unwrap()
 }
 
-fn run(workload: &Workload, rays: &[Ray]) -> (Vec<[u32; 4]>, Counts, u64) {
-    let outcome = simulation::run(workload, &machine().spec, rays, 2, |_| Ok::<_, Infallible>(())).unwrap();
-    (outcome.hits.iter().map(bits).collect(), outcome.counts, outcome.stats.cycles.0)
-}
-
-/// Runs a program both ways; the hits and the counts must be the same.
-fn compare(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray], what: &str) -> Vec<[u32; 4]> {
+fn both(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> [Outcome; 2] {
     let workload = Workload::new(mesh, program, machine().times, rays).unwrap();
-    let timings = run(&workload, rays);
-    let programs = run(&workload.with_programs(&options()).unwrap(), rays);
-    assert_eq!(programs.0, timings.0, "{what}");
-    assert_eq!(programs.1, timings.1, "{what}");
-    eprintln!("{what}: {:.3}", programs.2 as f64 / timings.2 as f64);
-    programs.0
+    let timings = run(&workload, rays, 2);
+    [timings, run(&workload.with_programs(&cell_options()).unwrap(), rays, 2)]
 }
 
+fn hits_and_counts(outcome: &Outcome) -> (Vec<[u32; 4]>, Counts) {
+    (outcome.hits.iter().map(bits).collect(), outcome.counts)
+}
+
+/// All built-in scenes in every mode: the same hits as brute force finds, by the same candidates.
 #[test]
 fn on_full_built_in_scenes() {
     for builtin in builtin::all() {
-        let (scene, rays) = scene(builtin.name, builtin.default_size, 16);
+        let (scene, rays) = scene(builtin.name, builtin.default_size, 8);
         let polygons = Polygons::new(&scene.mesh);
         let expected: Vec<[u32; 4]> = rays.iter().map(|ray| bits(&brute_force(&polygons, ray))).collect();
-        for (mode, groups) in [("pipeline", 1), ("broadcast", 1), ("broadcast", 7), ("hybrid", 4), ("hybrid-3", 2)] {
+        for (mode, groups) in [("pipeline", 1), ("broadcast", 7), ("hybrid", 4), ("hybrid-3", 2)] {
             let what = format!("{}, {mode} in {groups} groups", builtin.name);
-            assert_eq!(compare(&scene.mesh, &program(mode, groups), &rays, &what), expected, "{what}");
+            let [timings, programs] = both(&scene.mesh, &program(mode, groups), &rays);
+            assert_eq!(hits_and_counts(&programs).0, expected, "{what}");
+            assert_eq!(hits_and_counts(&programs), hits_and_counts(&timings), "{what}");
         }
     }
 }
 
+/// Small scenes with every split of the kernels over cells, with and without slabs and mailbox.
 #[test]
-fn fit() {
-    use pcs_sim::program::cells::{calibrate, figure7};
-    let cycles = calibrate::calibrate(&machine().spec, None).unwrap();
-    eprintln!("{cycles:?}");
-    let options = CellOptions { cycles, ..options() };
-    for (number, got) in figure7::NUMBERS.iter().zip(figure7::measure(machine().times, Some(&options)).unwrap()) {
-        eprintln!("{} {} {}", number.name, number.paper_us * 20.0, got);
+fn in_every_split() {
+    use pcs_sim::program::Kernel::{Grid, Intersection, Slabs};
+    let splits: [Vec<Vec<_>>; 6] = [
+        vec![vec![Grid, Slabs, Intersection]],
+        vec![vec![Grid], vec![Slabs], vec![Intersection]],
+        vec![vec![Grid, Slabs], vec![Intersection]],
+        vec![vec![Grid], vec![Slabs, Intersection]],
+        vec![vec![Grid, Intersection]],
+        vec![vec![Grid], vec![Intersection]],
+    ];
+    for (name, size) in [("tetra", 3), ("gears", 1), ("room", 1), ("teapot", 4)] {
+        let (scene, rays) = scene(name, size, 24);
+        for stages in &splits {
+            for (groups, mailbox, partition) in [(1, false, Partition::Regular), (3, true, Partition::Work)] {
+                let program = ArrayProgram { stages: stages.clone(), mailbox, partition, ..program("hybrid-3", groups) };
+                let [timings, programs] = both(&scene.mesh, &program, &rays);
+                let what = format!("{name}, {stages:?} in {groups} groups");
+                assert_eq!(hits_and_counts(&programs), hits_and_counts(&timings), "{what}");
+            }
+        }
     }
-    eprintln!("{:?}", figure7::measure(machine().times, None).unwrap());
+}
+
+/// What a run gives does not depend on how its rays are dealt out to threads.
+#[test]
+fn on_any_number_of_threads() {
+    let (scene, rays) = scene("teapot", 4, 40);
+    for (mode, groups) in [("pipeline", 1), ("broadcast", 5)] {
+        let program = ArrayProgram { mailbox: true, ..program(mode, groups) };
+        let workload = Workload::new(&scene.mesh, &program, machine().times, &rays).unwrap();
+        let workload = workload.with_programs(&cell_options()).unwrap();
+        assert_eq!(run(&workload, &rays, 1), run(&workload, &rays, 3));
+    }
+}
+
+/// Total cycles within 15 % of those of Figure 7's times, on every built-in scene.
+#[test]
+fn in_about_the_same_time() {
+    for builtin in builtin::all() {
+        let (scene, rays) = scene(builtin.name, builtin.default_size, 32);
+        for (mode, groups) in [("pipeline", 1), ("broadcast", 8), ("hybrid", 4)] {
+            let [timings, programs] = both(&scene.mesh, &program(mode, groups), &rays);
+            let ratio = programs.stats.cycles.0 as f64 / timings.stats.cycles.0 as f64;
+            assert!((ratio - 1.0).abs() < 0.15, "{}, {mode}: {ratio:.3} times the cycles", builtin.name);
+            // Every kernel is at work in both, and moving takes just as long: the words are the same.
+            let totals = |outcome: &Outcome, work| outcome.stats.cells.iter().map(|cell| cell.busy.of(work).0).sum::<u64>();
+            for work in [Work::Grid, Work::Slabs, Work::Intersection] {
+                assert!(totals(&programs, work) > 0 && totals(&timings, work) > 0, "{}, {mode}", builtin.name);
+            }
+            let moving = |outcome: &Outcome| outcome.stats.cells.iter().map(|cell| cell.moving.0).collect::<Vec<_>>();
+            assert_eq!(moving(&programs), moving(&timings), "{}, {mode}", builtin.name);
+        }
+    }
+}
+
+/// Each of Figure 7's numbers within 5 % by programs, and exact by timings.
+#[test]
+fn figure_7_comes_out() {
+    let machine = machine();
+    let timings = measure(machine.times, None).unwrap();
+    let programs = measure(machine.times, Some(&cell_options())).unwrap();
+    for (number, (timings, programs)) in NUMBERS.iter().zip(timings.into_iter().zip(programs)) {
+        let [timings, programs] = [timings, programs].map(|cycles| us(cycles, &machine.spec));
+        assert!((timings - number.paper_us).abs() < 1e-9, "{}: {timings} µs", number.name);
+        assert!((programs / number.paper_us - 1.0).abs() < 0.05, "{}: {programs} µs", number.name);
+    }
+}
+
+#[test]
+fn figure_7_as_people_read_it() {
+    insta::assert_snapshot!(run_in(Path::new("."), "figure7").success());
+}
+
+/// The machine files are what `calibrate` makes of them.
+#[test]
+fn machine_files_are_calibrated() {
+    for name in ["pcs.ron", "pcs-sun3.ron"] {
+        let path = format!("pcs-programs/{name}");
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(run_in(Path::new("."), &format!("calibrate --machine {path}")).success(), text, "{name}");
+    }
+}
+
+/// A folder of programs in place of the standard ones.
+fn folder_with(name: &str, text: &str) -> Folder {
+    let folder = Folder::new();
+    for inside in ["", "kernels"] {
+        let from = Path::new("pcs-programs/cells").join(inside);
+        std::fs::create_dir_all(folder.path("cells").join(inside)).unwrap();
+        for path in std::fs::read_dir(from).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_file()) {
+            std::fs::copy(&path, folder.path("cells").join(inside).join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    std::fs::write(folder.path("cells").join(name), text).unwrap();
+    folder
+}
+
+/// The fault of a pipeline whose slabs cell runs this.
+fn fault_of(text: &str) -> FaultKind {
+    let folder = folder_with("slabs.pcs", text);
+    let (scene, rays) = scene("tetra", 3, 12);
+    let options = CellOptions { folder: Some(folder.path("cells")), cycle_limit: 1_000_000, ..cell_options() };
+    let workload = Workload::new(&scene.mesh, &program("pipeline", 1), machine().times, &rays).unwrap();
+    let workload = workload.with_programs(&options).unwrap();
+    match simulation::run(&workload, &machine().spec, &rays, 2, |_| Ok::<_, Infallible>(())) {
+        Err(RunError::Fault(fault)) => {
+            assert_eq!((fault.cell, fault.message), (1, 0));
+            fault.kind
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn programs_that_go_wrong_end_in_a_fault() {
+    let ray = ".include \"kernels/registers.pcs\"\n.include \"kernels/ray.pcs\"\n";
+    assert!(matches!(fault_of("mov r1, y\n mov r2, y\n done"), FaultKind::Unread(..)));
+    assert!(matches!(fault_of(&format!("{ray} next: mov r1, y\n jmp next")), FaultKind::Starved(_)));
+    assert!(matches!(fault_of(&format!("{ray} next: jmp next")), FaultKind::CycleLimit(1_000_000)));
+    assert!(matches!(fault_of(&format!("{ray} next: mov y, r0\n jmp next")), FaultKind::CycleLimit(1_000_000)));
+    assert!(matches!(fault_of(&format!("{ray} div r1, r1, r0")), FaultKind::DivisionByZero));
+    assert!(matches!(fault_of(&format!("{ray} li r1, -5\n lw r1, [r1]")), FaultKind::Load { .. }));
+    assert!(matches!(fault_of(&format!("{ray} li r1, 1000\n sw r1, [r1]")), FaultKind::Store { .. }));
+    assert!(matches!(fault_of(&format!("{ray} halt")), FaultKind::Halted));
+    assert!(matches!(fault_of(ray), FaultKind::OutsideProgram { .. }));
+}
+
+/// The command ends with status 1 on a fault, and with 2 on a mistake in a program; both show the line.
+#[test]
+fn faults_and_mistakes_as_people_read_them() {
+    let command = |text: &str| {
+        let arguments = "--scene tetra --size-factor 3 --size 8x8 --cells-run programs --cell-programs cells";
+        folder_with("slabs.pcs", text).run(arguments)
+    };
+    let fault = command("start:  mov r1, xp\n        div r2, r1, r0 ; by 0\n        jmp start");
+    assert_eq!(fault.status, 1);
+    insta::assert_snapshot!("fault", fault.stderr);
+    insta::assert_snapshot!("mistake", command("start:  mov r1, xp\n        fmull r2, r1, r1").refused());
 }
