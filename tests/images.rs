@@ -88,6 +88,7 @@ fn judged(scene: &Scene, width: u32, side: u32) {
 fn equal_an_independent_tracer_in_double_precision() {
     judged(&glass(), 120, 1);
     judged(&glass(), 60, 2);
+    judged(&pcs_sim::scene::load(Path::new("tests/data/painted.ron"), &ReadOptions::default()).unwrap(), 100, 1);
     judged(&builtin::generate("room", None, None).unwrap(), 160, 1);
     judged(&builtin::generate("balls", Some(1), Some(12)).unwrap(), 80, 1);
     judged(&builtin::generate("teapot", Some(3), None).unwrap(), 80, 1);
@@ -123,8 +124,9 @@ fn timing_in_a_closed_loop_is_what_ticking_its_ops_gives() {
     for (program, groups) in [("pipeline", 1), ("broadcast", 3), ("hybrid", 2)] {
         for times in [support::machine().times, slow_host()] {
             let workload = workload(&scene, program, groups, times);
-            let picture = picture(&scene, &workload, 6, plain(1));
-            for policy in POLICIES {
+            let refined = (Policy::ByGeneration, Sampling { side: 2, adaptive: true });
+            for (policy, sampling) in POLICIES.map(|policy| (policy, plain(1))).into_iter().chain([refined]) {
+                let picture = picture(&scene, &workload, 6, sampling);
                 for (in_flight, open_samples) in [(None, 1024), (Some(2), 3)] {
                     let rules = HostRules { policy, in_flight, open_samples };
                     let (rendered, batches) = timed(&picture, &narrow, rules);
@@ -152,6 +154,27 @@ fn a_ray_is_sent_after_its_parents_hit_and_never_more_than_may_be_in_flight() {
     assert!(x0.max.0 <= 8, "{x0:?}");
     let (free, _) = timed(&picture, &MachineSpec::default(), HostRules::default());
     assert!(timing(free).stats.cycles < alone.cycles);
+}
+
+/// The row below a pixel has come back when its refined samples are sent, but the array does not run empty between the
+/// two passes.
+#[test]
+fn refined_samples_wait_for_what_asks_for_them_and_for_no_more() {
+    let scene = glass();
+    let workload = workload(&scene, "pipeline", 1, support::machine().times);
+    let picture = picture(&scene, &workload, 40, Sampling { side: 2, adaptive: true });
+    let pixels = picture.size.pixels();
+    for (policy, open_samples) in [(Policy::SecondariesFirst, 64), (Policy::PrimariesFirst, 10_000)] {
+        let rules = HostRules { policy, open_samples, ..HostRules::default() };
+        let (rendered, batches) = timed(&picture, &MachineSpec::default(), rules);
+        let waits = |batch: &&OpBatch| batch.host.ops().iter().any(|op| op.kind() == OpKind::Await);
+        assert!(batches.iter().filter(waits).count() >= batches.len() - pixels, "only a first pass waits for nothing");
+        if policy == Policy::PrimariesFirst {
+            assert_eq!(batches[..pixels].iter().filter(waits).count(), 0, "all of them may be sent at once");
+        }
+        let cell = timing(rendered).stats.cells[0];
+        assert_eq!(cell.waiting_x, Cycles(1), "from the second cycle on the first cell has rays to read");
+    }
 }
 
 #[test]
@@ -296,25 +319,4 @@ fn the_command_writes_the_same_picture_with_and_without_timing() {
     folder.run("image room -o a.jpg").refused();
     folder.run("image room -o d.png --timing off --ops a.ops").refused();
     folder.run("image room -o d.png --in-flight 0").refused();
-}
-
-#[cfg(unix)]
-#[test]
-fn stopping_leaves_no_file_and_says_how_far_it_came() {
-    use std::process::{Command, Stdio};
-    let folder = Folder::new();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pcs-sim"));
-    command.args("image teapot --size 2000x2000 --samples 8 -o i.png --ops a.ops --stats s.json".split(' '));
-    let child = command.current_dir(folder.path("")).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // The result files are opened once the command listens for signals; it is at work when the ops grow.
-    let grows = || folder.names().iter().any(|name| folder.path(name).metadata().is_ok_and(|file| file.len() > 0));
-    while !grows() {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130));
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(told.starts_with("stopped: after ") && told.contains("of 256 000 000 samples"), "{told}");
-    assert_eq!(folder.names(), Vec::<String>::new());
 }

@@ -63,7 +63,8 @@ fn in_every_split() {
         let (scene, rays) = scene(name, size, 24);
         for stages in &splits {
             for (groups, mailbox, partition) in [(1, false, Partition::Regular), (3, true, Partition::Work)] {
-                let program = ArrayProgram { stages: stages.clone(), mailbox, partition, ..program("hybrid-3", groups) };
+                let program =
+                    ArrayProgram { stages: stages.clone(), mailbox, partition, ..program("hybrid-3", groups) };
                 let [timings, programs] = both(&scene.mesh, &program, &rays);
                 let what = format!("{name}, {stages:?} in {groups} groups");
                 assert_eq!(hits_and_counts(&programs), hits_and_counts(&timings), "{what}");
@@ -94,7 +95,8 @@ fn in_about_the_same_time() {
             let ratio = programs.stats.cycles.0 as f64 / timings.stats.cycles.0 as f64;
             assert!((ratio - 1.0).abs() < 0.15, "{}, {mode}: {ratio:.3} times the cycles", builtin.name);
             // Every kernel is at work in both, and moving takes just as long: the words are the same.
-            let totals = |outcome: &Outcome, work| outcome.stats.cells.iter().map(|cell| cell.busy.of(work).0).sum::<u64>();
+            let totals =
+                |outcome: &Outcome, work| outcome.stats.cells.iter().map(|cell| cell.busy.of(work).0).sum::<u64>();
             for work in [Work::Grid, Work::Slabs, Work::Intersection] {
                 assert!(totals(&programs, work) > 0 && totals(&timings, work) > 0, "{}, {mode}", builtin.name);
             }

@@ -105,7 +105,7 @@ pub struct LightArgs {
     /// Samples along each side of a pixel: N x N primary rays.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub samples: u32,
-    /// One sample a pixel, and N x N only where a neighbour shows another object (another material).
+    /// One sample a pixel, and N x N only where a neighbour shows another object.
     #[arg(long)]
     pub adaptive: bool,
     /// How often light may be reflected or refracted on its way to the eye.

@@ -2,8 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
@@ -47,17 +45,10 @@ struct Setup {
     workload: Workload,
 }
 
-/// Why a run was cut short.
-enum Cut {
-    Interrupted { done: usize, of: usize },
-    Output(std::io::Error),
-}
-
 /// Makes the image.
 pub fn image(args: &ImageArgs) -> Result<(), Failure> {
     let format = format(args)?;
     check(args)?;
-    let stop = stop_on_signal()?;
     let machine_file = machine_file(&args.machine)?;
     let machine = machine_file.build()?;
     let program = array_program(&args.program)?;
@@ -72,7 +63,7 @@ pub fn image(args: &ImageArgs) -> Result<(), Failure> {
     let setup = Setup { scene, program, machine_file, machine, workload };
     setup.machine.notes.iter().chain(&setup.scene.notes).for_each(|note| eprintln!("note: {note}"));
     let mut found = Vec::new();
-    let rendered = render(args, &setup, &mut files, &mut found, &stop)?;
+    let rendered = render(args, &setup, &mut files, &mut found)?;
     print(&report(&setup, &rendered))?;
     let written = write_outputs(args, format, &setup, &rendered, &found, files)?;
     print(&outputs::list(&written))
@@ -95,15 +86,6 @@ fn check(args: &ImageArgs) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Becomes true when the user asks the command to stop.
-fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = stop.clone();
-    let handler = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
-    handler.map_err(|error| Failure::Output(format!("cannot listen for signals: {error}")))?;
-    Ok(stop)
-}
-
 fn open_outputs(args: &ImageArgs) -> Result<Outputs, InputError> {
     let (stats, hits, ops) = (args.results.stats.as_ref(), args.tracing.hits.as_ref(), args.tracing.ops.as_ref());
     let inputs = [Some(Path::new(&args.scene)), args.program.program.as_deref(), args.machine.machine.as_deref()];
@@ -123,13 +105,7 @@ fn rules(args: &ImageArgs) -> HostRules {
     HostRules { policy, in_flight: args.host.in_flight, open_samples }
 }
 
-fn render(
-    args: &ImageArgs,
-    setup: &Setup,
-    files: &mut Outputs,
-    found: &mut Vec<Hit>,
-    stop: &AtomicBool,
-) -> Result<Rendered, Failure> {
+fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<Hit>) -> Result<Rendered, Failure> {
     let picture = Picture {
         scene: &setup.scene,
         workload: &setup.workload,
@@ -147,22 +123,18 @@ fn render(
         Seen::Samples { done, of } => {
             bar.set_length(of as u64);
             bar.set_position(done as u64);
-            if stop.load(Ordering::Relaxed) { Err(Cut::Interrupted { done, of }) } else { Ok(()) }
+            Ok(())
         }
         Seen::Sent(ops, hit) => {
             found.extend(files.hits.is_some().then_some(*hit));
-            files.ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, ops)).map_err(Cut::Output)
+            files.ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, ops))
         }
     });
     bar.finish_and_clear();
     result.map_err(|error| match error {
         RunError::Stuck(stuck) => stuck.into(),
         RunError::Fault(fault) => fault.into(),
-        RunError::Observer(Cut::Output(error)) => unwritable(error),
-        RunError::Observer(Cut::Interrupted { done, of }) => {
-            let (done, of) = (grouped(done as u64), grouped(of as u64));
-            Failure::Interrupted(format!("after {done} of {of} samples; nothing was written"))
-        }
+        RunError::Observer(error) => unwritable(error),
     })
 }
 

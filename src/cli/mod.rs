@@ -6,6 +6,7 @@ mod compare;
 mod diagnostics;
 mod figure7;
 mod image;
+mod interrupt;
 mod outputs;
 mod progress;
 mod replay;
@@ -37,8 +38,6 @@ enum Failure {
     Fault(Box<Fault>),
     /// A result could not be written: exit status 1.
     Output(String),
-    /// It was told to stop: exit status 130.
-    Interrupted(String),
 }
 
 impl From<InputError> for Failure {
@@ -59,7 +58,7 @@ impl From<Stuck> for Failure {
     }
 }
 
-/// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed.
+/// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed, 130 for one that was stopped.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
@@ -69,7 +68,14 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if asked_for { 0 } else { 2 });
         }
     };
-    let result = match &cli.command {
+    match interrupt::listen().and_then(|()| command(&cli)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => report(&failure),
+    }
+}
+
+fn command(cli: &Cli) -> Result<(), Failure> {
+    match &cli.command {
         None => run::run(&cli.run),
         Some(Command::Image(args)) => image::image(args),
         Some(Command::Replay(args)) => replay::replay(args),
@@ -78,10 +84,6 @@ pub fn main() -> ExitCode {
         Some(Command::Figure7(args)) => figure7::figure7(args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(args),
         Some(Command::Scenes) => scenes::scenes(),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => report(&failure),
     }
 }
 
@@ -102,10 +104,6 @@ fn report(failure: &Failure) -> ExitCode {
         Failure::Output(message) => {
             eprintln!("error: {message}");
             ExitCode::from(1)
-        }
-        Failure::Interrupted(message) => {
-            eprintln!("stopped: {message}");
-            ExitCode::from(130)
         }
     }
 }

@@ -151,7 +151,8 @@ pub fn workload(
 /// How the cells run programs.
 fn cell_options(args: &CellArgs, machine: &Machine) -> Result<CellOptions, InputError> {
     let cycles = machine.instructions.ok_or_else(|| {
-        let error = InputError::new("the machine file does not say what instructions cost: instruction_cycles is missing");
+        let error =
+            InputError::new("the machine file does not say what instructions cost: instruction_cycles is missing");
         error.help("`pcs-sim calibrate --machine FILE` adds it")
     })?;
     let cycle_limit = args.cycle_limit.unwrap_or(Processor::CYCLE_LIMIT);

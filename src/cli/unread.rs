@@ -38,8 +38,7 @@ pub fn check_image(args: &ImageArgs, program: &ArrayProgram) -> Result<(), Input
             ("--in-flight", args.host.in_flight.is_some()),
             ("--open-samples", args.host.open_samples.is_some()),
         ];
-        let machine = [&array(&args.machine)[..], &host(&args.machine), &kernels(&args.machine)].concat();
-        let flags = [&files[..], &machine].concat();
+        let flags = [&files[..], &links(&args.machine), &host(&args.machine)].concat();
         refuse(&flags, "is about the machine at work, which --timing off leaves out", "leave out one of the two")?;
     }
     check_resolution(&args.scene, args.shape.resolution)?;
@@ -96,10 +95,9 @@ fn refuse(flags: &[Flag], why: &str, help: &str) -> Result<(), InputError> {
     }
 }
 
-/// The flags of the array itself, but for its memory.
-fn array(args: &MachineArgs) -> [Flag; 6] {
+/// The flags of what joins the cells: all that computing does not depend on.
+fn links(args: &MachineArgs) -> [Flag; 5] {
     [
-        ("--clock-ns", args.clock_ns.is_some()),
         ("--word-bytes", args.word_bytes.is_some()),
         ("--fifo-words", args.fifo_words.is_some()),
         ("--link-mb-s", args.link_mb_s.is_some()),

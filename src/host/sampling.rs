@@ -1,6 +1,7 @@
 //! Where in its pixels an image is sampled.
 
 use super::camera::ImageSize;
+use crate::scene::Object;
 
 /// How many rays the eye sends through a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +30,11 @@ pub struct Pass {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Pixels {
     All(usize),
-    These(Vec<u32>),
+    /// Some of `count` pixels.
+    These {
+        pixels: Vec<u32>,
+        count: usize,
+    },
 }
 
 impl Pass {
@@ -40,8 +45,8 @@ impl Pass {
     }
 
     /// The second pass of adaptive sampling: the pixels that have a neighbour with another object. `objects` is what the
-    /// first pass saw in each pixel.
-    pub fn second(size: ImageSize, sampling: Sampling, objects: &[u32]) -> Pass {
+    /// first pass saw in each pixel, `None` for the background.
+    pub fn second(size: ImageSize, sampling: Sampling, objects: &[Option<Object>]) -> Pass {
         let (width, count) = (size.width as usize, size.pixels());
         let differs = |pixel: usize| {
             let beside = pixel % width + 1 < width && objects[pixel + 1] != objects[pixel];
@@ -51,14 +56,14 @@ impl Pass {
             beside || before || below || above
         };
         let pixels = (0..count).filter(|&pixel| differs(pixel)).map(|pixel| pixel as u32).collect();
-        Pass { pixels: Pixels::These(pixels), side: sampling.side, width: size.width }
+        Pass { pixels: Pixels::These { pixels, count }, side: sampling.side, width: size.width }
     }
 
     /// How many samples it takes.
     pub fn len(&self) -> usize {
         let pixels = match &self.pixels {
             Pixels::All(count) => *count,
-            Pixels::These(pixels) => pixels.len(),
+            Pixels::These { pixels, .. } => pixels.len(),
         };
         pixels * self.per_pixel()
     }
@@ -66,6 +71,16 @@ impl Pass {
     /// Whether it takes none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// How many samples of the first pass decide whether this one is taken: so many from its start on. Those of the first
+    /// pass itself depend on none.
+    pub fn decided_by(&self, sample: usize) -> usize {
+        match &self.pixels {
+            Pixels::All(_) => 0,
+            // The pixel below is the last of those that are looked at.
+            Pixels::These { count, .. } => (self.pixel(sample) + self.width as usize + 1).min(*count),
+        }
     }
 
     /// How many samples it takes in each of its pixels.
@@ -78,7 +93,7 @@ impl Pass {
         let index = sample / self.per_pixel();
         match &self.pixels {
             Pixels::All(_) => index,
-            Pixels::These(pixels) => pixels[index] as usize,
+            Pixels::These { pixels, .. } => pixels[index] as usize,
         }
     }
 

@@ -129,11 +129,6 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The object that a hit shows, as far as a scene tells: the number of its material; `u32::MAX` for the background.
-    pub fn object(&self, hit: &Hit) -> u32 {
-        if hit.is_hit() { self.scene.mesh.faces()[hit.polygon as usize].material } else { u32::MAX }
-    }
-
     /// The ray to a light, if the light could be seen from this side of the surface.
     fn shadow(&self, branch: &Branch, surface: &Surface, light: &Light) -> Option<Branch> {
         let origin = surface.before();
@@ -148,7 +143,7 @@ impl<'a> Shader<'a> {
         if facing <= 0.0 || surface.flat.dot(to_light) <= 0.0 {
             return None;
         }
-        let material = surface.material;
+        let material = &surface.material;
         let diffuse = material.color.as_dvec3() * (material.diffuse as f64 * (1.0 - AMBIENT) * facing);
         let mirrored = reflect(branch.ray.direction.as_dvec3().normalize_or_zero(), surface.normal);
         let highlight = material.specular as f64 * mirrored.dot(to_light).max(0.0).powf(material.shine as f64);
@@ -174,7 +169,7 @@ impl<'a> Shader<'a> {
     }
 
     fn reflected_and_refracted(&self, branch: &Branch, surface: &Surface, mut send: impl FnMut(Branch)) {
-        let material = surface.material;
+        let material = &surface.material;
         let direction = branch.ray.direction.as_dvec3().normalize_or_zero();
         let mut reflected = branch.weight * material.specular as f64;
         let through = branch.weight * material.transmittance as f64 * material.color.as_dvec3();

@@ -1,14 +1,14 @@
 //! What a hit has met: a point of a surface, worked out by the host in double precision.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::geometry::{Hit, Polygons, Ray, rounding};
 use crate::scene::mesh::NO_NORMAL;
-use crate::scene::{Material, Scene};
+use crate::scene::{Corner, Material, Mesh, Scene};
 
 /// The point of a surface that a ray has hit.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface<'a> {
+pub struct Surface {
     /// Where.
     pub point: DVec3,
     /// The polygon's normal, of unit length, on the ray's side.
@@ -17,28 +17,35 @@ pub struct Surface<'a> {
     pub normal: DVec3,
     /// Whether the ray comes from outside: from where the polygon's corners are seen counter-clockwise.
     pub from_outside: bool,
-    /// What it is made of.
-    pub material: &'a Material,
+    /// What it is made of there: where corners have colours of their own, its colour lies between theirs.
+    pub material: Material,
     /// How far from the surface a new ray must start, so as not to hit the polygon that it leaves.
     clearance: f64,
 }
 
-impl<'a> Surface<'a> {
+impl Surface {
     /// What `hit`, which must be one, has met. The normal lies between those of the fan triangle's corners,
-    /// N_P = (1 - (α + β)) N_0 + α N_1 + β N_2 (A.3); where the corners have none it is the polygon's own.
-    pub fn at(scene: &'a Scene, polygons: &Polygons, ray: &Ray, hit: &Hit) -> Surface<'a> {
+    /// N_P = (1 - (α + β)) N_0 + α N_1 + β N_2 (A.3); where the corners have none it is the polygon's own. So does the
+    /// colour; where a corner has none it is the material's.
+    pub fn at(scene: &Scene, polygons: &Polygons, ray: &Ray, hit: &Hit) -> Surface {
         let direction = ray.direction.as_dvec3();
         let flat = polygons.normal(hit.polygon).as_dvec3().normalize_or_zero();
         let from_outside = flat.dot(direction) <= 0.0;
         let flat = if from_outside { flat } else { -flat };
-        let normal = corner_normal(scene, polygons, ray, hit).unwrap_or(flat);
+        let face = &scene.mesh.faces()[hit.polygon as usize];
+        let mut material = scene.materials[face.material as usize];
+        let corners = corners_to_mix(&scene.mesh, polygons, ray, hit);
+        let normal = corners.and_then(|corners| normal_between(&scene.mesh, corners, hit)).unwrap_or(flat);
+        if let Some(corners) = corners {
+            material.color = color_between(&scene.mesh, corners, hit, material.color);
+        }
         let origin = ray.origin.abs().max_element() as f64;
         Surface {
             point: ray.origin.as_dvec3() + direction * hit.t as f64,
             flat,
             normal: if normal.dot(flat) < 0.0 { -normal } else { normal },
             from_outside,
-            material: &scene.materials[scene.mesh.faces()[hit.polygon as usize].material as usize],
+            material,
             clearance: 2.0 * rounding::reach_error(origin, polygons.largest_coordinate()),
         }
     }
@@ -54,19 +61,37 @@ impl<'a> Surface<'a> {
     }
 }
 
-fn corner_normal(scene: &Scene, polygons: &Polygons, ray: &Ray, hit: &Hit) -> Option<DVec3> {
-    let corners = scene.mesh.corners(&scene.mesh.faces()[hit.polygon as usize]);
-    if corners[0].normal == NO_NORMAL {
+/// The corners of the fan triangle that was hit, if they have normals or colours for what lies between.
+fn corners_to_mix(mesh: &Mesh, polygons: &Polygons, ray: &Ray, hit: &Hit) -> Option<[Corner; 3]> {
+    let corners = mesh.corners(&mesh.faces()[hit.polygon as usize]);
+    if corners[0].normal == NO_NORMAL && !mesh.has_colors() {
         return None;
     }
     // HIT does not say which triangle of the fan it was; the test finds it again.
     let found = polygons.intersect(ray, hit.polygon, f32::INFINITY)?;
     let first = found.triangle as usize + 1;
-    let normals = [corners[0], corners[first], corners[first + 1]].map(|corner| corner.normal);
+    Some([corners[0], corners[first], corners[first + 1]])
+}
+
+fn normal_between(mesh: &Mesh, corners: [Corner; 3], hit: &Hit) -> Option<DVec3> {
+    let normals = corners.map(|corner| corner.normal);
     if normals.contains(&NO_NORMAL) {
         return None;
     }
-    let [n0, n1, n2] = normals.map(|normal| scene.mesh.normals[normal as usize].as_dvec3().normalize_or_zero());
+    let normals = normals.map(|normal| mesh.normals[normal as usize].as_dvec3().normalize_or_zero());
+    between(normals, hit).try_normalize()
+}
+
+fn color_between(mesh: &Mesh, corners: [Corner; 3], hit: &Hit, plain: Vec3) -> Vec3 {
+    let colors = corners.map(|corner| mesh.point_color(corner.point));
+    if colors == [None; 3] {
+        return plain;
+    }
+    between(colors.map(|color| color.unwrap_or(plain).as_dvec3()), hit).as_vec3()
+}
+
+/// What lies at a hit between three corners' values.
+fn between([v0, v1, v2]: [DVec3; 3], hit: &Hit) -> DVec3 {
     let (alpha, beta) = (hit.alpha as f64, hit.beta as f64);
-    (n0 * (1.0 - (alpha + beta)) + n1 * alpha + n2 * beta).try_normalize()
+    v0 * (1.0 - (alpha + beta)) + v1 * alpha + v2 * beta
 }

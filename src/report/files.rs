@@ -1,10 +1,12 @@
 //! Result files: opened before the long run, seen under their name only when they are whole.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use tempfile::NamedTempFile;
+use tempfile::TempPath;
 
 use crate::error::InputError;
 
@@ -20,9 +22,42 @@ pub struct OutputFile {
 #[derive(Debug)]
 enum Target {
     /// To a file that takes its name when it is finished.
-    Part(NamedTempFile),
+    Part(Part),
     /// Straight to a device or a pipe, which is no file to be replaced.
     Device(File),
+}
+
+/// A file that is removed unless it is put in its place.
+#[derive(Debug)]
+struct Part {
+    file: File,
+    /// Its key in [`Desk::parts`].
+    number: u64,
+}
+
+/// The result files of this process. A thread that is told to stop everything must be able to remove them, whoever
+/// writes them.
+struct Desk {
+    /// The files that are not finished; a path that is dropped is removed.
+    parts: BTreeMap<u64, TempPath>,
+    opened: u64,
+    finished: Vec<PathBuf>,
+}
+
+static DESK: Mutex<Desk> = Mutex::new(Desk { parts: BTreeMap::new(), opened: 0, finished: Vec::new() });
+
+fn desk() -> MutexGuard<'static, Desk> {
+    DESK.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all files that are not finished, and lets no file be opened or finished any more: who tries is kept waiting,
+/// for the process is about to end. Returns the files that this process has finished.
+pub fn abandon() -> Vec<PathBuf> {
+    let mut desk = desk();
+    desk.parts.clear();
+    let finished = std::mem::take(&mut desk.finished);
+    std::mem::forget(desk);
+    finished
 }
 
 impl OutputFile {
@@ -42,10 +77,13 @@ impl OutputFile {
         let Target::Part(part) = self.writer.into_inner().map_err(|error| error.into_error())? else {
             return Ok(self.path);
         };
-        make_readable(part.path())?;
+        let mut desk = desk();
+        let Some(path) = desk.parts.remove(&part.number) else { return Ok(self.path) };
+        make_readable(&path)?;
         let place = followed(&self.path);
-        let done = if self.overwrite { part.persist(place) } else { part.persist_noclobber(place) };
+        let done = if self.overwrite { path.persist(place) } else { path.persist_noclobber(place) };
         done.map_err(|error| error.error)?;
+        desk.finished.push(self.path.clone());
         Ok(self.path)
     }
 }
@@ -69,8 +107,25 @@ impl Target {
         if !folder.is_dir() {
             return Err(refuse(format!("there is no folder {}", folder.display())));
         }
-        let part = tempfile::Builder::new().prefix(".pcs-sim-").suffix(".part").tempfile_in(folder);
-        part.map(Target::Part).map_err(|error| refuse(error.kind().to_string()))
+        Part::create(folder).map(Target::Part).map_err(|error| refuse(error.kind().to_string()))
+    }
+}
+
+impl Part {
+    fn create(folder: &Path) -> std::io::Result<Part> {
+        let mut desk = desk();
+        let part = tempfile::Builder::new().prefix(".pcs-sim-").suffix(".part").tempfile_in(folder)?;
+        let (file, path) = part.into_parts();
+        let number = desk.opened;
+        desk.opened += 1;
+        desk.parts.insert(number, path);
+        Ok(Part { file, number })
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        desk().parts.remove(&self.number);
     }
 }
 
@@ -82,14 +137,14 @@ fn followed(path: &Path) -> PathBuf {
 impl Write for Target {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         match self {
-            Target::Part(file) => file.write(bytes),
+            Target::Part(part) => part.file.write(bytes),
             Target::Device(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
         match self {
-            Target::Part(file) => file.flush(),
+            Target::Part(part) => part.file.flush(),
             Target::Device(file) => file.flush(),
         }
     }

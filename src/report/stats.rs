@@ -55,13 +55,7 @@ pub struct MemoryWords {
 impl From<CellMemory> for MemoryWords {
     fn from(memory: CellMemory) -> MemoryWords {
         let CellMemory { grid, slabs, polygons, program } = memory;
-        MemoryWords {
-            grid: grid.0,
-            slabs: slabs.0,
-            polygons: polygons.0,
-            program: program.0,
-            total: memory.total().0,
-        }
+        MemoryWords { grid: grid.0, slabs: slabs.0, polygons: polygons.0, program: program.0, total: memory.total().0 }
     }
 }
 

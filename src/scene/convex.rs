@@ -92,6 +92,8 @@ pub fn split_concave(mesh: Mesh) -> (Mesh, ConcaveReport) {
     }
     cut.points = mesh.points;
     cut.normals = mesh.normals;
+    cut.colors = mesh.colors;
+    cut.objects = mesh.objects;
     (cut, report)
 }
 

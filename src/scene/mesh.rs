@@ -12,6 +12,10 @@ pub struct Mesh {
     pub points: Vec<Vec3>,
     /// The normals that corners refer to; not necessarily of unit length.
     pub normals: Vec<Vec3>,
+    /// The points' own colours; those beyond its end have none, and in most scenes it is empty.
+    pub(super) colors: Vec<Option<Vec3>>,
+    /// For each object, the number of its first face, in rising order.
+    pub(super) objects: Vec<u32>,
     corners: Vec<Corner>,
     faces: Vec<Face>,
 }
@@ -36,11 +40,49 @@ pub struct Face {
     pub number: u32,
 }
 
+/// What one looks at as one thing: faces that belong together and are made of the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Object {
+    /// How many objects begin before its end in the file.
+    part: u32,
+    material: u32,
+}
+
 impl Mesh {
     /// Adds a point and returns its index.
     pub fn add_point(&mut self, point: Vec3) -> u32 {
         self.points.push(point);
         (self.points.len() - 1) as u32
+    }
+
+    /// Gives the last point a colour of its own (linear RGB), which takes the place of its faces' material's.
+    pub fn color_point(&mut self, color: Vec3) {
+        self.colors.resize(self.points.len().saturating_sub(1), None);
+        self.colors.push(Some(color));
+    }
+
+    /// A point's own colour, if it has one.
+    pub fn point_color(&self, point: u32) -> Option<Vec3> {
+        self.colors.get(point as usize).copied().flatten()
+    }
+
+    /// Whether any point has a colour of its own.
+    pub fn has_colors(&self) -> bool {
+        !self.colors.is_empty()
+    }
+
+    /// Begins an object: the faces added from here on, up to the next one, belong together.
+    pub fn begin_object(&mut self) {
+        let first = self.face_count();
+        if self.objects.last() != Some(&first) {
+            self.objects.push(first);
+        }
+    }
+
+    /// The object that a face of this mesh belongs to.
+    pub fn object(&self, face: &Face) -> Object {
+        let part = self.objects.partition_point(|&first| first <= face.number) as u32;
+        Object { part, material: face.material }
     }
 
     /// Adds a normal and returns its index.

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::mesh::{Corner, Mesh};
 
-/// Adds a sphere of `slices` (at least 3) slices from pole to pole and half as many stacks (at least 2), its poles on
+/// Adds a sphere, as an object, of `slices` (at least 3) slices from pole to pole and half as many stacks (at least 2), its poles on
 /// the z axis: quadrangles, and triangles at the poles.
 ///
 /// Seen from outside the corners run counter-clockwise. A negative radius turns the sphere inside out: order and
@@ -15,6 +15,7 @@ pub fn sphere(mesh: &mut Mesh, center: Vec3, radius: f32, slices: u32, material:
     if radius == 0.0 {
         return;
     }
+    mesh.begin_object();
     let slices = slices.max(3);
     let stacks = (slices / 2).max(2);
     let rings: Vec<Vec<Corner>> =
@@ -24,7 +25,7 @@ pub fn sphere(mesh: &mut Mesh, center: Vec3, radius: f32, slices: u32, material:
     }
 }
 
-/// Adds the curved side of a truncated cone with `slices` (at least 3) quadrangles, or triangles where a radius is 0;
+/// Adds the curved side of a truncated cone, as an object, with `slices` (at least 3) quadrangles, or triangles where a radius is 0;
 /// its ends stay open. Equal radii make a cylinder.
 ///
 /// Seen from outside the corners run counter-clockwise. Negative radii turn it inside out, as they do a
@@ -33,6 +34,7 @@ pub fn cone(mesh: &mut Mesh, base: Vec3, base_radius: f32, apex: Vec3, apex_radi
     if base == apex || (base_radius == 0.0 && apex_radius == 0.0) {
         return;
     }
+    mesh.begin_object();
     let slices = slices.max(3);
     let inside_out = base_radius + apex_radius < 0.0;
     let axis = apex.as_dvec3() - base.as_dvec3();

@@ -7,6 +7,10 @@
 //! 2. sends one ray that may be sent, chosen by its [`Policy`], after spending its time on it; or waits for the next
 //!    hit, if there is no such ray or the limit on rays in flight is reached.
 //!
+//! A sample that adaptive sampling adds may be begun once the hits that asked for it have come back, as early as that:
+//! while the last rays of the first pass are still under way. Samples are begun in order, and hits come back in the order
+//! of their rays, so that one number says which samples' first hits are known.
+//!
 //! Each ray is handed to the array by itself and its return worked out before the next choice, so that the host knows of
 //! just those hits that have come back on its clock. Its choices are written as ops (`a`, `c`, `w`): the trace that they
 //! make replays to the same times.
@@ -15,6 +19,7 @@ use std::collections::VecDeque;
 
 use super::trees::{ByKind, TreeBatch};
 use crate::geometry::Hit;
+use crate::host::shading::RayKind;
 use crate::machine::{Array, Cycles, MachineSpec, OpBatch, OpKind, OpStream, Stuck, Work};
 use crate::program::{HostTimes, send_ray};
 
@@ -92,6 +97,9 @@ pub(super) struct ClosedLoop {
     /// The next sample to begin: its batch, and its number in it.
     next: (usize, usize),
     open: usize,
+    /// How many samples' primary rays have come back, and the number of the last one's hit.
+    known: usize,
+    last_known: u64,
     /// For each kind, every ray's latency in cycles.
     pub latencies: ByKind<Vec<u64>>,
 }
@@ -114,6 +122,8 @@ impl ClosedLoop {
             spare: Vec::new(),
             next: (0, 0),
             open: 0,
+            known: 0,
+            last_known: 0,
             latencies: Default::default(),
         }
     }
@@ -169,6 +179,10 @@ impl ClosedLoop {
             let begun = &mut self.batches[place.batch - self.dropped];
             let ray = begun.trees.rays[place.ray as usize];
             self.latencies[ray.kind as usize].push(returned.0 - sent_in);
+            if ray.kind == RayKind::Primary {
+                self.known += 1;
+                self.last_known = message;
+            }
             begun.left[ray.tree as usize] -= 1;
             if begun.left[ray.tree as usize] == 0 {
                 begun.trees_left -= 1;
@@ -190,7 +204,7 @@ impl ClosedLoop {
         }
     }
 
-    /// The ray to send next, with the message that it had to wait for, if it had.
+    /// The ray to send next, with a hit that it had to wait for, if it had to.
     fn choose(&mut self) -> Option<(RayPlace, Option<u64>)> {
         match self.rules.policy {
             Policy::SecondariesFirst => self.next_ready().or_else(|| self.begin_sample()),
@@ -215,10 +229,15 @@ impl ClosedLoop {
 
     fn begin_sample(&mut self) -> Option<(RayPlace, Option<u64>)> {
         let (batch, tree) = self.next_sample().filter(|_| self.open < self.rules.open_samples)?;
+        let trees = &self.batches[batch - self.dropped].trees;
+        let decided_by = trees.decided_by[tree];
+        if self.known < decided_by {
+            return None;
+        }
+        let ray = trees.tree(tree).start;
         self.next = (batch, tree + 1);
         self.open += 1;
-        let ray = self.batches[batch - self.dropped].trees.tree(tree).start;
-        Some((RayPlace { batch, ray }, None))
+        Some((RayPlace { batch, ray }, (decided_by > 0).then_some(self.last_known)))
     }
 
     fn send<E: From<Stuck>>(

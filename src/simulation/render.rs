@@ -12,7 +12,7 @@ use crate::host::sampling::{Pass, Sampling};
 use crate::host::shading::{Limits, Shader};
 use crate::machine::{Cycles, MachineSpec, OpBatch, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
-use crate::scene::Scene;
+use crate::scene::{Mesh, Object, Scene};
 
 /// About the rays of a tree, to make batches of a good size.
 const RAYS_PER_TREE: usize = 8;
@@ -111,6 +111,9 @@ pub fn render<E>(
         let second = Pass::second(picture.size, picture.sampling, &canvas.objects);
         canvas.take_pass(picture, &second, threads, &mut host, &mut seen)?;
     }
+    if let Some(host) = &mut host {
+        host.drain(&mut |ops, hit| seen(Seen::Sent(ops, hit)))?;
+    }
     let timing = host.map(finish).transpose()?;
     Ok(Rendered { pixels: canvas.pixels, counts: canvas.counts, kinds: canvas.kinds, timing })
 }
@@ -128,8 +131,8 @@ fn finish(mut host: ClosedLoop) -> Result<Timing, Stuck> {
 /// What is known of the image.
 struct Canvas {
     pixels: Vec<Vec3>,
-    /// What each pixel shows, if adaptive sampling asks for it.
-    objects: Vec<u32>,
+    /// What each pixel shows, if adaptive sampling asks for it; `None` for the background.
+    objects: Vec<Option<Object>>,
     counts: Counts,
     kinds: ByKind<KindCounts>,
 }
@@ -139,7 +142,7 @@ impl Canvas {
         let count = picture.size.pixels();
         Canvas {
             pixels: vec![Vec3::ZERO; count],
-            objects: vec![0; if picture.sampling.adaptive { count } else { 0 }],
+            objects: vec![None; if picture.sampling.adaptive { count } else { 0 }],
             counts: Counts::default(),
             kinds: Default::default(),
         }
@@ -167,8 +170,11 @@ impl Canvas {
             let range = samples(index);
             self.counts += batch.traced.counts;
             self.kinds.iter_mut().zip(batch.kinds).for_each(|(all, new)| *all += new);
-            for ((sample, &color), &object) in range.clone().zip(&batch.colors).zip(&batch.objects) {
-                self.take_sample(pass, sample, color, object, &mut sum);
+            for (tree, (sample, &color)) in range.clone().zip(&batch.colors).enumerate() {
+                self.take_sample(pass, sample, color, &mut sum);
+                if let Some(seen) = self.objects.get_mut(pass.pixel(sample)) {
+                    *seen = object(&picture.scene.mesh, batch.root_hit(tree));
+                }
             }
             index += 1;
             observe(Seen::Samples { done: range.end, of: pass.len() })?;
@@ -176,23 +182,21 @@ impl Canvas {
                 Some(host) => host.add(batch, &mut |ops, hit| observe(Seen::Sent(ops, hit))),
                 None => Ok(batch),
             }
-        })?;
-        match host {
-            Some(host) => host.drain(&mut |ops, hit| observe(Seen::Sent(ops, hit))),
-            None => Ok(()),
-        }
+        })
     }
 
     /// Adds a sample; after a pixel's last one, `sum` is its light, and starts anew.
-    fn take_sample(&mut self, pass: &Pass, sample: usize, color: DVec3, object: u32, sum: &mut DVec3) {
+    fn take_sample(&mut self, pass: &Pass, sample: usize, color: DVec3, sum: &mut DVec3) {
         *sum += color;
         if (sample + 1).is_multiple_of(pass.per_pixel()) {
             let pixel = pass.pixel(sample);
             self.pixels[pixel] = (*sum / pass.per_pixel() as f64).as_vec3();
             *sum = DVec3::ZERO;
-            if let Some(seen) = self.objects.get_mut(pixel) {
-                *seen = object;
-            }
         }
     }
+}
+
+/// The object that a hit shows.
+fn object(mesh: &Mesh, hit: &Hit) -> Option<Object> {
+    hit.is_hit().then(|| mesh.object(&mesh.faces()[hit.polygon as usize]))
 }

@@ -39,10 +39,10 @@ pub struct TreeBatch {
     pub rays: Vec<TreeRay>,
     /// Where the trees end among the rays.
     pub ends: Vec<u32>,
+    /// For each tree, how many samples from the first one on the host must know before it may begin this one.
+    pub decided_by: Vec<usize>,
     /// Each tree's light.
     pub colors: Vec<DVec3>,
-    /// The object that each tree's root shows.
-    pub objects: Vec<u32>,
     /// What the cells do for the rays; the host's ops are not known before the rays are sent.
     pub traced: TracedBatch,
     /// What was counted on the rays.
@@ -79,6 +79,7 @@ impl Grower<'_> {
         batch.reset(cells);
         for sample in samples {
             let (x, y) = pass.position(sample);
+            batch.decided_by.push(pass.decided_by(sample));
             self.tree(Branch::primary(self.view.ray(x, y)), &mut batch);
         }
         batch.traced.counts = std::mem::take(&mut self.tracer.counts);
@@ -105,9 +106,6 @@ impl Grower<'_> {
                 children: ((first + children) as u32, (batch.branches.len() - children) as u32),
                 tree,
             });
-            if next == 0 {
-                batch.objects.push(self.shader.object(&hit));
-            }
             next += 1;
         }
         batch.colors.push(color);
@@ -137,9 +135,14 @@ impl TreeBatch {
         self.traced.reset(cells);
         self.rays.clear();
         self.ends.clear();
+        self.decided_by.clear();
         self.colors.clear();
-        self.objects.clear();
         self.kinds = Default::default();
+    }
+
+    /// The hit of a tree's root.
+    pub fn root_hit(&self, tree: usize) -> &Hit {
+        &self.traced.hits[self.tree(tree).start as usize]
     }
 
     /// The rays of a tree, as numbers in the batch.

@@ -16,12 +16,15 @@ struct Triangle {
     /// The whole face's, from Newell's sum.
     flat: DVec3,
     material: Material,
+    /// The corners' own colours, or the material's.
+    colors: [DVec3; 3],
 }
 
 struct Found<'a> {
     t: f64,
     triangle: &'a Triangle,
     normal: DVec3,
+    color: DVec3,
 }
 
 pub struct Judge<'a> {
@@ -41,12 +44,14 @@ impl<'a> Judge<'a> {
             for k in 1..points.len() - 1 {
                 let chosen = [corners[0], corners[k], corners[k + 1]];
                 let smooth = chosen.iter().all(|corner| corner.normal != NO_NORMAL);
+                let material = scene.materials[face.material as usize];
                 let normal = |i: usize| scene.mesh.normals[chosen[i].normal as usize].as_dvec3().normalize();
                 triangles.push(Triangle {
                     corners: [points[0], points[k], points[k + 1]],
                     normals: smooth.then(|| [normal(0), normal(1), normal(2)]),
                     flat: flat.normalize_or_zero(),
-                    material: scene.materials[face.material as usize],
+                    material,
+                    colors: chosen.map(|c| scene.mesh.point_color(c.point).unwrap_or(material.color).as_dvec3()),
                 });
             }
         }
@@ -82,7 +87,7 @@ impl<'a> Judge<'a> {
             return weight * self.scene.background.as_dvec3();
         };
         let material = &found.triangle.material;
-        let color = material.color.as_dvec3();
+        let color = found.color;
         let outside = found.triangle.flat.dot(direction) < 0.0;
         let flat = if outside { found.triangle.flat } else { -found.triangle.flat };
         let normal = if found.normal.dot(flat) < 0.0 { -found.normal } else { found.normal };
@@ -140,7 +145,7 @@ impl<'a> Judge<'a> {
     fn filtered(&self, mut origin: DVec3, towards: DVec3, mut distance: f64, mut light: DVec3) -> DVec3 {
         while let Some(found) = self.nearest(origin, towards, distance) {
             let material = &found.triangle.material;
-            light *= material.color.as_dvec3() * material.transmittance as f64;
+            light *= found.color * material.transmittance as f64;
             if light.max_element() < LEAST {
                 return DVec3::ZERO;
             }
@@ -155,8 +160,9 @@ impl<'a> Judge<'a> {
         for triangle in &self.triangles {
             let limit = nearest.as_ref().map_or(most, |found| found.t);
             if let Some((t, u, v)) = triangle.hit(origin, direction).filter(|hit| hit.0 > 1e-12 && hit.0 < limit) {
-                let normal = triangle.normals.map_or(triangle.flat, |[a, b, c]| a * (1.0 - u - v) + b * u + c * v);
-                nearest = Some(Found { t, triangle, normal: normal.normalize_or_zero() });
+                let blend = |[a, b, c]: [DVec3; 3]| a * (1.0 - u - v) + b * u + c * v;
+                let normal = triangle.normals.map_or(triangle.flat, blend).normalize_or_zero();
+                nearest = Some(Found { t, triangle, normal, color: blend(triangle.colors) });
             }
         }
         nearest

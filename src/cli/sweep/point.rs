@@ -102,7 +102,8 @@ impl Recording {
     /// Works the ops out, on all cores.
     pub fn new(setting: &Setting, scene: &(Scene, Vec<Ray>)) -> Result<Recording, String> {
         let (scene, rays) = scene;
-        let workload = run::workload(&setting.args.cells, scene, &setting.program, &setting.machine, rays).map_err(reason)?;
+        let workload =
+            run::workload(&setting.args.cells, scene, &setting.program, &setting.machine, rays).map_err(reason)?;
         let (mut batches, mut counts) = (Vec::new(), Counts::default());
         let threads = run::threads(setting.args.tracing.threads);
         simulation::trace(&workload, rays, threads, |batch| {

@@ -34,14 +34,26 @@ pub struct Bound {
 /// with pipelines of five cycles, 10 MFLOPS a cell.
 pub const BOUNDS: [Bound; 10] = [
     bound(Class::Integer, 50.0, 100.0, 200.0, "at the most one of Warp's cycles"),
-    bound(Class::Multiply, 400.0, 1000.0, 2000.0, "no array multiplier for integers: shifts and adds, a bit or two at a time"),
+    bound(
+        Class::Multiply,
+        400.0,
+        1000.0,
+        2000.0,
+        "no array multiplier for integers: shifts and adds, a bit or two at a time",
+    ),
     bound(Class::Divide, 800.0, 2000.0, 4000.0, "the same with trial subtractions"),
     bound(Class::Load, 100.0, 200.0, 400.0, "dynamic memory of a million words"),
     bound(Class::Store, 100.0, 200.0, 400.0, "the same"),
     bound(Class::FloatAdd, 100.0, 200.0, 400.0, "a result a cycle from a pipeline that programs keep filled"),
     bound(Class::FloatMultiply, 100.0, 200.0, 400.0, "the same"),
     bound(Class::FloatDivide, 400.0, 1000.0, 2000.0, "iterated multiplications, each through the pipeline"),
-    bound(Class::FloatCompare, 400.0, 1000.0, 1600.0, "its outcome is needed outside: the whole pipeline of five cycles must pass"),
+    bound(
+        Class::FloatCompare,
+        400.0,
+        1000.0,
+        1600.0,
+        "its outcome is needed outside: the whole pipeline of five cycles must pass",
+    ),
     bound(Class::Branch, 100.0, 200.0, 600.0, "a cycle or two of the sequencer"),
 ];
 
@@ -61,7 +73,8 @@ pub fn calibrate(spec: &MachineSpec, folder: Option<PathBuf>) -> Result<Instruct
     let goal = NUMBERS.map(|number| number.paper_us * 1e3 / spec.clock_ns);
     let cycles = |ns: f64| (ns / spec.clock_ns).round().max(1.0);
     let badness = |costs: &[f64; Class::ALL.len()]| {
-        let number = |row: &[f64; Class::ALL.len()]| row.iter().zip(costs).map(|(count, cost)| count * cost).sum::<f64>();
+        let number =
+            |row: &[f64; Class::ALL.len()]| row.iter().zip(costs).map(|(count, cost)| count * cost).sum::<f64>();
         let misfit: f64 = mix.iter().zip(goal).map(|(row, goal)| (number(row) / goal - 1.0).powi(2)).sum();
         let strange: f64 =
             costs.iter().zip(BOUNDS).map(|(cost, bound)| (cost / cycles(bound.typical_ns) - 1.0).powi(2)).sum();

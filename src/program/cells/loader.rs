@@ -48,7 +48,9 @@ pub fn load(workload: &Workload, cell: usize, program: &Program) -> Result<(Vec<
             let path = program.files.first().map(|file| file.path.clone()).unwrap_or_default();
             let known: Vec<&str> = memory.known.keys().copied().collect();
             let message = format!("the loader has nothing to fill in for `{name}`");
-            return Err(InputError::in_file(&path, message).help(format!("for this cell there are {}", known.join(", "))));
+            return Err(
+                InputError::in_file(&path, message).help(format!("for this cell there are {}", known.join(", ")))
+            );
         };
         memory.data[address as usize] = value;
     }

@@ -96,12 +96,7 @@ impl CellPrograms {
     }
 }
 
-fn open(
-    workload: &Workload,
-    kernels: &[Kernel],
-    earlier: usize,
-    options: &CellOptions,
-) -> Result<Program, InputError> {
+fn open(workload: &Workload, kernels: &[Kernel], earlier: usize, options: &CellOptions) -> Result<Program, InputError> {
     let name = program_name(kernels);
     let set = [("EARLIER", earlier as i64), ("MAILBOX", workload.mailbox as i64)];
     match &options.folder {

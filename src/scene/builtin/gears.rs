@@ -88,6 +88,7 @@ impl Gear {
     /// Adds the gear at a place in the cube; every second is turned by half a tooth, so that they mesh.
     fn add(&self, mesh: &mut Mesh, [x, y, z]: [u32; 3], material: u32) {
         let across = |k: u32| -1.0 + self.radius + f64::from(k) * self.radius * (2.0 - TOOTH);
+        mesh.begin_object();
         let center = dvec3(across(x), across(y), 1.0 - f64::from(z) * self.layer);
         let turn = PI * f64::from((x + y + z) % 2) / TEETH as f64;
         let mut ring = |z: f64| -> Vec<u32> {

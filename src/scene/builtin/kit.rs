@@ -42,8 +42,9 @@ pub fn scene(
     Scene { name: name.to_owned(), mesh, materials, lights, background, camera, notes: Vec::new() }
 }
 
-/// Adds a flat face over new points.
+/// Adds a flat face over new points, as an object.
 pub fn polygon(mesh: &mut Mesh, points: &[DVec3], material: u32) {
+    mesh.begin_object();
     let points: Vec<u32> = points.iter().map(|point| mesh.add_point(point.as_vec3())).collect();
     mesh.add_face(&points, material);
 }
@@ -66,10 +67,11 @@ pub fn cone(mesh: &mut Mesh, base: (DVec3, f64), apex: (DVec3, f64), slices: u32
     tessellate::cone(mesh, base, base_radius, apex, apex_radius, slices, material);
 }
 
-/// Adds the six sides of an axis-parallel box, seen from outside.
+/// Adds the six sides of an axis-parallel box, as an object, seen from outside.
 pub fn cuboid(mesh: &mut Mesh, low: DVec3, high: DVec3, material: u32) {
     // Corner number: bit 0 is x, bit 1 is y, bit 2 is z.
     const SIDES: [[usize; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [3, 2, 6, 7], [2, 0, 4, 6], [1, 3, 7, 5]];
+    mesh.begin_object();
     let points: Vec<u32> = (0..8)
         .map(|corner| {
             let pick = |bit: u32, low: f64, high: f64| if corner >> bit & 1 == 0 { low } else { high };

@@ -37,6 +37,7 @@ fn build(size: u32, slices: u32) -> Scene {
     let side = 1 << size;
     let ratio = 2.0 / (2f64.ln() / (DIMENSION - 1.0)).exp();
     let mountain = Mountain { size, cell: 2.0 / f64::from(side), roughness: (ratio * ratio - 1.0).sqrt() };
+    mesh.begin_object();
     mountain.grow(&mut mesh, side, [0, 0], [0.0; 4]);
     let glass = Material { transmittance: 0.9, refraction: 1.5, ..kit::shiny(Vec3::ONE, 0.1, 0.1, 6.7) };
     let materials = vec![glass, kit::matt(Vec3::new(0.5, 0.45, 0.35), 1.0)];

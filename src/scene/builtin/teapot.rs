@@ -92,6 +92,7 @@ fn board(mesh: &mut Mesh, size: u32) {
 
 /// Adds a teapot of [`faces`] triangles, moved to its place; `place` is to keep angles.
 pub fn pot(mesh: &mut Mesh, steps: u32, place: DAffine3, material: u32) {
+    mesh.begin_object();
     for patch in patches() {
         patch.add(mesh, steps, place, material);
     }

@@ -46,6 +46,7 @@ fn pyramid(mesh: &mut Mesh, depth: u32, center: DVec3, half: f64) {
         }
         return;
     }
+    mesh.begin_object();
     let points = CORNERS.map(|corner| mesh.add_point((center + corner * half).as_vec3()));
     for side in SIDES {
         mesh.add_face(&side.map(|corner| points[corner]), 0);

@@ -7,6 +7,7 @@ mod ply;
 mod ron_scene;
 mod statements;
 mod transform;
+mod vertex_color;
 
 use std::fs::File;
 use std::io::Read;

@@ -32,16 +32,24 @@ struct Reader<'a> {
     rest: &'a str,
     resolution: u32,
     draft: Draft,
+    /// Whether the last entity was a patch, a polygon with normals: patches in a row are the surface of one object.
+    patches: bool,
     /// Lights without a colour of their own: how bright each is depends on how many there are.
     plain_lights: Vec<usize>,
 }
 
 impl<'a> Reader<'a> {
     fn new(text: Text<'a>, resolution: u32) -> Self {
-        Reader { text, rest: text.text, resolution, draft: Draft::new(Vec3::Z), plain_lights: Vec::new() }
+        let draft = Draft::new(Vec3::Z);
+        Reader { text, rest: text.text, resolution, draft, patches: false, plain_lights: Vec::new() }
     }
 
     fn entity(&mut self, entity: Token<'a>) -> Result<(), InputError> {
+        let goes_on = self.patches && entity.text == "pp";
+        self.patches = entity.text == "pp";
+        if !goes_on {
+            self.draft.mesh.begin_object();
+        }
         match entity.text {
             "v" => self.view(entity),
             "b" => self.vector_of(entity, Text::color).map(|color| self.draft.background = color),

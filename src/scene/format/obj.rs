@@ -8,22 +8,20 @@ use glam::Vec3;
 
 use super::mtl;
 use super::statements::{Statements, name_of};
-use super::{Draft, read_file};
+use super::{Draft, read_file, vertex_color};
 use crate::error::InputError;
 use crate::input::text::{Text, Token, nearest, plural, too_few_corners};
 use crate::scene::Material;
 use crate::scene::mesh::{Corner, NO_NORMAL};
 
 /// The statements that mean something here.
-const HANDLED: &[&str] = &["v", "vn", "vt", "f", "fo", "usemtl", "mtllib"];
+const HANDLED: &[&str] = &["v", "vn", "vt", "f", "fo", "usemtl", "mtllib", "o", "g"];
 
 /// What would be drawn, were it not for the array's taking polygons only.
 const NOT_TRACED: &[&str] = &["l", "p", "curv", "surf", "bsp", "bzp", "cdp", "call"];
 
-/// What names and groups things, says how curves run, or is for other programs.
+/// What says how things are shaded, how curves run, or is for other programs.
 const SILENT: &[&str] = &[
-    "g",
-    "o",
     "s",
     "mg",
     "lod",
@@ -117,14 +115,13 @@ impl<'a> Reader<'a> {
 
     fn statement(&mut self, keyword: Token<'a>, arguments: &[Token<'a>]) -> Result<(), InputError> {
         match keyword.text {
-            "v" => {
-                self.draft.mesh.add_point(self.vector(keyword, arguments)?);
-            }
+            "v" => self.point(keyword, arguments)?,
             "vn" => {
                 self.draft.mesh.add_normal(self.vector(keyword, arguments)?);
             }
             "vt" => self.textures += 1,
             "f" | "fo" => self.face(keyword, arguments)?,
+            "o" | "g" => self.draft.mesh.begin_object(),
             "usemtl" => self.materials.choose(name_of(self.text, arguments)),
             "mtllib" => self.material_files(arguments)?,
             other if NOT_TRACED.contains(&other) => *self.not_traced.entry(other).or_default() += 1,
@@ -134,7 +131,28 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The first three numbers; what follows them is a weight or a colour.
+    /// A point, which may have a weight, that means nothing here, or a colour.
+    fn point(&mut self, keyword: Token, arguments: &[Token]) -> Result<(), InputError> {
+        self.draft.mesh.add_point(self.vector(keyword, arguments)?);
+        match *arguments {
+            [_, _, _] | [_, _, _, _] => {}
+            [_, _, _, r, g, b] => {
+                let part = |token| {
+                    let part = vertex_color::decoded(self.text.number(token)?);
+                    part.map_err(|message| self.text.error_at(token, message))
+                };
+                self.draft.mesh.color_point(Vec3::new(part(r)?, part(g)?, part(b)?));
+            }
+            _ => {
+                let message =
+                    format!("`v` has {} numbers, it takes 3, 4 with a weight, 6 with a colour", arguments.len());
+                return Err(self.text.error_at(keyword, message));
+            }
+        }
+        Ok(())
+    }
+
+    /// The first three numbers.
     fn vector(&self, keyword: Token, arguments: &[Token]) -> Result<Vec3, InputError> {
         match *arguments {
             [x, y, z, ..] => self.text.vector([x, y, z]),

@@ -73,8 +73,19 @@ struct MeshText<'a> {
 #[serde(deny_unknown_fields, rename = "Shape", bound(deserialize = "'de: 'a"))]
 enum ShapeText<'a> {
     File(Located<'a, String>),
-    Builtin { name: Located<'a, String>, size: Option<u32>, resolution: Option<u32> },
-    Polygons { points: Vec<Triple<'a>>, faces: Vec<Located<'a, Vec<i64>>> },
+    Builtin {
+        name: Located<'a, String>,
+        size: Option<u32>,
+        resolution: Option<u32>,
+    },
+    Polygons {
+        points: Vec<Triple<'a>>,
+        faces: Vec<Located<'a, Vec<i64>>>,
+        #[serde(default)]
+        colors: Vec<Triple<'a>>,
+        #[serde(default)]
+        materials: Vec<Located<'a, String>>,
+    },
 }
 
 #[derive(Deserialize)]
@@ -172,8 +183,15 @@ impl Reader<'_> {
     fn mesh(&mut self, text: &MeshText) -> Result<(), InputError> {
         let material = text.material.as_ref().map(|name| self.material_number(name)).transpose()?;
         let steps: Vec<Step> = text.transform.iter().map(|step| self.step(step)).collect::<Result<_, _>>()?;
-        let shape = self.shape(&text.shape)?;
-        let first = self.draft.materials.len() as u32;
+        let mut shape = self.shape(&text.shape)?;
+        match (&text.material, &text.shape) {
+            (Some(name), ShapeText::Polygons { materials, .. }) if !materials.is_empty() => {
+                return Err(name.error(self.text, "mesh has a material, and so has each of its faces"));
+            }
+            (Some(_), ShapeText::File(_) | ShapeText::Builtin { .. }) => shape.mesh.colors.clear(),
+            _ => {}
+        }
+        let first = if shape.materials.is_empty() { 0 } else { self.draft.materials.len() as u32 };
         if material.is_none() {
             self.draft.materials.extend(shape.materials);
         }
@@ -233,7 +251,11 @@ impl Reader<'_> {
                 })?;
                 Ok(Shape { mesh: scene.mesh, materials: scene.materials, notes: scene.notes })
             }
-            ShapeText::Polygons { points, faces } => self.polygons(points, faces),
+            ShapeText::Polygons { points, faces, colors, materials } => {
+                self.one_each("point", points.len(), "colour", colors)?;
+                self.one_each("face", faces.len(), "material", materials)?;
+                self.polygons(points, faces, colors, materials)
+            }
         }
     }
 
@@ -254,12 +276,22 @@ impl Reader<'_> {
         Ok(Shape { mesh: draft.mesh, materials: draft.materials, notes: draft.notes })
     }
 
-    fn polygons(&self, points: &[Triple], faces: &[Located<Vec<i64>>]) -> Result<Shape, InputError> {
+    fn polygons(
+        &self,
+        points: &[Triple],
+        faces: &[Located<Vec<i64>>],
+        colors: &[Triple],
+        materials: &[Located<String>],
+    ) -> Result<Shape, InputError> {
+        let numbers: Vec<u32> = materials.iter().map(|name| self.material_number(name)).collect::<Result<_, _>>()?;
         let mut mesh = Mesh::default();
-        for point in points {
+        for (number, point) in points.iter().enumerate() {
             mesh.add_point(self.vector(point)?);
+            if let Some(color) = colors.get(number) {
+                mesh.color_point(self.color(Some(color), Vec3::ONE)?);
+            }
         }
-        for face in faces {
+        for (number, face) in faces.iter().enumerate() {
             let corners = face.read(self.text)?;
             if corners.len() < 3 {
                 return Err(face.error(self.text, too_few_corners(corners.len())));
@@ -270,9 +302,17 @@ impl Reader<'_> {
                 return Err(face.error(self.text, message));
             }
             let corners: Vec<u32> = corners.iter().map(|&index| index as u32).collect();
-            mesh.add_face(&corners, 0);
+            mesh.add_face(&corners, numbers.get(number).copied().unwrap_or(0));
         }
-        Ok(Shape { mesh, materials: vec![Material::default()], notes: Vec::new() })
+        let materials = if numbers.is_empty() { vec![Material::default()] } else { Vec::new() };
+        Ok(Shape { mesh, materials, notes: Vec::new() })
+    }
+
+    /// Checks that a list is empty, or has one entry for each of `count` things.
+    fn one_each<T>(&self, thing: &str, count: usize, entry: &str, list: &[Located<T>]) -> Result<(), InputError> {
+        let Some(last) = list.last().filter(|_| list.len() != count) else { return Ok(()) };
+        let (things, entries) = (plural(count as u64, thing), plural(list.len() as u64, entry));
+        Err(last.error(self.text, format!("mesh has {things} and {entries}, it needs one for each {thing}")))
     }
 
     fn vector(&self, text: &Triple) -> Result<Vec3, InputError> {
@@ -305,6 +345,7 @@ impl Reader<'_> {
 /// What a mesh of the file comes to, before it is transformed.
 struct Shape {
     mesh: Mesh,
+    /// What its faces are made of; where it is empty, they count into the scene's materials.
     materials: Vec<Material>,
     notes: Vec<String>,
 }

@@ -43,11 +43,17 @@ impl Transform {
         for &normal in &mesh.normals {
             to.add_normal((self.normals * normal.as_dvec3()).normalize_or_zero().as_vec3());
         }
+        if mesh.has_colors() {
+            to.colors.resize(first_point as usize, None);
+            to.colors.extend(&mesh.colors);
+        }
         let moved = |corner: &Corner| Corner {
             point: first_point + corner.point,
             normal: if corner.normal == NO_NORMAL { NO_NORMAL } else { first_normal + corner.normal },
         };
         let first_face = to.face_count();
+        to.begin_object();
+        to.objects.extend(mesh.objects.iter().filter(|&&first| first > 0).map(|first| first_face + first));
         for face in mesh.faces() {
             let mut corners: Vec<Corner> = mesh.corners(face).iter().map(moved).collect();
             if self.mirrors {

@@ -46,6 +46,7 @@ pub fn add(mesh: &mut Mesh, cells: u32) {
             points.push(at.extend(height(at)));
         }
     }
+    mesh.begin_object();
     let first = mesh.points.len() as u32;
     mesh.points.extend(points.iter().map(|point| point.as_vec3()));
     for y in 0..cells {

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::{Draft, check_size, read_file};
+use super::{Draft, check_size, read_file, vertex_color};
 use crate::error::InputError;
 use crate::input::text::{Text, coordinate, plural, too_few_corners};
 use crate::scene::mesh::{Corner, Mesh, NO_NORMAL};
@@ -16,6 +16,16 @@ use values::{Ascii, Binary, Row, Values};
 
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+/// The names that programs give to a vertex' colour.
+const COLORS: [[&str; 3]; 3] =
+    [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
+
+const COLOR_TYPES: [Type; 4] = [Type::Uint8, Type::Uint16, Type::Float32, Type::Float64];
+
+/// What is taken of a vertex: position, normal and colour.
+const PARTS: usize = 9;
+/// Where in this list the colour begins.
+const FIRST_COLOR: usize = 6;
 
 /// Reads a PLY file: the elements `vertex` and `face`; all others, and what the two have besides, are passed over.
 pub(crate) fn read(path: &Path) -> Result<Draft, InputError> {
@@ -37,9 +47,10 @@ pub(crate) fn read(path: &Path) -> Result<Draft, InputError> {
 struct Body<'a> {
     elements: &'a [Element],
     vertices: u64,
-    /// For every property of a vertex, which of [`POSITION`] and [`NORMAL`] it is.
+    /// For every property of a vertex, which of its [`PARTS`] it is.
     slots: Vec<Option<usize>>,
     has_normals: bool,
+    has_colors: bool,
     /// Which property of a face is the list of its corners.
     indices: Option<usize>,
 }
@@ -52,13 +63,16 @@ impl<'a> Body<'a> {
         if let Some(missing) = POSITION.into_iter().find(|name| vertex.position(&[name]).is_none()) {
             return Err(text.error(vertex.span.clone(), format!("element `vertex` has no property `{missing}`")));
         }
-        let has_normals = NORMAL.iter().all(|name| vertex.position(&[name]).is_some());
-        let wanted = if has_normals { [POSITION, NORMAL].concat() } else { POSITION.to_vec() };
+        let has_all = |names: &[&str; 3]| names.iter().all(|name| vertex.position(&[name]).is_some());
+        let normal = has_all(&NORMAL).then_some(NORMAL);
+        let color = COLORS.into_iter().find(has_all);
+        let wanted = [Some(POSITION), normal, color].map(|names| names.map_or([None; 3], |names| names.map(Some)));
         Ok(Body {
             elements: &header.elements,
             vertices: vertex.count,
-            slots: slots(text, vertex, &wanted)?,
-            has_normals,
+            slots: slots(text, vertex, wanted.as_flattened())?,
+            has_normals: normal.is_some(),
+            has_colors: color.is_some(),
             indices: header.element("face").map(|face| corner_list(text, face)).transpose()?,
         })
     }
@@ -82,19 +96,24 @@ impl<'a> Body<'a> {
     }
 
     fn vertex(&self, values: &mut impl Values, row: Row, mesh: &mut Mesh) -> Result<(), InputError> {
-        let mut numbers = [0.0; 6];
+        let mut numbers = [0.0; PARTS];
         for (property, slot) in row.element.properties.iter().zip(&self.slots) {
             match (property.shape, slot) {
                 (Shape::Scalar(kind), Some(slot)) => {
-                    numbers[*slot] = coordinate(values.value(kind, row)?).map_err(|message| values.error(message))?;
+                    let value = values.value(kind, row)?;
+                    let part = if *slot < FIRST_COLOR { coordinate(value) } else { color_part(kind, value) };
+                    numbers[*slot] = part.map_err(|message| values.error(message))?;
                 }
                 (shape, _) => skip(values, shape, row)?,
             }
         }
-        let [x, y, z, nx, ny, nz] = numbers;
+        let [x, y, z, nx, ny, nz, r, g, b] = numbers;
         mesh.add_point(Vec3::new(x, y, z));
         if self.has_normals {
             mesh.add_normal(Vec3::new(nx, ny, nz));
+        }
+        if self.has_colors {
+            mesh.color_point(Vec3::new(r, g, b));
         }
         Ok(())
     }
@@ -131,13 +150,28 @@ impl<'a> Body<'a> {
     }
 }
 
+/// A part of a colour: integers count up to the largest of their type, other numbers to 1.
+fn color_part(kind: Type, value: f64) -> Result<f32, String> {
+    match kind.range() {
+        Some((_, most)) => vertex_color::decoded(value / most as f64)
+            .map_err(|_| format!("{value} is no part of a colour, which is from 0 to {most}")),
+        None => vertex_color::decoded(value),
+    }
+}
+
 /// Finds which of the wanted properties each property of a vertex is.
-fn slots(text: Text, vertex: &Element, wanted: &[&str]) -> Result<Vec<Option<usize>>, InputError> {
+fn slots(text: Text, vertex: &Element, wanted: &[Option<&str>]) -> Result<Vec<Option<usize>>, InputError> {
     let slot = |property: &Property| {
-        let slot = wanted.iter().position(|name| *name == property.name);
+        let slot = wanted.iter().position(|name| *name == Some(property.name.as_str()));
         match property.shape {
             Shape::List { .. } if slot.is_some() => {
                 let message = format!("property `{}` of `vertex` must not be a list", property.name);
+                Err(text.error(property.span.clone(), message))
+            }
+            Shape::Scalar(kind) if slot >= Some(FIRST_COLOR) && !COLOR_TYPES.contains(&kind) => {
+                let types = COLOR_TYPES.map(Type::name).join(", ");
+                let message =
+                    format!("colour `{}` is of type {}, it must be one of {types}", property.name, kind.name());
                 Err(text.error(property.span.clone(), message))
             }
             _ => Ok(slot),

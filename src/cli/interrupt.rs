@@ -1,0 +1,60 @@
+//! Ctrl-C, for every command alike: it stops at once, leaves no file half-written, and says how far it came.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+use indicatif::ProgressBar;
+use pcs_sim::report::files;
+use pcs_sim::report::summary::grouped;
+
+use super::Failure;
+
+/// What is under way.
+#[derive(Clone)]
+struct Stage {
+    bar: ProgressBar,
+    /// What the bar counts; `None` if it just turns, with a message.
+    counts: Option<&'static str>,
+    /// What becomes of the work done so far, if it is not lost.
+    kept: Option<&'static str>,
+}
+
+static STAGE: Mutex<Option<Stage>> = Mutex::new(None);
+
+/// From here on, a signal to stop ends the process: exit status 130.
+///
+/// Signals are taken on a thread of their own, so it does not matter what the command is doing.
+pub fn listen() -> Result<(), Failure> {
+    let handler = ctrlc::set_handler(|| {
+        let finished = files::abandon();
+        let stage = STAGE.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let told = told(stage.as_ref(), &finished);
+        if let Some(stage) = stage {
+            stage.bar.finish_and_clear();
+        }
+        eprintln!("stopped{told}");
+        std::process::exit(130);
+    });
+    handler.map_err(|error| Failure::Output(format!("cannot listen for signals: {error}")))
+}
+
+/// Notes what is under way: the bar shows how far it is, `counts` says what the bar counts.
+pub fn under_way(bar: &ProgressBar, counts: Option<&'static str>, kept: Option<&'static str>) {
+    *STAGE.lock().unwrap_or_else(PoisonError::into_inner) = Some(Stage { bar: bar.clone(), counts, kept });
+}
+
+fn told(stage: Option<&Stage>, finished: &[PathBuf]) -> String {
+    let far = match stage {
+        None => " before it began".to_owned(),
+        Some(Stage { bar, counts: None, .. }) => format!(" while {}", bar.message()),
+        Some(Stage { bar, counts: Some(noun), .. }) => {
+            format!(" after {} of {} {noun}", grouped(bar.position()), grouped(bar.length().unwrap_or_default()))
+        }
+    };
+    let files: Vec<String> = finished.iter().map(|path| path.display().to_string()).collect();
+    match stage.and_then(|stage| stage.kept) {
+        Some(kept) => format!("{far}; {kept}"),
+        None if files.is_empty() => format!("{far}; nothing was written"),
+        None => format!("{far}; wrote {}", files.join(", ")),
+    }
+}
