@@ -48,6 +48,8 @@ pub struct Processor<'a> {
     changed: Vec<u32>,
     registers: [u32; 64],
     address: u32,
+    /// Why the instruction at its address has failed, until that is told.
+    failed: Option<FaultKind>,
     /// It has executed the `done` or `halt` at its address.
     ended: bool,
     /// Cycles computed for the message, and how many of them have been put down as ops.
@@ -76,6 +78,7 @@ impl<'a> Processor<'a> {
             changed: Vec::new(),
             registers: [0; 64],
             address: 0,
+            failed: None,
             ended: false,
             cycles: 0,
             noted: 0,
@@ -117,6 +120,7 @@ impl<'a> Processor<'a> {
     }
 
     /// A word of memory.
+    #[inline(always)]
     pub fn memory(&self, address: u32) -> Option<u32> {
         let behind = address.wrapping_sub(self.data.len() as u32) as usize;
         self.scene.get(behind).or_else(|| self.data.get(address as usize)).copied()
@@ -125,32 +129,61 @@ impl<'a> Processor<'a> {
     /// Runs until the message is done, the cell halts, or a word is missing. Adds what it does to `ops`.
     pub fn run(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Stop, Fault> {
         loop {
-            if let Some(stop) = self.step(queues, ops)? {
+            self.run_plain(u64::MAX, ops);
+            if let Some(stop) = self.not_plain(queues, ops)? {
                 return Ok(stop);
             }
         }
     }
 
     /// Executes one instruction, unless it has to wait; tells if the cell stands still then.
-    #[inline(always)]
     pub fn step(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, Fault> {
+        let before = self.executed;
+        self.run_plain(1, ops);
+        if self.executed > before && self.failed.is_none() {
+            return Ok(None);
+        }
+        self.not_plain(queues, ops)
+    }
+
+    /// Executes instructions that work between registers and memory, up to so many, as far as the next one is such.
+    fn run_plain(&mut self, most: u64, ops: &mut OpStream) {
+        let steps = self.executable.steps.as_slice();
+        let (mut address, mut cycles, mut executed) = (self.address, self.cycles, 0);
+        while executed < most {
+            let Some(step) = steps.get(address as usize).filter(|step| !step.special) else { break };
+            if step.work != self.work {
+                self.cycles = cycles;
+                self.note(ops);
+                self.work = step.work;
+            }
+            cycles += step.cycles as u64;
+            executed += 1;
+            match self.execute(step, address, cycles) {
+                FAILED => break,
+                next => address = next,
+            }
+        }
+        (self.address, self.cycles) = (address, cycles);
+        self.executed += executed;
+    }
+
+    /// What [`Processor::run_plain`] stops at.
+    fn not_plain(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, Fault> {
+        if let Some(kind) = self.failed.take() {
+            return Err(self.fault(kind));
+        }
         let Some(&step) = self.executable.steps.get(self.address as usize) else {
             let length = self.executable.steps.len() as u32;
             return Err(self.fault(FaultKind::OutsideProgram { length }));
         };
-        if step.special {
-            return self.special(step, queues, ops).map_err(|kind| self.fault(kind));
+        if !step.special {
+            return Ok(None);
         }
-        self.charge(step, ops);
-        match self.execute(step) {
-            Ok(next) => self.address = next,
-            Err(kind) => return Err(self.fault(kind)),
-        }
-        Ok(None)
+        self.special(step, queues, ops).map_err(|kind| self.fault(kind))
     }
 
     /// An instruction that moves words, is counted, ends the message, or is none.
-    #[inline(never)]
     fn special(&mut self, step: Step, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, FaultKind> {
         let address = self.address;
         let instruction = match self.executable.instructions[address as usize] {
@@ -177,7 +210,10 @@ impl<'a> Processor<'a> {
                 self.ended = true;
                 return Ok(Some(if instruction.opcode == Opcode::Done { Stop::Done } else { Stop::Halted }));
             }
-            _ => self.address = self.execute(step)?,
+            _ => match self.execute(&step, address, self.cycles) {
+                FAILED => return Err(self.failed.take().unwrap_or(FaultKind::Halted)),
+                next => self.address = next,
+            },
         }
         self.write_queue(&instruction, queues, ops)?;
         Ok(None)
@@ -221,7 +257,6 @@ impl<'a> Processor<'a> {
     }
 
     /// Adds an instruction's cycles, after putting those of another kernel down.
-    #[inline(always)]
     fn charge(&mut self, step: Step, ops: &mut OpStream) {
         if step.work != self.work {
             self.note(ops);
@@ -259,31 +294,29 @@ impl<'a> Processor<'a> {
         Fault::new(kind, self.address, &self.executable.program)
     }
 
-    /// Does what an instruction does, between registers and memory, and gives the address of the next.
+    /// Does what an instruction does, between registers and memory, and gives the address of the next; or [`FAILED`], and
+    /// leaves in `failed` why. `cycles` are those of the message, the instruction's own among them.
     #[inline(always)]
-    fn execute(&mut self, step: Step) -> Result<u32, FaultKind> {
+    fn execute(&mut self, step: &Step, address: u32, cycles: u64) -> u32 {
         let [first, second, third] = step.slots.map(|slot| self.registers[(slot & 63) as usize]);
         let (a, b, i) = (second, third, step.constant as u32);
         let (fa, fb) = (f32::from_bits(a), f32::from_bits(b));
-        let mut next = self.address + 1;
+        let next = address + 1;
         let value = match step.opcode {
             Opcode::Mov => a,
             Opcode::Li => i,
-            Opcode::Lw => {
-                let address = a.wrapping_add(i);
-                let words = (self.data.len() + self.scene.len()) as u32;
-                self.memory(address).ok_or(FaultKind::Load { address, words })?
-            }
-            Opcode::Sw => {
-                self.store(a.wrapping_add(i), first)?;
-                return Ok(next);
-            }
+            Opcode::Lw => match self.memory(a.wrapping_add(i)) {
+                Some(word) => word,
+                None => return self.fail_to_load(a.wrapping_add(i)),
+            },
+            Opcode::Sw => return if self.store(a.wrapping_add(i), first) { next } else { FAILED },
             Opcode::Add => a.wrapping_add(b),
             Opcode::Addi => a.wrapping_add(i),
             Opcode::Sub => a.wrapping_sub(b),
             Opcode::Mul => a.wrapping_mul(b),
-            Opcode::Div => (a as i32).wrapping_div(divisor(b)?) as u32,
-            Opcode::Rem => (a as i32).wrapping_rem(divisor(b)?) as u32,
+            Opcode::Div | Opcode::Rem if b == 0 => return self.fail(FaultKind::DivisionByZero),
+            Opcode::Div => (a as i32).wrapping_div(b as i32) as u32,
+            Opcode::Rem => (a as i32).wrapping_rem(b as i32) as u32,
             Opcode::Min => (a as i32).min(b as i32) as u32,
             Opcode::Max => (a as i32).max(b as i32) as u32,
             Opcode::And => a & b,
@@ -310,55 +343,69 @@ impl<'a> Processor<'a> {
             Opcode::Feq => (fa == fb) as u32,
             Opcode::Flt => (fa < fb) as u32,
             Opcode::Fle => (fa <= fb) as u32,
-            Opcode::Beq => return self.branch(first == second, step, next),
-            Opcode::Bne => return self.branch(first != second, step, next),
-            Opcode::Blt => return self.branch((first as i32) < second as i32, step, next),
-            Opcode::Bge => return self.branch(first as i32 >= second as i32, step, next),
-            Opcode::Bltu => return self.branch(first < second, step, next),
-            Opcode::Bgeu => return self.branch(first >= second, step, next),
-            Opcode::Fblt => return self.branch(f32::from_bits(first) < f32::from_bits(second), step, next),
-            Opcode::Fble => return self.branch(f32::from_bits(first) <= f32::from_bits(second), step, next),
-            Opcode::Jmp => return self.branch(true, step, next),
+            Opcode::Beq => return self.branch(first == second, i, next, cycles),
+            Opcode::Bne => return self.branch(first != second, i, next, cycles),
+            Opcode::Blt => return self.branch((first as i32) < second as i32, i, next, cycles),
+            Opcode::Bge => return self.branch(first as i32 >= second as i32, i, next, cycles),
+            Opcode::Bltu => return self.branch(first < second, i, next, cycles),
+            Opcode::Bgeu => return self.branch(first >= second, i, next, cycles),
+            Opcode::Fblt => return self.branch(f32::from_bits(first) < f32::from_bits(second), i, next, cycles),
+            Opcode::Fble => return self.branch(f32::from_bits(first) <= f32::from_bits(second), i, next, cycles),
+            Opcode::Jmp => return self.branch(true, i, next, cycles),
+            Opcode::Jr => return self.branch(true, first, next, cycles),
             Opcode::Call => {
-                let back = next;
-                next = self.branch(true, step, next)?;
-                back
+                self.registers[(step.slots[0] & 63) as usize] = next;
+                return self.branch(true, i, next, cycles);
             }
-            Opcode::Jr => {
-                return self.branch(true, Step { constant: first as i32, ..step }, next);
-            }
-            Opcode::Done | Opcode::Halt => return Ok(next),
+            Opcode::Done | Opcode::Halt => return next,
         };
         self.registers[(step.slots[0] & 63) as usize] = value;
-        Ok(next)
+        next
     }
 
     /// The address behind a branch. Every loop has one that is taken, so the limit is held here.
     #[inline(always)]
-    fn branch(&self, taken: bool, step: Step, next: u32) -> Result<u32, FaultKind> {
+    fn branch(&mut self, taken: bool, to: u32, next: u32, cycles: u64) -> u32 {
         if !taken {
-            return Ok(next);
+            next
+        } else if cycles <= self.cycle_limit {
+            // Beyond all programs in any case, and not to be taken for a failure.
+            to.min(FAILED - 1)
+        } else {
+            self.fail(FaultKind::CycleLimit(self.cycle_limit))
         }
-        if self.cycles > self.cycle_limit {
-            return Err(FaultKind::CycleLimit(self.cycle_limit));
-        }
-        Ok(step.constant as u32)
     }
 
-    fn store(&mut self, address: u32, value: u32) -> Result<(), FaultKind> {
+    #[inline(always)]
+    fn store(&mut self, address: u32, value: u32) -> bool {
         let words = self.data.len() as u32;
-        let word = self.data.get_mut(address as usize).ok_or(FaultKind::Store { address, words })?;
-        *word = value;
-        self.changed.push(address);
-        Ok(())
+        match self.data.get_mut(address as usize) {
+            Some(word) => {
+                *word = value;
+                self.changed.push(address);
+                true
+            }
+            None => self.fail(FaultKind::Store { address, words }) != FAILED,
+        }
+    }
+
+    #[cold]
+    fn fail_to_load(&mut self, address: u32) -> u32 {
+        let words = (self.data.len() + self.scene.len()) as u32;
+        self.fail(FaultKind::Load { address, words })
+    }
+
+    #[cold]
+    fn fail(&mut self, kind: FaultKind) -> u32 {
+        self.failed = Some(kind);
+        FAILED
     }
 }
+
+/// The address that stands for none: the instruction has failed.
+const FAILED: u32 = u32::MAX;
 
 const SIGN: u32 = 1 << 31;
-
-fn divisor(b: u32) -> Result<i32, FaultKind> {
-    if b == 0 { Err(FaultKind::DivisionByZero) } else { Ok(b as i32) }
-}
 
 /// The queue that has too few words for an instruction.
 fn missing(instruction: &Instruction, queues: &Queues) -> Option<Queue> {

@@ -77,6 +77,11 @@ impl<'a> Tracer<'a> {
         Tracer { workload, mailbox, programs, counts: Counts::default(), fault: None }
     }
 
+    /// Instructions that cells with programs have executed.
+    pub fn executed(&self) -> u64 {
+        self.programs.as_ref().map_or(0, ProgramTracer::executed)
+    }
+
     /// Traces ray number `id`: adds a line to the host's and to every cell's ops, and returns the first hit.
     pub fn trace(&mut self, id: u32, ray: &Ray, batch: &mut OpBatch) -> Hit {
         send_ray(&mut batch.host, id, self.workload.times.host.ray);

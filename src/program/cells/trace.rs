@@ -57,6 +57,11 @@ impl<'a> ProgramTracer<'a> {
         }
     }
 
+    /// Instructions that all cells have executed.
+    pub fn executed(&self) -> u64 {
+        self.cells.iter().map(Processor::executed).sum()
+    }
+
     /// Sends ray number `id` through all cells: adds what each does to its ops, and returns what comes out of the last.
     pub fn trace(&mut self, id: u32, ray: &Ray, ops: &mut [OpStream], counts: &mut Counts) -> Result<Hit, Fault> {
         self.queues.restart(&ray_words(id, ray));
