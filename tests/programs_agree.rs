@@ -190,3 +190,55 @@ fn faults_and_mistakes_as_people_read_them() {
     insta::assert_snapshot!("fault", fault.stderr);
     insta::assert_snapshot!("mistake", command("start:  mov r1, xp\n        fmull r2, r1, r1").refused());
 }
+
+/// A program cell's ops are ops like all others: their trace replays to the same statistics, and images are the same.
+#[test]
+fn everything_behind_the_seam_serves_them() {
+    let folder = Folder::new();
+    let scene = "--scene tetra --size-factor 3 --size 20x20 --mode broadcast --cells 3 --cells-run programs";
+    folder.run(&format!("{scene} --ops run.ops --stats run.json")).success();
+    folder.run("replay run.ops --stats replay.json").success();
+    let [run, replay] = ["run.json", "replay.json"]
+        .map(|name| -> serde_json::Value { serde_json::from_str(&folder.read(name)).unwrap() });
+    for part in ["cycles", "rays", "cells", "fifos"] {
+        assert_eq!(run[part], replay[part], "{part}");
+    }
+    assert_eq!(run["configuration"]["cells_run"], "programs");
+    for kind in ["timings", "programs"] {
+        folder.run(&format!("image tetra --size-factor 3 --size 16x16 --cells-run {kind} -o {kind}.png")).success();
+    }
+    let [timings, programs] = ["timings.png", "programs.png"].map(|name| std::fs::read(folder.path(name)).unwrap());
+    assert_eq!(timings, programs);
+}
+
+/// Equations (4) and (6) are what a cell's grid and slabs take, whatever it runs.
+#[test]
+fn memory_is_that_of_the_equations() {
+    let (scene, rays) = scene("teapot", 4, 8);
+    for (mode, groups) in [("pipeline", 1), ("broadcast", 3)] {
+        let workload = Workload::new(&scene.mesh, &program(mode, groups), machine().times, &rays).unwrap();
+        let loaded = workload.clone().with_programs(&cell_options()).unwrap();
+        for cell in 0..workload.cells() {
+            let (timings, programs) = (workload.memory_of(cell), loaded.memory_of(cell));
+            assert_eq!((timings.grid, timings.slabs), (programs.grid, programs.slabs));
+            assert_eq!(timings.polygons, programs.polygons);
+            assert!(programs.program.0 > 0 && timings.program.0 == 0);
+        }
+    }
+}
+
+/// The README shows what the command prints, and the list of the programs is whole.
+#[test]
+fn documents_are_true() {
+    let readme = std::fs::read_to_string("README.md").unwrap();
+    assert!(readme.contains(&run_in(Path::new("."), "figure7").success()));
+    let document = std::fs::read_to_string("docs/cell-programs.md").unwrap();
+    let kernels = [
+        &["grid", "slabs", "intersection"][..],
+        &["grid-slabs", "slabs-intersection"],
+        &["grid-intersection", "broadcast"],
+    ];
+    for name in kernels.concat() {
+        assert!(document.contains(&format!("`{name}.pcs`")), "{name}");
+    }
+}

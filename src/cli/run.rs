@@ -296,11 +296,22 @@ pub fn machine_line(spec: &MachineSpec) -> String {
     )
 }
 
-/// The fullest cell's memory, in one line.
+/// The fullest cell's memory, in one line; of cells that run programs, with its parts.
 pub fn memory_line(workload: &Workload) -> String {
     let largest = (0..workload.cells()).map(|cell| (workload.memory_of(cell).total(), std::cmp::Reverse(cell))).max();
     let (words, std::cmp::Reverse(cell)) = largest.unwrap_or_default();
-    format!("memory: {} words in the fullest cell, {cell}", grouped(words.0))
+    let line = format!("memory: {} words in the fullest cell, {cell}", grouped(words.0));
+    if !workload.runs_programs() {
+        return line;
+    }
+    let memory = workload.memory_of(cell);
+    format!(
+        "{line}: grid {} (equation 4), slabs {} (equation 6), planes and vertices {}, program and its tables {}",
+        grouped(memory.grid.0),
+        grouped(memory.slabs.0),
+        grouped(memory.polygons.0),
+        grouped(memory.program.0),
+    )
 }
 
 /// What a cell runs, in a word or two.

@@ -14,8 +14,8 @@
 //! | [`Processor`] | a cell that runs one: words in, words and [ops](crate::machine::OpStream) out |
 //!
 //! A program is started on a *message* (a ray): at its first instruction, with all registers 0 and the data memory as
-//! it was loaded. `done` ends the message. So nothing passes from one message to the next but by `halt`-less programs that
-//! never say `done`, which are one message from their first word to their last.
+//! it was loaded; `done` ends the message. So nothing passes from one message to the next. A program that never says
+//! `done`, as a filter on a stream, takes all words for one message.
 
 mod assembler;
 mod cycles;
@@ -24,6 +24,7 @@ mod executable;
 mod fault;
 mod processor;
 mod program;
+mod queues;
 mod register;
 pub mod table;
 
@@ -32,7 +33,8 @@ pub use cycles::InstructionCycles;
 pub use encoding::{Instruction, InvalidInstruction};
 pub use executable::Executable;
 pub use fault::{Fault, FaultKind, FaultLine};
-pub use processor::{Processor, Queues, Stop};
+pub use processor::{Processor, Stop};
 pub use program::{Program, SourceFile, SourceLine};
+pub use queues::Queues;
 pub use register::{Queue, Register};
 pub use table::{Class, Format, Opcode, Operand};

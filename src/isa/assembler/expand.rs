@@ -85,12 +85,11 @@ impl Assembler {
         for (index, line) in lines.iter().enumerate().skip(start) {
             match line.first_word() {
                 _ if opens_block(line).is_some() => depth += 1,
-                ".else" if depth == 1 => {
-                    if otherwise.replace(index).is_some() {
-                        let wrong = Wrong::new(line.first_span(), "the block has an `.else` already");
-                        return Err(self.error(line, wrong));
-                    }
+                ".else" if depth == 1 && otherwise.is_some() => {
+                    let wrong = Wrong::new(line.first_span(), "the block has an `.else` already");
+                    return Err(self.error(line, wrong));
                 }
+                ".else" if depth == 1 => otherwise = Some(index),
                 ".end" if depth == 1 => {
                     let middle = otherwise.unwrap_or(index);
                     let second = otherwise.map_or(index, |index| index + 1);
