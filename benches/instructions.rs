@@ -35,7 +35,7 @@ fn main() {
             let mut batch = OpBatch::new(workload.cells());
             let start = Instant::now();
             for (id, ray) in rays.iter().enumerate() {
-                tracer.trace(id as u32, ray, &mut batch);
+                tracer.trace(id as u32, rays.len(), ray, &mut batch);
                 if id % 256 == 0 {
                     batch.clear();
                 }

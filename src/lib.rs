@@ -24,7 +24,7 @@
 //!   again under any machine without the scene.
 //!
 //! [`simulation`] runs both halves together. [`scene`] reads or generates what is traced, [`host`] makes rays and images,
-//! [`report`] tells what came out.
+//! [`report`] tells what came out, and [`model`] what the paper's equations expect to.
 //!
 //! # Guarantees
 //!
@@ -58,6 +58,7 @@ pub mod host;
 mod input;
 pub mod isa;
 pub mod machine;
+pub mod model;
 pub mod program;
 pub mod report;
 pub mod scene;

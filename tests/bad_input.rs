@@ -93,5 +93,11 @@ refusals! {
     unread_stats: "x", "", "image room -o i.png --timing off --stats s.json";
     unread_kernel_time_of_a_replay: "a.ops", "0 host w8\n0 0 x8 o5\n", "replay a.ops --grid-start 3";
     unread_memory_of_a_replay: "a.ops", "0 host w8\n0 0 x8 o5\n", "replay a.ops --memory-words 3";
+    trace_first_cell_writes_z: "a.ops", "0 host w8\n0 0 x8 z1 o5\n", "replay a.ops";
+    trace_last_cell_reads_z: "a.ops", "0 host w8\n0 0 x8 o1\n0 1 x8 i1 b1 o5\n", "replay a.ops";
+    program_stop_words_of_0: "p.ron", &PROGRAM.replace("stop_words: None", "stop_words: Some(0)"), "--program p.ron --scene room";
+    flag_stop_words_to_itself: "x", "", "--mode broadcast --stop-words 4 --scene room";
+    flag_stop_words_need_deeper_fifos: "x", "", "--mode pipeline --stop-words 64 --fifo-words 31 --scene room";
+    image_of_rays_ahead: "x", "", "image room -o i.png --size 4x4 --mode broadcast --cells 2 --forward-ahead 2";
     image_of_a_ray_file: "x", "", "--scene room --rays rays_ok.csv --image i.png";
 }

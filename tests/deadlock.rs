@@ -27,6 +27,18 @@ fn deeper_fifos_break_the_loop() {
     replay(LOOP, "--fifo-words 600").success();
 }
 
+/// Cell 0 wants to hear from cell 1 of a word that it has not sent yet.
+#[test]
+fn two_cells_wait_for_each_others_words() {
+    insta::assert_snapshot!(replay("0 host w8\n0 0 x8 b1 o1\n0 1 x8 i1 z1 o5\n", "").failed());
+}
+
+/// More words go to the left than anybody reads, and the FIFO cannot hold the rest.
+#[test]
+fn words_to_the_left_find_no_room() {
+    insta::assert_snapshot!(replay("0 host w8\n0 0 x8 b2 o1\n0 1 x8 z9 i1 o5\n", "--fifo-words 4").failed());
+}
+
 #[test]
 fn the_host_waits_for_a_hit_that_waits_for_the_host() {
     insta::assert_snapshot!(replay("0 host a1 w8\n1 host w8\n0 0 x8 o5\n1 0 x8 o5\n", "").failed());

@@ -11,7 +11,7 @@ use pcs_sim::geometry::{Polygons, Ray, brute_force};
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::{Branch, Limits, RayKind, Shader, reflect, refract};
-use pcs_sim::machine::{Cycles, MachineSpec, OpBatch, OpKind};
+use pcs_sim::machine::{Array, Cycles, MachineSpec, OpBatch, OpKind};
 use pcs_sim::program::{KernelTimes, MachineFile, Workload};
 use pcs_sim::scene::{Material, Mesh, ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, Seen, Timing};
@@ -44,7 +44,8 @@ fn untimed(picture: &Picture, threads: usize) -> Rendered {
 /// A timed image, and the ops that the host and the cells did.
 fn timed(picture: &Picture, spec: &MachineSpec, rules: HostRules) -> (Rendered, Vec<OpBatch>) {
     let mut batches = Vec::new();
-    let rendered = simulation::render(picture, Some((spec, rules)), 2, |seen| {
+    let array = Array::new(spec, picture.workload.cells());
+    let rendered = simulation::render(picture, Some((array, rules)), 2, |seen| {
         if let Seen::Sent(ops, _) = seen {
             batches.push(ops.clone());
         }

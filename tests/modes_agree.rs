@@ -205,12 +205,22 @@ proptest! {
         partition in prop::sample::select(&PARTITIONS[..]),
         coefficient in prop_oneof![Just(50.0), Just(1.0), Just(0.01), Just(500.0)],
         mailbox: bool,
+        stop_words in prop::option::of(prop_oneof![1u32..6, 1u32..80]),
+        forward_ahead in prop_oneof![Just(0u32), 1u32..70],
     ) {
         let groups = cells.min(mesh.faces().len());
         let expected = by_brute_force(&mesh, &rays);
         for name in ["pipeline", "broadcast", "hybrid", "hybrid-3"] {
             let groups = if name == "pipeline" { 1 } else { groups };
-            let program = ArrayProgram { grid_coefficient: coefficient, mailbox, partition, ..program(name, groups) };
+            let stop_words = stop_words.filter(|_| name != "broadcast");
+            let program = ArrayProgram {
+                grid_coefficient: coefficient,
+                mailbox,
+                partition,
+                stop_words,
+                forward_ahead,
+                ..program(name, groups)
+            };
             prop_assert_eq!(&hits(&mesh, &program, &rays, 1), &expected, "{}", name);
         }
     }

@@ -227,6 +227,17 @@ fn memory_is_that_of_the_equations() {
     }
 }
 
+/// What goes beyond the paper is refused, not ignored.
+#[test]
+fn not_beyond_the_paper() {
+    let folder = Folder::new();
+    let refused = |flags: &str| folder.run(&format!("--scene tetra --size 8x8 --cells-run programs {flags}")).refused();
+    assert!(refused("--stop-words 4").contains("know nothing of stop words"));
+    assert!(refused("--mode broadcast --forward-ahead 2").contains("know nothing of rays forwarded ahead"));
+    assert!(refused("--grid-start 5").contains("--grid-start is a time of Figure 7"));
+    assert!(folder.run("--cycle-limit 5").refused().contains("ask for --cells-run programs"));
+}
+
 /// The README shows what the command prints, and the list of the programs is whole.
 #[test]
 fn documents_are_true() {

@@ -19,7 +19,14 @@ fn timing_of(json: &str) -> serde_json::Value {
 
 #[test]
 fn gives_the_very_stats_of_the_run() {
-    for mode in ["--mode pipeline", "--mode broadcast --cells 6", "--mode hybrid", "--program hybrid-3 --groups 2"] {
+    for mode in [
+        "--mode pipeline",
+        "--mode broadcast --cells 6",
+        "--mode hybrid",
+        "--program hybrid-3 --groups 2",
+        "--mode pipeline --stop-words 6",
+        "--mode hybrid --stop-words 3 --forward-ahead 5",
+    ] {
         let folder = Folder::new();
         folder
             .run(&format!("{mode} --scene teapot --size-factor 4 --size 40x30 --ops a.ops --stats run.json"))

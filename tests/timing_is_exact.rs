@@ -2,10 +2,10 @@
 
 mod support;
 
-use pcs_sim::machine::{
-    Array, Cycles, MachineSpec, OpBatch, OpKind, OpStream, RateCounts, RunStats, Unfinished, Words, Work,
-};
+use pcs_sim::machine::{Array, Cycles, MachineSpec, OpBatch, RunStats, Unfinished, Words};
+use pcs_sim::program::ArrayProgram;
 use proptest::prelude::*;
+use support::random_ops::{batch_of, batches_of, case};
 use support::ticking;
 
 /// Times the batches as the library's users do. `None` if they are stuck.
@@ -26,123 +26,12 @@ fn time(spec: &MachineSpec, batches: &[OpBatch]) -> Option<RunStats> {
     }
 }
 
-/// What a cell may do between its moves.
-fn compute() -> impl Strategy<Value = (OpKind, u32)> {
-    let work = prop::sample::select(Work::ALL.to_vec());
-    (work, prop_oneof![0u32..4, 0u32..60]).prop_map(|(work, cycles)| (OpKind::Compute(work), cycles))
-}
-
-/// For each ray: words on Y from each cell to the next, and an order in which each cell does things.
-#[derive(Clone, Debug)]
-struct RayPlan {
-    words: Vec<u32>,
-    seeds: Vec<u64>,
-    computes: Vec<Vec<(OpKind, u32)>>,
-    waits: bool,
-    host_time: u32,
-}
-
-fn ray_plan(cells: usize) -> impl Strategy<Value = RayPlan> {
-    (
-        prop::collection::vec(0u32..7, cells),
-        prop::collection::vec(any::<u64>(), cells),
-        prop::collection::vec(prop::collection::vec(compute(), 0..4), cells),
-        prop::bool::weighted(0.2),
-        prop_oneof![Just(0u32), 0u32..40],
-    )
-        .prop_map(|(words, seeds, computes, waits, host_time)| RayPlan {
-            words,
-            seeds,
-            computes,
-            waits,
-            host_time,
-        })
-}
-
-/// A shuffle that needs no generator: the seed's digits pick.
-fn shuffle<T>(mut items: Vec<T>, mut seed: u64) -> Vec<T> {
-    let mut out = Vec::new();
-    while !items.is_empty() {
-        let pick = (seed % items.len() as u64) as usize;
-        seed = seed.rotate_left(7).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        out.push(items.remove(pick));
-    }
-    out
-}
-
-fn batch_of(cells: usize, rays: &[RayPlan], first_ray: u32) -> OpBatch {
-    let mut batch = OpBatch::new(cells);
-    for (offset, plan) in rays.iter().enumerate() {
-        let ray = first_ray + offset as u32;
-        if plan.waits && ray > 0 {
-            batch.host.push(OpKind::Await, ray as u64 - 1);
-        }
-        batch.host.push(OpKind::Compute(Work::Other), plan.host_time as u64);
-        batch.host.push(OpKind::WriteX, 8);
-        batch.host.end_line(ray);
-        for cell in 0..cells {
-            let last = cell + 1 == cells;
-            push_line(&mut batch.cells[cell], plan, cell, last);
-            batch.cells[cell].end_line(ray);
-        }
-    }
-    batch
-}
-
-/// Eight words of X (passed on, or read and written by themselves), what the left cell sent, what the right one gets.
-fn push_line(stream: &mut OpStream, plan: &RayPlan, cell: usize, last: bool) {
-    let seed = plan.seeds[cell];
-    let mut items: Vec<Vec<(OpKind, u32)>> = plan.computes[cell].iter().map(|&op| vec![op]).collect();
-    items.push(match seed % 4 {
-        0 => vec![(OpKind::PassX, 3), (OpKind::PassX, 5)],
-        1 if !last => vec![(OpKind::ReadX, 8), (OpKind::WriteX, 8)],
-        _ => vec![(OpKind::PassX, 8)],
-    });
-    if cell > 0 {
-        items.extend(split(plan.words[cell - 1], seed).map(|count| vec![(OpKind::ReadY, count)]));
-    }
-    let sent = if last { 5 } else { plan.words[cell] };
-    items.extend(split(sent, seed >> 8).map(|count| vec![(OpKind::WriteY, count)]));
-    for (kind, count) in shuffle(items, seed >> 16).into_iter().flatten() {
-        stream.push(kind, count as u64);
-    }
-}
-
-fn split(words: u32, seed: u64) -> impl Iterator<Item = u32> {
-    let first = if words == 0 { 0 } else { (seed % words as u64) as u32 };
-    [first, words - first].into_iter().filter(|&count| count > 0)
-}
-
-fn machine() -> impl Strategy<Value = MachineSpec> {
-    let rate = prop_oneof![3 => Just(80.0), 1 => prop::sample::select(vec![160.0, 40.0, 30.0, 13.0])];
-    let counts = prop::sample::select(vec![RateCounts::Link, RateCounts::Channel]);
-    (prop_oneof![1u64..=16, 1u64..=600], prop_oneof![Just(1u64), 1u64..=20], rate, counts).prop_map(
-        |(fifo_words, latency, link_mb_s, rate_counts)| MachineSpec {
-            fifo_words: Words(fifo_words),
-            latency: Cycles(latency),
-            link_mb_s,
-            rate_counts,
-            ..MachineSpec::default()
-        },
-    )
-}
-
-fn case() -> impl Strategy<Value = (MachineSpec, usize, Vec<RayPlan>, usize)> {
-    (machine(), 1usize..5).prop_flat_map(|(spec, cells)| {
-        (Just(spec), Just(cells), prop::collection::vec(ray_plan(cells), 1..24), 1usize..9)
-    })
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 20_000, ..ProptestConfig::default() })]
 
     #[test]
     fn every_field_equals_the_ticking_model((spec, cells, rays, per_batch) in case()) {
-        let batches: Vec<OpBatch> = rays
-            .chunks(per_batch)
-            .enumerate()
-            .map(|(index, chunk)| batch_of(cells, chunk, (index * per_batch) as u32))
-            .collect();
+        let batches = batches_of(cells, &rays, per_batch);
         prop_assert_eq!(time(&spec, &batches), ticking::run(&spec, &batches));
     }
 }
@@ -152,14 +41,25 @@ proptest! {
 fn on_real_scenes() {
     for (scene, size) in [("room", 1), ("teapot", 3)] {
         let (scene, rays) = support::scene(scene, size, 7);
-        for (mode, groups) in [("pipeline", 1), ("broadcast", 3), ("hybrid", 2), ("hybrid-3", 2)] {
-            let workload = support::workload(&scene.mesh, &support::program(mode, groups), &rays);
+        for (mode, groups, stop_words, forward_ahead) in [
+            ("pipeline", 1, None, 0),
+            ("broadcast", 3, None, 0),
+            ("hybrid", 2, None, 0),
+            ("hybrid-3", 2, None, 0),
+            ("pipeline", 1, Some(1), 0),
+            ("pipeline", 1, Some(10), 0),
+            ("hybrid", 2, Some(4), 1),
+            ("hybrid-3", 2, Some(2), 3),
+            ("broadcast", 3, None, 4),
+        ] {
+            let program = ArrayProgram { stop_words, forward_ahead, ..support::program(mode, groups) };
+            let workload = support::workload(&scene.mesh, &program, &rays);
             let batches = support::ops(&workload, &rays);
             for (fifo_words, link_mb_s) in [(512, 80.0), (64, 80.0), (5, 27.0)] {
                 let spec = MachineSpec { fifo_words: Words(fifo_words), link_mb_s, ..MachineSpec::default() };
                 let expected = ticking::run(&spec, &batches).expect("it ends");
                 let found = time(&spec, &batches).expect("it ends");
-                assert_eq!(found, expected, "{}, {mode}, {fifo_words} words, {link_mb_s} Mbyte/s", scene.name);
+                assert_eq!(found, expected, "{}, {program:?}, {fifo_words} words, {link_mb_s} Mbyte/s", scene.name);
             }
         }
     }
@@ -170,11 +70,11 @@ fn on_real_scenes() {
 fn random_cases_are_varied() {
     use proptest::strategy::ValueTree;
     let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let mut seen = [0u64; 8];
+    let mut seen = [0u64; 10];
     let mut stuck = 0;
     for _ in 0..400 {
         let (spec, cells, rays, _) = case().new_tree(&mut runner).unwrap().current();
-        match time(&spec, &[batch_of(cells, &rays, 0)]) {
+        match time(&spec, &[batch_of(cells, &rays, 0..rays.len())]) {
             None => stuck += 1,
             Some(stats) => {
                 for cell in &stats.cells {
@@ -183,8 +83,10 @@ fn random_cases_are_varied() {
                         cell.moving,
                         cell.waiting_x,
                         cell.waiting_y,
+                        cell.waiting_z,
                         cell.blocked_x,
                         cell.blocked_y,
+                        cell.blocked_z,
                         cell.idle,
                         stats.fifos.iter().map(|fifo| fifo.full).sum(),
                     ];

@@ -4,6 +4,8 @@ mod support;
 
 use std::process::Command;
 
+use pcs_sim::machine::{Array, MachineSpec};
+use pcs_sim::report::plot::{self, Caption};
 use support::command::Folder;
 
 const RUN: &str = "--mode hybrid --cells 4 --scene room --size 12x10 --fifo-words 16";
@@ -46,7 +48,7 @@ fn a_replay_has_the_same_views_as_its_run() {
     folder.run("replay a.ops --fifo-words 16 --page replay.html").success();
     let figures = |name: &str| {
         let page = folder.read(name);
-        let start = page.find("\"times\"").unwrap();
+        let start = page.find("\"bins\"").unwrap();
         let data = &page[start..start + page[start..].find("</script>").unwrap()];
         let (before, after) = (data.find("\"cells\"").unwrap(), data.find("\"fifos\"").unwrap());
         format!("{}{}", &data[..before], &data[after..])
@@ -54,13 +56,19 @@ fn a_replay_has_the_same_views_as_its_run() {
     assert_eq!(figures("run.html"), figures("replay.html"));
 }
 
-/// What a page does once it is open: zooms one chart, and tells on which stretch each of them then stands.
-const ZOOM: &str = "<script>
-charts[0].setScale('x', { min: run.end / 4, max: run.end / 2 });
+/// What a page does once it is open: turns the wheel over one chart, tells on which stretch each of them then stands and
+/// whether anything is wider than the window, and hides a cell's charts by a click.
+const USE: &str = "<script>
 setTimeout(() => {
-  const near = (a, b) => Math.abs(a - b) < 1e-9 * run.end;
-  const zoomed = charts.filter(({ scales: { x } }) => near(x.min, run.end / 4) && near(x.max, run.end / 2));
-  document.body.dataset.zoomed = zoomed.length;
+  const { over } = charts[0].chart, { left, top, width } = over.getBoundingClientRect();
+  over.dispatchEvent(new WheelEvent('wheel', { deltaY: -1, clientX: left + width / 2, clientY: top + 5, bubbles: true }));
+  const told = document.body.dataset;
+  setTimeout(() => {
+    const near = (a, b) => Math.abs(a - b) < 0.01 * run.end;
+    told.zoomed = charts.filter(({ chart: { scales: { x } } }) => near(x.min, run.end / 8) && near(x.max, run.end * 7 / 8)).length;
+    told.fits = document.documentElement.scrollWidth <= innerWidth;
+    document.querySelector('.station.selected').dispatchEvent(new MouseEvent('click'));
+  }, 200);
 }, 200);
 </script>";
 
@@ -74,27 +82,63 @@ fn a_page_opens_in_a_browser_and_its_charts_move_together() {
         return;
     };
     let folder = Folder::new();
-    folder.run(&format!("{RUN} --page page.html")).success();
-    let page = folder.read("page.html");
-    assert!(!page.contains("http://") || page.matches("http://").count() == page.matches("http://www.w3.org").count());
+    // Four cells, the rays, eight FIFOs.
+    folder.run(&format!("{RUN} --page few.html")).success();
+    let few = opened(browser, &folder, "few", "1280,800");
+    assert!(few.contains("data-zoomed=\"13\""), "all charts stand on the stretch that one was zoomed to");
+    assert!(few.contains("data-charts=\"11\""), "a click has hidden a cell and its FIFO");
+    assert!(few.contains("cell 3") && few.contains("data:image/png"), "the array and the picture are there");
+    folder.run("--mode broadcast --cells 40 --scene teapot --size 12x10 --page many.html").success();
+    for window in ["1280,800", "900,800", "1920,1080"] {
+        let many = opened(browser, &folder, "many", window);
+        assert!(many.contains("data-fits=\"true\""), "nothing is wider than a window of {window}");
+        assert!(many.contains("all FIFOs on Y") && many.contains("class=\"station"), "{window}");
+    }
+}
+
+/// What is in a page after it was opened in a window of that size, and used.
+fn opened(browser: &str, folder: &Folder, name: &str, window: &str) -> String {
+    let page = folder.read(&format!("{name}.html"));
+    assert!(page.matches("http://").count() == page.matches("http://www.w3.org").count());
     assert!(
         !page.contains("src=\"http") && !page.contains("<link rel=\"stylesheet\""),
         "it asks the network for nothing"
     );
-    folder.file("zoom.html", page.replace("</body>", &format!("{ZOOM}</body>")));
+    folder.file("used.html", page.replace("</body>", &format!("{USE}</body>")));
     let profile = tempfile::tempdir().unwrap();
     let output = Command::new(browser)
         .args("--headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking".split(' '))
         .args("--disable-component-update --disable-sync --enable-logging=stderr --virtual-time-budget=3000".split(' '))
         .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg(format!("--window-size={window}"))
         .arg("--dump-dom")
-        .arg(format!("file://{}", folder.path("zoom.html").display()))
+        .arg(format!("file://{}", folder.path("used.html").display()))
         .output()
         .unwrap();
-    let (dom, log) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let log = String::from_utf8_lossy(&output.stderr);
     assert!(!log.contains("CONSOLE"), "{log}");
-    // Four cells, the rays, eight FIFOs.
-    assert!(dom.contains("data-charts=\"13\""), "all charts are drawn");
-    assert!(dom.contains("data-zoomed=\"13\""), "all charts stand on the stretch that one was zoomed to");
-    assert!(dom.contains("cell 3") && dom.contains("data:image/png"), "the array and the picture are there");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Runs of one ray and of rays that hit nothing have all views too.
+#[test]
+fn next_to_nothing_can_be_seen() {
+    let folder = Folder::new();
+    let header = "ox,oy,oz,dx,dy,dz\n";
+    for (name, rays) in [("one", "0,0,50,0,0,-1\n"), ("away", "0,0,500,0,0,1\n0,0,500,0,0,1\n")] {
+        folder.file(&format!("{name}.csv"), format!("{header}{rays}"));
+        let run = format!("--scene room --mode broadcast --cells 12 --rays {name}.csv");
+        folder.run(&format!("{run} --plot {name} --page {name}.html")).success();
+        assert!(folder.read(&format!("{name}.html")).contains("cell"), "{name}");
+    }
+}
+
+#[test]
+fn a_run_of_no_cycles_can_be_drawn() {
+    for cells in [1, 20] {
+        let spec = MachineSpec::default();
+        let (_, observed) = Array::new(&spec, cells).probed().finish_observed().unwrap();
+        let caption = Caption { title: "nothing".to_owned(), machine: "none".to_owned() };
+        assert!(plot::pictures(&observed.profile.unwrap(), &spec, &caption, &[]).unwrap().len() >= 5);
+    }
 }

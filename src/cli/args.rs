@@ -1,11 +1,12 @@
 //! What can be typed.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pcs_sim::geometry::Partition;
 use pcs_sim::host::camera::ImageSize;
-use pcs_sim::machine::RateCounts;
+use pcs_sim::machine::{Cycles, RateCounts};
 
 /// Simulates ray tracing on a linear array of PCS processors (INRIA RR-0992, 1989), exact to the cycle.
 ///
@@ -27,6 +28,8 @@ pub enum Command {
     Replay(Box<ReplayArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
     Sweep(SweepArgs),
+    /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
+    Model(Box<ModelArgs>),
     /// Tells in what two statistics files differ, and by how much.
     Compare(CompareArgs),
     /// Measures Figure 7's six numbers on both kinds of cell, and holds them against the paper.
@@ -83,6 +86,8 @@ pub struct ImageArgs {
     pub results: ResultArgs,
     #[command(flatten)]
     pub tracing: TracingArgs,
+    #[command(flatten)]
+    pub viewer: ViewerArgs,
 }
 
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
@@ -174,6 +179,12 @@ pub struct ProgramArgs {
     /// Let the grid send no polygon twice for the same ray.
     #[arg(long)]
     pub mailbox: bool,
+    /// Let the intersection's cell tell the grid's to stop, which walks up to W voxels ahead of its words.
+    #[arg(long, value_name = "W")]
+    pub stop_words: Option<u32>,
+    /// Let each cell read and pass on K rays ahead of the one that it begins.
+    #[arg(long, value_name = "K")]
+    pub forward_ahead: Option<u32>,
 }
 
 /// How the cells work.
@@ -341,6 +352,9 @@ pub struct ResultArgs {
     /// Replace result files that exist.
     #[arg(long)]
     pub force: bool,
+    /// Watch the cells and the FIFOs at work, on a terminal.
+    #[arg(long, help_heading = "Options")]
+    pub watch: bool,
 }
 
 #[derive(Debug, Args)]
@@ -365,6 +379,20 @@ pub struct ViewArgs {
     /// Write a page (HTML) to look at the run in a browser: the array, and charts to zoom into.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
+    #[command(flatten)]
+    pub viewer: ViewerArgs,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Views of the run over time")]
+pub struct ViewerArgs {
+    /// Write the run cycle by cycle for a viewer: .pftrace for Perfetto, .vcd or .fst for GTKWave and Surfer.
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
+    /// The cycles to trace, from A to before B; either may be left out [default: from 0 on, as many as viewers open with
+    /// ease].
+    #[arg(long, value_name = "A..B", requires = "trace", value_parser = window)]
+    pub trace_window: Option<Range<Cycles>>,
 }
 
 #[derive(Debug, Args)]
@@ -372,12 +400,46 @@ pub struct SweepArgs {
     /// The sweep: a value, a list or a range for any of a run's parameters.
     #[arg(value_name = "SWEEP.ron")]
     pub sweep: PathBuf,
-    /// The table, as CSV. A journal lies beside it until it is whole, from which a sweep that was stopped goes on.
-    #[arg(long, value_name = "FILE")]
+    /// The table: FILE.csv, and the same as FILE.parquet. It grows as points finish. A sweep that was stopped goes on
+    /// where FILE.journal says; one that is done is not run again.
+    #[arg(short = 'o', long, value_name = "FILE")]
     pub table: PathBuf,
-    /// Replace a table that exists.
+    /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode.
+    ///
+    /// The plot lies beside the table, as SVG and PNG. May be given several times, x= first.
+    #[arg(long, num_args = 2..=3, value_names = ["x=COLUMN", "y=COLUMN", "by=COLUMN"])]
+    pub plot: Vec<String>,
+    /// Replace plots that exist, and the table and journal of another sweep.
     #[arg(long)]
     pub force: bool,
+    /// Watch the points come in, on a terminal.
+    #[arg(long)]
+    pub watch: bool,
+}
+
+/// `pcs-sim model`.
+#[derive(Debug, Args)]
+pub struct ModelArgs {
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Predict and simulate nothing: seconds where the simulation may take minutes.
+    #[arg(long)]
+    pub predict_only: bool,
+    #[command(flatten)]
+    pub program: ProgramArgs,
+    #[command(flatten)]
+    pub shape: ShapeArgs,
+    /// Take the rays from a CSV file (ox,oy,oz,dx,dy,dz and optionally tmax) instead of the camera.
+    #[arg(long, value_name = "FILE", help_heading = "Scene and rays")]
+    pub rays: Option<PathBuf>,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub results: ResultArgs,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
 }
 
 #[derive(Debug, Args)]
@@ -401,6 +463,16 @@ fn image_size(text: &str) -> Result<ImageSize, String> {
         return Err(format!("an image can have at most {MOST_PIXELS} pixels"));
     }
     Ok(size)
+}
+
+fn window(text: &str) -> Result<Range<Cycles>, String> {
+    let (from, until) = text.split_once("..").ok_or("expected two cycles, as in 2000..3000")?;
+    let cycle = |cycle: &str, default: u64| match cycle {
+        "" => Ok(Cycles(default)),
+        _ => cycle.parse().map(Cycles).map_err(|_| format!("'{cycle}' is no number of a cycle")),
+    };
+    let window = cycle(from, 0)?..cycle(until, u64::MAX)?;
+    if window.is_empty() { Err("it has no cycle: B must be larger than A".to_owned()) } else { Ok(window) }
 }
 
 fn rate_counts(text: &str) -> Result<RateCounts, String> {

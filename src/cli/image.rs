@@ -8,17 +8,22 @@ use pcs_sim::geometry::Hit;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::Limits;
 use pcs_sim::host::{camera, image};
+use pcs_sim::machine::Array;
 use pcs_sim::program::{Machine, MachineFile, Workload};
 use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::kinds::{self, RaysByKind};
+use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
+use pcs_sim::report::trace::Trace;
 use pcs_sim::report::{activity, bottleneck, hits};
 use pcs_sim::scene::Scene;
 use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, RunError, Seen};
 
 use super::args::{ImageArgs, PolicyName, Switch};
-use super::run::{array_program, kernel_names, machine_file, machine_line, memory_line, plural, scene, threads};
+use super::run::{array_program, cell_names, machine_file, machine_line, memory_line, plural, scene, threads};
+use super::views::TraceFile;
+use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, run, unread};
 
 /// What the image can be written as.
@@ -34,6 +39,7 @@ struct Outputs {
     stats: Option<OutputFile>,
     hits: Option<OutputFile>,
     ops: Option<OutputFile>,
+    trace: TraceFile,
 }
 
 /// What an image is made of.
@@ -59,6 +65,7 @@ pub fn image(args: &ImageArgs) -> Result<(), Failure> {
     let rays = camera::primary_rays(&scene.camera, args.shape.size);
     let workload = run::workload(&args.cells, &scene, &program, &machine, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
+    workload.check_fifos(machine.spec.fifo_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, workload };
     setup.machine.notes.iter().chain(&setup.scene.notes).for_each(|note| eprintln!("note: {note}"));
@@ -89,9 +96,15 @@ fn check(args: &ImageArgs) -> Result<(), InputError> {
 fn open_outputs(args: &ImageArgs) -> Result<Outputs, InputError> {
     let (stats, hits, ops) = (args.results.stats.as_ref(), args.tracing.hits.as_ref(), args.tracing.ops.as_ref());
     let inputs = [Some(Path::new(&args.scene)), args.program.program.as_deref(), args.machine.machine.as_deref()];
-    outputs::check_distinct(&[Some(&args.output), stats, hits, ops], &inputs)?;
+    outputs::check_distinct(&[Some(&args.output), stats, hits, ops, args.viewer.trace.as_ref()], &inputs)?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
-    Ok(Outputs { image: open(Some(&args.output))?, stats: open(stats)?, hits: open(hits)?, ops: open(ops)? })
+    Ok(Outputs {
+        image: open(Some(&args.output))?,
+        stats: open(stats)?,
+        hits: open(hits)?,
+        ops: open(ops)?,
+        trace: TraceFile::open(&args.viewer, args.results.force)?,
+    })
 }
 
 fn rules(args: &ImageArgs) -> HostRules {
@@ -113,16 +126,20 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
         sampling: Sampling { side: args.light.samples, adaptive: args.light.adaptive },
         limits: Limits { depth: args.light.depth, contribution: args.light.min_contribution },
     };
-    let timing = (args.host.timing == Switch::On).then(|| (&setup.machine.spec, rules(args)));
+    let timing = (args.host.timing == Switch::On).then(|| {
+        let array = Array::new(&setup.machine.spec, setup.workload.cells());
+        (files.trace.fit(array), rules(args))
+    });
     let unwritable = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
     if let Some(file) = &mut files.ops {
         activity::write_header(file, setup.workload.cells()).map_err(unwritable)?;
     }
-    let bar = progress::samples();
+    let watch = || Watch::new(&setup.machine.spec, cell_names(&setup.workload));
+    let mut live = Live::new(progress::samples(), args.results.watch.then(watch));
     let result = simulation::render(&picture, timing, threads(args.tracing.threads), |seen| match seen {
-        Seen::Samples { done, of } => {
-            bar.set_length(of as u64);
-            bar.set_position(done as u64);
+        Seen::Samples { done, of, array } => {
+            live.set(done as u64, of as u64);
+            array.into_iter().for_each(|array| live.show(array));
             Ok(())
         }
         Seen::Sent(ops, hit) => {
@@ -130,35 +147,44 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
             files.ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, ops))
         }
     });
-    bar.finish_and_clear();
+    live.finish();
     result.map_err(|error| match error {
         RunError::Stuck(stuck) => stuck.into(),
         RunError::Fault(fault) => fault.into(),
+        RunError::Unfit(error) => error.into(),
         RunError::Observer(error) => unwritable(error),
     })
 }
 
-fn report(setup: &Setup, rendered: &Rendered) -> String {
-    let Setup { scene, program, machine, workload, .. } = setup;
+/// What runs, in one line.
+fn title(setup: &Setup, rendered: &Rendered) -> String {
+    let Setup { scene, program, workload, .. } = setup;
     let rays: u64 = rendered.kinds.iter().map(|kind| kind.rays).sum();
     let polygons = grouped(workload.polygons().len() as u64);
     let per_pixel = rays as f64 / rendered.pixels.len().max(1) as f64;
-    let what = format!("scene {} ({polygons} polygons), {} rays, {per_pixel:.2} a pixel", scene.name, grouped(rays),);
-    let Some(timing) = &rendered.timing else {
-        return format!("image without timing: {what}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
-    };
-    let (cells, stats) = (workload.cells(), &timing.stats);
-    let names: Vec<String> = (0..cells).map(|cell| kernel_names(workload.kernels_of(cell))).collect();
+    let what = format!("scene {} ({polygons} polygons), {} rays, {per_pixel:.2} a pixel", scene.name, grouped(rays));
+    if rendered.timing.is_none() {
+        return format!("image without timing: {what}");
+    }
     let groups = plural(workload.groups(), "group");
+    format!("{} on {} cells in {groups} of {}: {what}", program.name, workload.cells(), program.stages.len())
+}
+
+fn report(setup: &Setup, rendered: &Rendered) -> String {
+    let title = title(setup, rendered);
+    let Some(timing) = &rendered.timing else {
+        return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
+    };
+    let (spec, stats) = (&setup.machine.spec, &timing.stats);
     [
-        format!("{} on {cells} cells in {groups} of {}: {what}", program.name, program.stages.len()),
-        machine_line(&machine.spec),
-        summary::speed(stats, &machine.spec),
-        memory_line(workload),
-        format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, &machine.spec)))),
-        summary::cells(stats, &names),
+        title,
+        machine_line(spec),
+        summary::speed(stats, spec),
+        memory_line(&setup.workload),
+        format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec)))),
+        summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n", bottleneck::sentence(stats, &machine.spec)),
+        format!("{}\n", bottleneck::sentence(stats, spec)),
     ]
     .join("\n")
 }
@@ -184,6 +210,12 @@ fn write_outputs(
             let json = stats::image_to_json(&timing.stats, spec, counts, &kinds, &configuration(setup))?;
             file.write_all(json.as_bytes())
         })?;
+        let spec = &setup.machine.spec;
+        let caption = &Caption { title: title(setup, rendered), machine: machine_line(spec) };
+        let cell_names = &cell_names(&setup.workload);
+        let recording = timing.observed.recording.as_ref();
+        let trace = recording.map(|recording| Trace { caption, spec, cell_names, recording });
+        files.trace.write(trace, &mut written)?;
     }
     outputs::finish(files.hits, &mut written, |file| hits::write(file, setup.workload.polygons(), found))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;

@@ -7,6 +7,7 @@ mod diagnostics;
 mod figure7;
 mod image;
 mod interrupt;
+mod model;
 mod outputs;
 mod progress;
 mod replay;
@@ -15,6 +16,7 @@ mod scenes;
 mod sweep;
 mod unread;
 mod views;
+mod watch;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -80,6 +82,7 @@ fn command(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Image(args)) => image::image(args),
         Some(Command::Replay(args)) => replay::replay(args),
         Some(Command::Sweep(args)) => sweep::sweep(args),
+        Some(Command::Model(args)) => model::model(args),
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Figure7(args)) => figure7::figure7(args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(args),

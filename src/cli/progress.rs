@@ -8,34 +8,38 @@ use super::interrupt;
 
 /// A bar that counts rays, with the time that is left. It draws on stderr, and only if that is a terminal.
 pub fn rays(count: u64) -> ProgressBar {
-    let bar = bar(count, "tracing {human_pos} of {human_len} rays {wide_bar} {eta} left");
+    let bar = bar(count, "{prefix}tracing {human_pos} of {human_len} rays {wide_bar} {eta} left");
     interrupt::under_way(&bar, Some("rays"), None);
     bar
 }
 
 /// A bar that counts the points of a sweep.
 pub fn points(count: u64) -> ProgressBar {
-    let bar = bar(count, "{human_pos} of {human_len} points {wide_bar} {eta} left");
+    let bar = bar(count, "{prefix}{human_pos} of {human_len} points {wide_bar} {eta} left");
     interrupt::under_way(&bar, Some("points"), Some("the same command goes on from there"));
     bar
 }
 
 /// The same for the samples of an image, whose number is set later.
 pub fn samples() -> ProgressBar {
-    let bar = bar(0, "{human_pos} of {human_len} samples {wide_bar} {eta} left");
+    let bar = bar(0, "{prefix}{human_pos} of {human_len} samples {wide_bar} {eta} left");
     interrupt::under_way(&bar, Some("samples"), None);
     bar
 }
 
 /// A bar that has no end in sight.
 pub fn waiting(message: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new_spinner().with_message(message);
+    let bar = ProgressBar::new_spinner().with_style(style("{prefix}{spinner} {msg}")).with_message(message);
     bar.enable_steady_tick(Duration::from_millis(200));
     interrupt::under_way(&bar, None, None);
     bar
 }
 
+/// Progress in a line; `{prefix}` stands for what is seen above it.
 fn bar(count: u64, template: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(count).with_style(style)
+    ProgressBar::new(count).with_style(style(template))
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }

@@ -7,27 +7,34 @@ use pcs_sim::report::activity::ActivityTrace;
 use pcs_sim::report::page::Page;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::summary::{self, grouped};
+use pcs_sim::report::trace::Trace;
 use pcs_sim::report::{bottleneck, stats};
 use pcs_sim::simulation;
 
 use super::args::ReplayArgs;
 use super::run::{machine_file, machine_line};
 use super::views::Views;
+use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     unread::check_replay(args)?;
     let machine = machine_file(&args.machine)?.build()?;
+    let views = [args.views.page.as_ref(), args.views.viewer.trace.as_ref()];
+    let inputs = [Some(args.ops.as_path()), args.machine.machine.as_deref()];
+    outputs::check_distinct(&[args.results.stats.as_ref(), views[0], views[1]], &inputs)?;
     let stats_file = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let views = Views::open(&args.views, args.results.force)?;
     let spinner = progress::waiting("reading the trace");
     let mut trace = ActivityTrace::open(&args.ops)?;
     let cells = trace.cells();
     spinner.set_message("timing the trace");
+    let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(&machine.spec, Vec::new())));
     let array = |limit| views.fit(Array::until(&machine.spec, cells, limit));
-    let (result, profile) = simulation::replay_in(array, |take| trace.for_each_batch::<Failure>(take))?;
-    spinner.finish_and_clear();
+    let feed = |take: &mut dyn FnMut(_) -> _| trace.for_each_batch::<Failure>(take);
+    let (result, observed) = simulation::replay_in(array, feed, |array| live.show(array))?;
+    live.finish();
     machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let caption = Caption {
         title: format!("replay of {} on {cells} cells: {} rays", args.ops.display(), grouped(trace.rays())),
@@ -47,10 +54,11 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         let json = stats::to_json(&result, &machine.spec, None, None)?;
         file.write_all(json.as_bytes())
     })?;
-    if let Some(profile) = &profile {
-        let (caption, spec, stats) = (&caption, &machine.spec, &result);
-        let page = Page { caption, spec, stats, profile, cell_names: &[], configuration: None, image: None };
-        views.write(&page, &mut written)?;
-    }
+    let (caption, spec, stats, cell_names) = (&caption, &machine.spec, &result, &[]);
+    let page = observed.profile.as_ref();
+    let page = page.map(|profile| Page { caption, spec, stats, profile, cell_names, configuration: None, image: None });
+    let recording = observed.recording.as_ref();
+    let view = recording.map(|recording| Trace { caption, spec, cell_names, recording });
+    views.write(page, view, &mut written)?;
     print(&outputs::list(&written))
 }

@@ -15,12 +15,14 @@ use pcs_sim::report::page::Page;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
+use pcs_sim::report::trace::Trace;
 use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::{CellArgs, CellsRun, MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
 use super::views::Views;
+use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
 /// The files that a run writes.
@@ -54,10 +56,11 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let rays = rays(&args.scene, &scene)?;
     let workload = workload(&args.cells, &scene, &program, &machine, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
+    workload.check_fifos(machine.spec.fifo_words)?;
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
     notes(&setup);
-    let outcome = simulate(&setup, threads(args.tracing.threads), &mut files)?;
+    let outcome = simulate(&setup, threads(args.tracing.threads), args.results.watch, &mut files)?;
     print(&report(&setup, &outcome))?;
     let written = write_outputs(args, &setup, &outcome, files)?;
     print(&outputs::list(&written))
@@ -117,6 +120,8 @@ pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
     program.partition = args.partition.unwrap_or(program.partition);
     program.grid_coefficient = args.grid_coefficient.unwrap_or(program.grid_coefficient);
     program.mailbox |= args.mailbox;
+    program.stop_words = args.stop_words.or(program.stop_words);
+    program.forward_ahead = args.forward_ahead.unwrap_or(program.forward_ahead);
     program.check()?;
     Ok(program)
 }
@@ -193,6 +198,7 @@ fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
         args.tracing.ops.as_ref(),
         args.image.as_ref(),
         args.views.page.as_ref(),
+        args.views.viewer.trace.as_ref(),
     ];
     let inputs = [
         Some(Path::new(&args.scene.scene)),
@@ -218,22 +224,28 @@ fn notes(setup: &Setup) {
     }
 }
 
-fn simulate(setup: &Setup, threads: usize, files: &mut Outputs) -> Result<Outcome, Failure> {
-    let bar = progress::rays(setup.rays.len() as u64);
+fn simulate(setup: &Setup, threads: usize, watch: bool, files: &mut Outputs) -> Result<Outcome, Failure> {
+    let spec = &setup.machine.spec;
+    let mut live = Live::new(
+        progress::rays(setup.rays.len() as u64),
+        watch.then(|| Watch::new(spec, cell_names(&setup.workload))),
+    );
     let failed = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
     let Outputs { ops, views, .. } = files;
     if let Some(file) = ops {
         activity::write_header(file, setup.workload.cells()).map_err(failed)?;
     }
-    let array = views.fit(Array::new(&setup.machine.spec, setup.workload.cells()));
-    let outcome = simulation::run_in(array, &setup.workload, &setup.rays, threads, |batch| {
-        bar.inc(batch.hits.len() as u64);
+    let array = views.fit(Array::new(spec, setup.workload.cells()));
+    let outcome = simulation::run_in(array, &setup.workload, &setup.rays, threads, |batch, array| {
+        live.inc(batch.hits.len() as u64);
+        live.show(array);
         ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, &batch.ops))
     });
-    bar.finish_and_clear();
+    live.finish();
     outcome.map_err(|error| match error {
         RunError::Stuck(stuck) => stuck.into(),
         RunError::Fault(fault) => fault.into(),
+        RunError::Unfit(error) => error.into(),
         RunError::Observer(error) => failed(error),
     })
 }
@@ -315,7 +327,7 @@ pub fn memory_line(workload: &Workload) -> String {
 }
 
 /// What a cell runs, in a word or two.
-pub fn kernel_names(kernels: &[Kernel]) -> String {
+fn kernel_names(kernels: &[Kernel]) -> String {
     let name = |kernel: &Kernel| match kernel {
         Kernel::Grid => "grid",
         Kernel::Slabs => "slabs",
@@ -349,21 +361,34 @@ fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Output
         let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
         image::write_png(file, args.scene.shape.size, &pixels)
     })?;
-    if let Some(profile) = &outcome.profile {
-        let spec = &setup.machine.spec;
-        let image = page_image(args, setup, outcome, &files.views)?;
-        let page = Page {
-            caption: &Caption { title: title(setup), machine: machine_line(spec) },
-            spec,
-            stats: &outcome.stats,
-            profile,
-            cell_names: &cell_names(&setup.workload),
-            configuration: Some(&configuration),
-            image: image.as_deref(),
-        };
-        files.views.write(&page, &mut written)?;
-    }
+    write_views(args, setup, outcome, &configuration, files.views, &mut written)?;
     Ok(written)
+}
+
+fn write_views(
+    args: &RunArgs,
+    setup: &Setup,
+    outcome: &Outcome,
+    configuration: &Configuration,
+    views: Views,
+    written: &mut Vec<PathBuf>,
+) -> Result<(), Failure> {
+    let spec = &setup.machine.spec;
+    let caption = &Caption { title: title(setup), machine: machine_line(spec) };
+    let cell_names = &cell_names(&setup.workload);
+    let image = page_image(args, setup, outcome, &views)?;
+    let page = outcome.observed.profile.as_ref().map(|profile| Page {
+        caption,
+        spec,
+        stats: &outcome.stats,
+        profile,
+        cell_names,
+        configuration: Some(configuration),
+        image: image.as_deref(),
+    });
+    let recording = outcome.observed.recording.as_ref();
+    let trace = recording.map(|recording| Trace { caption, spec, cell_names, recording });
+    views.write(page, trace, written)
 }
 
 /// The traced picture, if a view shows it and the rays are those of a picture.
@@ -379,6 +404,6 @@ fn page_image(args: &RunArgs, setup: &Setup, outcome: &Outcome, views: &Views) -
 }
 
 /// What each cell runs.
-fn cell_names(workload: &Workload) -> Vec<String> {
+pub fn cell_names(workload: &Workload) -> Vec<String> {
     (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect()
 }

@@ -8,7 +8,7 @@ use pcs_sim::error::InputError;
 use pcs_sim::program::ArrayProgram;
 use pcs_sim::scene::builtin;
 
-use super::args::{CellArgs, CellsRun, ImageArgs, MachineArgs, ProgramArgs, ReplayArgs, RunArgs, Switch};
+use super::args::{CellArgs, CellsRun, ImageArgs, MachineArgs, ModelArgs, ProgramArgs, ReplayArgs, RunArgs, Switch};
 use super::run::is_builtin;
 
 /// A flag, and whether it was typed.
@@ -34,15 +34,43 @@ pub fn check_image(args: &ImageArgs, program: &ArrayProgram) -> Result<(), Input
             ("--stats", args.results.stats.is_some()),
             ("--hits", args.tracing.hits.is_some()),
             ("--ops", args.tracing.ops.is_some()),
+            ("--trace", args.viewer.trace.is_some()),
             ("--policy", args.host.policy.is_some()),
             ("--in-flight", args.host.in_flight.is_some()),
             ("--open-samples", args.host.open_samples.is_some()),
+            ("--forward-ahead", args.program.forward_ahead.is_some()),
         ];
         let flags = [&files[..], &links(&args.machine), &host(&args.machine)].concat();
         refuse(&flags, "is about the machine at work, which --timing off leaves out", "leave out one of the two")?;
     }
     check_resolution(&args.scene, args.shape.resolution)?;
     check_cells(&args.cells, &args.machine)?;
+    check_program(&args.program, &args.machine, program)
+}
+
+/// Refuses what the cost model would not look at.
+pub fn check_model(args: &ModelArgs, program: &ArrayProgram) -> Result<(), InputError> {
+    if program.mailbox {
+        let error = InputError::new("the cost model knows no mailbox: it is the paper's, which has none");
+        return Err(error.help("leave --mailbox out, or take a program with mailbox: false"));
+    }
+    if program.stop_words.is_some() || program.forward_ahead > 0 {
+        let error =
+            InputError::new("the cost model knows neither stop words nor rays forwarded ahead, as the paper does not");
+        return Err(error.help("take a program without them, or run this one to see what it does"));
+    }
+    if args.predict_only {
+        let flags = [
+            ("--fifo-words", args.machine.fifo_words.is_some()),
+            ("--latency-cycles", args.machine.latency_cycles.is_some()),
+            ("--memory-words", args.machine.memory_words.is_some()),
+            ("--threads", args.threads.is_some()),
+        ];
+        refuse(&flags, "is about the simulation, which --predict-only leaves out", "leave out one of the two")?;
+    }
+    let shading = [("--host-hit-us", args.machine.host_hit_us.is_some())];
+    refuse(&shading, "is about shading hits, which only a whole image does", "`pcs-sim image` makes whole images")?;
+    check_resolution(&args.scene, args.shape.resolution)?;
     check_program(&args.program, &args.machine, program)
 }
 

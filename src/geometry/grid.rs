@@ -25,6 +25,12 @@ pub struct GridTooLarge {
     most: f64,
 }
 
+/// nb_voxel = `coefficient` x P, unless that is more than [`MOST_VOXELS`].
+pub fn voxels_for(polygons: usize, coefficient: f64) -> Result<f64, GridTooLarge> {
+    let voxels = coefficient * polygons as f64;
+    if voxels > MOST_VOXELS { Err(GridTooLarge { what: "voxels", most: MOST_VOXELS }) } else { Ok(voxels) }
+}
+
 /// A grid over a volume: for each voxel the polygons that lie in it.
 #[derive(Clone, Debug)]
 pub struct Grid {
@@ -60,10 +66,7 @@ impl Grid {
         let margin = polygons.margin();
         let reached = volume.intersection(reached(polygons, members));
         let volume = if reached.is_empty() { Bounds { low: volume.low, high: volume.low } } else { reached };
-        let voxels = coefficient * members.len() as f64;
-        if voxels > MOST_VOXELS {
-            return Err(GridTooLarge { what: "voxels", most: MOST_VOXELS });
-        }
+        let voxels = voxels_for(members.len(), coefficient)?;
         let lattice = Lattice::cubic(volume, voxels, 4.0 * margin);
         let (starts, lists) = fill(&lattice, polygons, members, margin)?;
         Ok(Grid {
@@ -85,6 +88,16 @@ impl Grid {
     /// Number of voxels along each axis.
     pub fn size(&self) -> [u32; 3] {
         self.lattice.size
+    }
+
+    /// The volume that the voxels fill.
+    pub fn volume(&self) -> Bounds {
+        self.lattice.volume
+    }
+
+    /// Every voxel's list of polygons, x running fastest.
+    pub fn lists(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|pair| &self.lists[pair[0] as usize..pair[1] as usize])
     }
 
     /// Number of references to polygons in all voxels' lists.
@@ -113,14 +126,9 @@ impl Grid {
         self.per_edge
     }
 
-    /// The voxel table: where each voxel's list begins in [`Grid::lists`], and at last where the last one ends.
+    /// The voxel table: where each voxel's list begins among all [`Grid::lists`], and at last where the last one ends.
     pub fn table(&self) -> &[u32] {
         &self.starts
-    }
-
-    /// The voxels' lists of polygons, one after the other, each in rising order.
-    pub fn lists(&self) -> &[u32] {
-        &self.lists
     }
 
     /// The middle of the voxel that holds a point, or the nearest one to it.

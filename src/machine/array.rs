@@ -1,19 +1,23 @@
 //! The linear array: a host, cells in a row, a link into each cell and one back to the host.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 use super::Channel;
 use super::cell::{Cell, Halt, Link};
+use super::fifo::Fifo;
+use super::observers::{Observed, Observers};
 use super::op::OpBatch;
 use super::probe::Probe;
-use super::profile::Profile;
+use super::recorder::Recorder;
+use super::so_far::SoFar;
 use super::spec::MachineSpec;
 use super::stats::{RunStats, fifo_name};
 use super::stuck::{self, Party, Stuck};
 use super::units::Cycles;
 
 /// Words of the message that comes back to the host for each line of its ops (a HIT).
-const RETURN_WORDS: u64 = 5;
+pub(super) const RETURN_WORDS: u64 = 5;
 
 /// An array at work: takes ops batch by batch and works out when they happen.
 ///
@@ -39,7 +43,7 @@ const RETURN_WORDS: u64 = 5;
 /// ```
 #[derive(Debug)]
 pub struct Array {
-    /// `links[i]` leads into cell i; the last one leads back to the host, on Y only.
+    /// `links[i]` leads into cell i, and on Z out of it to the left; the last one leads back to the host, on Y only.
     links: Vec<Link>,
     host: Station,
     cells: Vec<Station>,
@@ -51,8 +55,8 @@ pub struct Array {
     /// When the host read the last word of each returned message.
     returned: Vec<u64>,
     limit: u64,
-    /// Sees what happens when, if asked to. Boxed, as most arrays have none.
-    probe: Option<Box<Probe>>,
+    /// See what happens when, if asked to. Boxed, as most arrays have none.
+    observers: Option<Box<Observers>>,
 }
 
 /// A cell and its place in the batches.
@@ -98,13 +102,22 @@ impl Array {
             rays: 0,
             returned: Vec::new(),
             limit: limit.0,
-            probe: None,
+            observers: None,
         }
     }
 
-    /// The same with a probe, so that [`Array::finish_probed`] gives a profile. To be asked for before any ops are fed.
+    /// The same with a probe, so that [`Array::finish_observed`] gives a profile. To be asked for before any ops are fed.
     pub fn probed(mut self) -> Array {
-        self.probe = Some(Box::new(Probe::new(self.cells.len(), self.links[0].x.capacity())));
+        let probe = Probe::new(self.cells.len(), self.links[0].x.capacity());
+        self.observers.get_or_insert_default().probe = Some(probe);
+        self
+    }
+
+    /// The same with a recorder, so that [`Array::finish_observed`] gives a recording of the cycles in `window`, or of
+    /// the first of them if more than `most_events` events happen in it. To be asked for before any ops are fed.
+    pub fn recorded(mut self, window: Range<Cycles>, most_events: usize) -> Array {
+        let recorder = Recorder::new(self.cells.len(), window, most_events);
+        self.observers.get_or_insert_default().recorder = Some(recorder);
         self
     }
 
@@ -112,8 +125,8 @@ impl Array {
     pub fn feed(&mut self, batch: OpBatch) {
         debug_assert_eq!(batch.cells.len(), self.cells.len());
         self.rays += batch.host.lines().len() as u64;
-        if let Some(probe) = &mut self.probe {
-            probe.fed(&batch.host);
+        if let Some(observers) = &mut self.observers {
+            observers.fed(&batch.host);
         }
         self.batches.push_back(batch);
     }
@@ -141,13 +154,27 @@ impl Array {
         self.returned.get(message as usize).copied().map(Cycles)
     }
 
-    /// Ends the run: no more ops will come.
-    pub fn finish(self) -> Result<RunStats, Unfinished> {
-        self.finish_probed().map(|(stats, _)| stats)
+    /// What has been worked out by now. Takes no longer than a few reads for each cell.
+    pub fn so_far(&self) -> SoFar {
+        let fifo = |fifo: &Fifo, name: String| {
+            let until = fifo.known_until();
+            (fifo.stats(name, until), Cycles(until))
+        };
+        SoFar {
+            cycles: Cycles(self.links[self.cells.len()].y.known_until()),
+            returned: self.returned.len() as u64,
+            cells: self.cells.iter().map(|station| station.cell.stats(station.cell.now.clock)).collect(),
+            fifos: self.each_fifo(fifo),
+        }
     }
 
-    /// Ends the run, and tells what the probe saw, if there is one.
-    pub fn finish_probed(mut self) -> Result<(RunStats, Option<Profile>), Unfinished> {
+    /// Ends the run: no more ops will come.
+    pub fn finish(self) -> Result<RunStats, Unfinished> {
+        self.finish_observed().map(|(stats, _)| stats)
+    }
+
+    /// Ends the run, and tells what its observers saw.
+    pub fn finish_observed(mut self) -> Result<(RunStats, Observed), Unfinished> {
         self.run()?;
         let limited = self.limit != u64::MAX;
         if limited {
@@ -160,8 +187,9 @@ impl Array {
             return Err(Unfinished::Outlived(Cycles(cycles)));
         }
         let stats = self.stats(cycles);
-        let clocks = self.cells.iter().map(|station| station.cell.now.clock);
-        Ok((stats, self.probe.map(|probe| probe.finish(&self.links, clocks, cycles))))
+        let clocks = std::iter::once(&self.host).chain(&self.cells).map(|station| station.cell.now.clock);
+        let observed = self.observers.map(|observers| observers.finish(&self.links, clocks, cycles));
+        Ok((stats, observed.unwrap_or_default()))
     }
 
     /// Lets each cell, from left to right, go on as far as it can. Returns whether anything moved.
@@ -176,10 +204,13 @@ impl Array {
     }
 
     fn run_host(&mut self) -> bool {
-        let Array { host, links, batches, dropped, returned, .. } = self;
+        let Array { host, links, batches, dropped, returned, observers, .. } = self;
+        let output = &mut links[0];
         let before = host.place();
         while let Some(batch) = batches.get(host.batch - *dropped) {
-            host.halt = host.cell.run_host(batch.host.ops(), &mut host.done, &mut links[0], returned);
+            let Station { cell, done, .. } = host;
+            let seen = observers.as_mut().and_then(|all| all.run_host(cell, &batch.host, done, output, returned));
+            host.halt = seen.unwrap_or_else(|| cell.run_host(batch.host.ops(), done, output, returned, ()));
             if !host.next_batch() {
                 break;
             }
@@ -196,12 +227,11 @@ impl Array {
         let station = &mut self.cells[index];
         let before = station.place();
         while let Some(batch) = self.batches.get(station.batch - self.dropped) {
-            let ops = batch.cells[index].ops();
+            let stream = &batch.cells[index];
             let Station { cell, done, .. } = station;
-            station.halt = match &mut self.probe {
-                None => cell.run(ops, done, input, output, is_last, ()),
-                Some(probe) => cell.run(ops, done, input, output, is_last, probe.cell(index)),
-            };
+            let observers = self.observers.as_mut();
+            let seen = observers.and_then(|all| all.run_cell(index, cell, stream, done, (input, output), is_last));
+            station.halt = seen.unwrap_or_else(|| cell.run(stream.ops(), done, input, output, is_last, ()));
             if !station.next_batch() {
                 break;
             }
@@ -218,8 +248,8 @@ impl Array {
     fn follow_link(&mut self, index: usize) {
         let link = &mut self.links[index];
         link.track_max();
-        if let Some(probe) = &mut self.probe {
-            probe.follow(index, link);
+        if let Some(observers) = &mut self.observers {
+            observers.follow(index, link);
         }
     }
 
@@ -230,8 +260,8 @@ impl Array {
             inbox.read_one(ready, ready);
             if inbox.words_read().is_multiple_of(RETURN_WORDS) {
                 self.returned.push(ready);
-                if let Some(probe) = &mut self.probe {
-                    probe.returned(ready);
+                if let Some(observers) = &mut self.observers {
+                    observers.returned(ready);
                 }
             }
         }
@@ -259,31 +289,36 @@ impl Array {
     }
 
     fn stall_to_limit(&mut self) {
+        let Array { host, links, batches, dropped, observers, .. } = self;
+        let observers = &mut **observers.get_or_insert_default();
+        let batch = |station: &Station| batches.get(station.batch - *dropped);
+        if let Some(&op) = batch(host).and_then(|batch| batch.host.ops().get(host.done)) {
+            observers.stall_host_to_limit(&mut host.cell, host.halt, op, &links[0]);
+        }
         for (index, station) in self.cells.iter_mut().enumerate() {
-            let ops = self.batches.get(station.batch - self.dropped).map(|batch| batch.cells[index].ops());
-            if let Some(&op) = ops.and_then(|ops| ops.get(station.done)) {
-                let (cell, halt, input) = (&mut station.cell, station.halt, &self.links[index]);
-                match &mut self.probe {
-                    None => cell.stall_to_limit(halt, op, input, ()),
-                    Some(probe) => cell.stall_to_limit(halt, op, input, probe.cell(index)),
-                }
+            if let Some(&op) = batch(station).and_then(|batch| batch.cells[index].ops().get(station.done)) {
+                observers.stall_cell_to_limit(index, &mut station.cell, station.halt, op, &links[index]);
             }
         }
     }
 
     fn stats(&self, cycles: u64) -> RunStats {
-        let count = self.cells.len();
-        let fifo = |index: usize, channel: Channel| {
-            self.links[index].fifo(channel).stats(fifo_name(channel, index, count), cycles)
-        };
-        let xs = (0..count).map(|index| fifo(index, Channel::X));
-        let ys = (1..=count).map(|index| fifo(index, Channel::Y));
         RunStats {
             cycles: Cycles(cycles),
             rays: self.rays,
             cells: self.cells.iter().map(|station| station.cell.stats(cycles)).collect(),
-            fifos: xs.chain(ys).collect(),
+            fifos: self.each_fifo(|fifo, name| fifo.stats(name, cycles)),
         }
+    }
+
+    /// Asks each FIFO, in the order of [`RunStats::fifos`]. Those of Z are there once they have carried a word.
+    fn each_fifo<T>(&self, ask: impl Fn(&Fifo, String) -> T) -> Vec<T> {
+        let count = self.cells.len();
+        let xs = (0..count).map(|link| (link, Channel::X));
+        let ys = (1..=count).map(|link| (link, Channel::Y));
+        let zs = (1..count).filter(|&link| self.links[link].z.words_written() > 0).map(|link| (link, Channel::Z));
+        let all = xs.chain(ys).chain(zs);
+        all.map(|(link, channel)| ask(self.links[link].fifo(channel), fifo_name(channel, link, count))).collect()
     }
 
     /// Who waits for whom, in an array that does not go on.

@@ -7,19 +7,24 @@ use super::stats::{CellState, CellStats};
 use super::units::Cycles;
 use super::{Channel, Work};
 
-/// The two FIFOs at the end of a link, and the wire that leads to them.
+/// The FIFOs at both ends of a link, and the wires that lead to them.
 #[derive(Debug)]
 pub(super) struct Link {
     pub x: Fifo,
     pub y: Fifo,
+    /// At the left end: the right cell writes to it, on a wire of its own.
+    pub z: Fifo,
     rate: LinkRate,
-    /// For each channel, the first cycle in which the wire takes its next word.
+    /// For X and Y, the first cycle in which the wire takes its next word.
     wire_free: [u64; 2],
+    /// The same for the wire that leads to the left.
+    wire_back_free: u64,
 }
 
 impl Link {
     pub fn new(capacity: u64, latency: u64, rate: LinkRate) -> Link {
-        Link { x: Fifo::new(capacity, latency), y: Fifo::new(capacity, latency), rate, wire_free: [0; 2] }
+        let fifo = || Fifo::new(capacity, latency);
+        Link { x: fifo(), y: fifo(), z: fifo(), rate, wire_free: [0; 2], wire_back_free: 0 }
     }
 
     #[inline(always)]
@@ -27,6 +32,7 @@ impl Link {
         match channel {
             Channel::X => &self.x,
             Channel::Y => &self.y,
+            Channel::Z => &self.z,
         }
     }
 
@@ -35,13 +41,14 @@ impl Link {
         match channel {
             Channel::X => &mut self.x,
             Channel::Y => &mut self.y,
+            Channel::Z => &mut self.z,
         }
     }
 
     /// The first cycle in which the wire takes the next word of `channel`.
     #[inline(always)]
     fn wire_free(&self, channel: Channel) -> u64 {
-        self.wire_free[channel as usize]
+        if channel == Channel::Z { self.wire_back_free } else { self.wire_free[channel as usize] }
     }
 
     /// Whether `count` words can be written in as many cycles from `at` on.
@@ -63,15 +70,19 @@ impl Link {
     fn occupy_wire(&mut self, channel: Channel, at: u64) {
         let free = at + self.rate.cycles_per_word;
         match self.rate.counts {
+            _ if channel == Channel::Z => self.wire_back_free = free,
             RateCounts::Link => self.wire_free = [free; 2],
             RateCounts::Channel => self.wire_free[channel as usize] = free,
         }
     }
 
-    /// Brings both FIFOs' maxima up to date; see [`Fifo::track_max`].
+    /// Brings the FIFOs' maxima up to date; see [`Fifo::track_max`].
     pub fn track_max(&mut self) {
         self.x.track_max();
         self.y.track_max();
+        if self.z.words_written() > 0 {
+            self.z.track_max();
+        }
     }
 }
 
@@ -120,6 +131,24 @@ impl Watcher for () {
     fn spent(&mut self, _: CellState, _: u64, _: u64) {}
 }
 
+impl<W: Watcher> Watcher for Option<W> {
+    #[inline(always)]
+    fn spent(&mut self, state: CellState, from: u64, cycles: u64) {
+        if let Some(watcher) = self {
+            watcher.spent(state, from, cycles);
+        }
+    }
+}
+
+/// Both see all.
+impl<A: Watcher, B: Watcher> Watcher for (A, B) {
+    #[inline(always)]
+    fn spent(&mut self, state: CellState, from: u64, cycles: u64) {
+        self.0.spent(state, from, cycles);
+        self.1.spent(state, from, cycles);
+    }
+}
+
 /// Where a cell's cycles are entered.
 struct Ledger<'a, W> {
     stats: &'a mut CellStats,
@@ -166,6 +195,7 @@ impl Cell {
                 OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
                 OpKind::WriteX => now.write(left, Channel::X, output, ledger),
                 OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
+                OpKind::ReadZ | OpKind::WriteZ => now.move_back(op, left, input, output, ledger),
                 OpKind::Await => Err(Halt::NotReturned),
             }
         })
@@ -173,15 +203,21 @@ impl Cell {
 
     /// Does the host's ops likewise. It only writes, computes and waits for messages, of which `returned` tells when the
     /// last word of each was read.
-    pub fn run_host(&mut self, ops: &[Op], done: &mut usize, output: &mut Link, returned: &[u64]) -> Halt {
-        let ledger = &mut Ledger { stats: &mut self.stats, watcher: () };
+    pub fn run_host(
+        &mut self,
+        ops: &[Op],
+        done: &mut usize,
+        output: &mut Link,
+        returned: &[u64],
+        watcher: impl Watcher,
+    ) -> Halt {
+        let ledger = &mut Ledger { stats: &mut self.stats, watcher };
         self.now.run(ops, done, |now, op, left| match op.kind() {
             OpKind::Compute(work) => now.compute(work, left, ledger),
             OpKind::WriteX => now.write(left, Channel::X, output, ledger),
             OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
-            OpKind::Await => now.wait_for_return(left, returned),
-            OpKind::PassX | OpKind::ReadX => Err(Halt::NoWord),
-            OpKind::ReadY => Err(Halt::NoWord),
+            OpKind::Await => now.wait_for_return(left, returned, ledger),
+            OpKind::PassX | OpKind::ReadX | OpKind::ReadY | OpKind::ReadZ | OpKind::WriteZ => Err(Halt::NoWord),
         })
     }
 
@@ -197,6 +233,9 @@ impl Cell {
         }
         if let (Some(channel), Halt::NoRoom) = (writes, halt) {
             now.stall_until(now.limit, CellState::Blocked(channel), ledger);
+        }
+        if halt == Halt::NotReturned {
+            now.stall_until(now.limit, CellState::Waiting(Channel::Y), ledger);
         }
     }
 
@@ -290,6 +329,24 @@ impl Now {
         Ok(())
     }
 
+    /// Reads from Z, which comes from the right, or writes to the left neighbour's. Kept out of the way of the programs that
+    /// have no use for it.
+    #[cold]
+    #[inline(never)]
+    fn move_back(
+        &mut self,
+        op: Op,
+        left: u64,
+        input: &mut Link,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
+        match op.kind() {
+            OpKind::ReadZ => self.read(left, Channel::Z, &mut output.z, ledger),
+            _ => self.write(left, Channel::Z, input, ledger),
+        }
+    }
+
     /// Reads words from X and writes each to the right neighbour's X in the cycle in which it is read.
     #[inline(always)]
     fn pass_on(
@@ -326,9 +383,9 @@ impl Now {
     }
 
     /// The wait ends in the cycle in which the message's last word is read; the next op starts in the cycle after it.
-    fn wait_for_return(&mut self, message: u64, returned: &[u64]) -> Done {
+    fn wait_for_return(&mut self, message: u64, returned: &[u64], ledger: &mut Ledger<'_, impl Watcher>) -> Done {
         let Some(read_at) = returned.get(message as usize) else { return Err(Halt::NotReturned) };
-        self.clock = self.clock.max(read_at + 1).min(self.limit);
+        self.stall_until(read_at + 1, CellState::Waiting(Channel::Y), ledger);
         Ok(())
     }
 

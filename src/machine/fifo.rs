@@ -97,6 +97,13 @@ impl Fifo {
         self.last_read
     }
 
+    /// The first cycle after the last read and the last write so far.
+    pub fn known_until(&self) -> u64 {
+        let first_unread = if self.read > 0 { self.last_read + 1 } else { 0 };
+        let first_unwritten = if self.written > 0 { self.last_write + 1 } else { 0 };
+        first_unread.max(first_unwritten)
+    }
+
     /// The first cycle in which the next word can be read, if it is known that it will be written.
     #[inline(always)]
     pub fn ready(&self) -> Option<u64> {

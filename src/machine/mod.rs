@@ -16,29 +16,38 @@
 mod array;
 mod cell;
 mod fifo;
+mod observers;
 mod op;
 mod probe;
 mod profile;
+mod recorder;
+mod recording;
+mod so_far;
 mod spec;
 mod stats;
 mod stuck;
 mod units;
 
 pub use array::{Array, Unfinished};
+pub use observers::Observed;
 pub use op::{Op, OpBatch, OpKind, OpLine, OpStream, Work};
 pub use profile::{FifoBin, FifoProfile, Latency, Profile};
+pub use recording::{Activity, FifoLevels, Recording, Stretch, Visit};
+pub use so_far::SoFar;
 pub use spec::{LinkRate, MachineSpec, RateCounts};
 pub use stats::{Busy, CellState, CellStats, FifoStats, RunStats};
 pub use stuck::{Party, Stuck, StuckKind, Wait, WaitFor};
 pub use units::{Cycles, Words};
 
-/// The two channels of a link between neighbours (§4.2: "two input FIFOs").
+/// The channels between neighbours: X and Y lead to the right (§4.2: "two input FIFOs"), Z leads to the left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     /// Carries the rays.
     X,
     /// Carries candidates and hits.
     Y,
+    /// Leads from a cell to its left neighbour, on a wire of its own, for programs that need it. Beyond the paper.
+    Z,
 }
 
 impl std::fmt::Display for Channel {
@@ -46,6 +55,7 @@ impl std::fmt::Display for Channel {
         f.write_str(match self {
             Channel::X => "X",
             Channel::Y => "Y",
+            Channel::Z => "Z",
         })
     }
 }

@@ -35,12 +35,16 @@ pub enum OpKind {
     ReadX,
     /// `w`: writes words to the right neighbour's X.
     WriteX,
+    /// `b`: reads words from Z, which the right neighbour sends back.
+    ReadZ,
+    /// `z`: writes words to the left neighbour's Z.
+    WriteZ,
     /// `a`, host only: waits until the last word of the n-th message (from 0) has come back from the array.
     Await,
 }
 
 impl OpKind {
-    /// All ops with their letters, each at the place of its code; the codes between are never used.
+    /// All ops with their letters, each at the place of its code; those of no op are never used.
     const TABLE: [(OpKind, char); 16] = {
         let mut table = [(OpKind::Await, 'a'); 16];
         table[OpKind::PassX.code() as usize] = (OpKind::PassX, 'x');
@@ -48,6 +52,8 @@ impl OpKind {
         table[OpKind::WriteY.code() as usize] = (OpKind::WriteY, 'o');
         table[OpKind::ReadX.code() as usize] = (OpKind::ReadX, 'r');
         table[OpKind::WriteX.code() as usize] = (OpKind::WriteX, 'w');
+        table[OpKind::ReadZ.code() as usize] = (OpKind::ReadZ, 'b');
+        table[OpKind::WriteZ.code() as usize] = (OpKind::WriteZ, 'z');
         table[OpKind::Compute(Work::Grid).code() as usize] = (OpKind::Compute(Work::Grid), 'g');
         table[OpKind::Compute(Work::Slabs).code() as usize] = (OpKind::Compute(Work::Slabs), 's');
         table[OpKind::Compute(Work::Intersection).code() as usize] = (OpKind::Compute(Work::Intersection), 'n');
@@ -70,7 +76,8 @@ impl OpKind {
         match self {
             OpKind::PassX | OpKind::ReadX => Some(Channel::X),
             OpKind::ReadY => Some(Channel::Y),
-            OpKind::Compute(_) | OpKind::WriteX | OpKind::WriteY | OpKind::Await => None,
+            OpKind::ReadZ => Some(Channel::Z),
+            OpKind::Compute(_) | OpKind::WriteX | OpKind::WriteY | OpKind::WriteZ | OpKind::Await => None,
         }
     }
 
@@ -79,7 +86,8 @@ impl OpKind {
         match self {
             OpKind::PassX | OpKind::WriteX => Some(Channel::X),
             OpKind::WriteY => Some(Channel::Y),
-            OpKind::Compute(_) | OpKind::ReadX | OpKind::ReadY | OpKind::Await => None,
+            OpKind::WriteZ => Some(Channel::Z),
+            OpKind::Compute(_) | OpKind::ReadX | OpKind::ReadY | OpKind::ReadZ | OpKind::Await => None,
         }
     }
 
@@ -93,6 +101,8 @@ impl OpKind {
             OpKind::ReadX => 3,
             OpKind::WriteX => 4,
             OpKind::Await => 5,
+            OpKind::ReadZ => 6,
+            OpKind::WriteZ => 7,
             OpKind::Compute(work) => 8 + work as u32,
         }
     }
@@ -225,6 +235,11 @@ impl OpStream {
     pub fn locate(&self, index: usize) -> Option<(u32, usize)> {
         let line = self.lines.partition_point(|line| line.end as usize <= index);
         self.lines.get(line).map(|found| (found.ray, index - self.line_start(line)))
+    }
+
+    /// The line that op number `index` is in.
+    pub(super) fn line_of(&self, index: usize) -> Option<OpLine> {
+        self.lines.get(self.lines.partition_point(|line| line.end as usize <= index)).copied()
     }
 
     fn line_start(&self, line: usize) -> usize {

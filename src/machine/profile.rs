@@ -48,7 +48,19 @@ pub struct FifoBin {
     pub full: Cycles,
 }
 
-/// How long rays took: exact extremes and sum, and counts in buckets that are at most an eighth wide.
+impl FifoBin {
+    /// Some FIFOs at the same time: the lowest and the highest level of any, and the sums of the rest.
+    pub fn of_all(fifos: &[FifoBin]) -> FifoBin {
+        FifoBin {
+            min: fifos.iter().map(|bin| bin.min).min().unwrap_or_default(),
+            max: fifos.iter().map(|bin| bin.max).max().unwrap_or_default(),
+            word_cycles: fifos.iter().map(|bin| bin.word_cycles).sum(),
+            full: fifos.iter().map(|bin| bin.full).sum(),
+        }
+    }
+}
+
+/// How long rays took: exact extremes and sum, and counts in buckets at most a 32nd wide.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Latency {
     /// How many rays.
@@ -65,7 +77,7 @@ pub struct Latency {
 
 impl Latency {
     /// Buckets between one power of two and the next.
-    const PARTS: u64 = 8;
+    const PARTS: u64 = 32;
 
     /// Counts one ray.
     pub fn add(&mut self, latency: u64) {
@@ -80,7 +92,7 @@ impl Latency {
         self.rays += 1;
     }
 
-    /// The bucket of a latency: small ones have one each, the others share an eighth of their power of two.
+    /// The bucket of a latency: small ones have one each, the others share a 32nd of their power of two.
     fn bucket(latency: u64) -> usize {
         let octave = latency.max(1).ilog2().saturating_sub(Latency::PARTS.ilog2());
         (octave as u64 * Latency::PARTS + (latency >> octave)) as usize

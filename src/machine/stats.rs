@@ -13,8 +13,23 @@ pub struct RunStats {
     pub rays: u64,
     /// One entry a cell, from left to right.
     pub cells: Vec<CellStats>,
-    /// `X0`, `X1`, ..., then `Y1`, `Y2`, ..., `Yhost`, each named after the cell that reads it.
+    /// `X0`, `X1`, ..., then `Y1`, `Y2`, ..., `Yhost`, each named after the cell that reads it; then those of `Z0`, `Z1`,
+    /// ... that a word has passed through.
     pub fifos: Vec<FifoStats>,
+}
+
+impl RunStats {
+    /// The states that reports show: all but those of Z, unless words went to the left.
+    pub fn states(&self) -> impl Iterator<Item = CellState> {
+        let with_z = self.sends_back();
+        let is_z = |state| matches!(state, CellState::Waiting(Channel::Z) | CellState::Blocked(Channel::Z));
+        CellState::ALL.into_iter().filter(move |&state| with_z || !is_z(state))
+    }
+
+    /// Whether any word went to the left, on Z.
+    pub fn sends_back(&self) -> bool {
+        self.fifos.last().is_some_and(|fifo| fifo.name.starts_with('Z'))
+    }
 }
 
 /// Cycles spent computing, by what was computed.
@@ -44,10 +59,14 @@ pub struct CellStats {
     pub waiting_x: Cycles,
     /// A read from Y found nothing to read.
     pub waiting_y: Cycles,
+    /// A read from Z found nothing to read.
+    pub waiting_z: Cycles,
     /// A write to X found no room, or the link not free.
     pub blocked_x: Cycles,
     /// A write to Y found no room, or the link not free.
     pub blocked_y: Cycles,
+    /// A write to Z found no room, or the link not free.
+    pub blocked_z: Cycles,
     /// After the last op.
     pub idle: Cycles,
 }
@@ -69,7 +88,7 @@ pub enum CellState {
 
 impl CellState {
     /// All states, in the order in which reports name them.
-    pub const ALL: [CellState; 10] = [
+    pub const ALL: [CellState; 12] = [
         CellState::Busy(Work::Grid),
         CellState::Busy(Work::Slabs),
         CellState::Busy(Work::Intersection),
@@ -77,8 +96,10 @@ impl CellState {
         CellState::Moving,
         CellState::Waiting(Channel::X),
         CellState::Waiting(Channel::Y),
+        CellState::Waiting(Channel::Z),
         CellState::Blocked(Channel::X),
         CellState::Blocked(Channel::Y),
+        CellState::Blocked(Channel::Z),
         CellState::Idle,
     ];
 
@@ -92,8 +113,10 @@ impl CellState {
             CellState::Moving => "moving",
             CellState::Waiting(Channel::X) => "waiting X",
             CellState::Waiting(Channel::Y) => "waiting Y",
+            CellState::Waiting(Channel::Z) => "waiting Z",
             CellState::Blocked(Channel::X) => "blocked X",
             CellState::Blocked(Channel::Y) => "blocked Y",
+            CellState::Blocked(Channel::Z) => "blocked Z",
             CellState::Idle => "idle",
         }
     }
@@ -107,8 +130,10 @@ impl CellStats {
             CellState::Moving => self.moving,
             CellState::Waiting(Channel::X) => self.waiting_x,
             CellState::Waiting(Channel::Y) => self.waiting_y,
+            CellState::Waiting(Channel::Z) => self.waiting_z,
             CellState::Blocked(Channel::X) => self.blocked_x,
             CellState::Blocked(Channel::Y) => self.blocked_y,
+            CellState::Blocked(Channel::Z) => self.blocked_z,
             CellState::Idle => self.idle,
         }
     }
@@ -120,16 +145,33 @@ impl CellStats {
             CellState::Moving => &mut self.moving,
             CellState::Waiting(Channel::X) => &mut self.waiting_x,
             CellState::Waiting(Channel::Y) => &mut self.waiting_y,
+            CellState::Waiting(Channel::Z) => &mut self.waiting_z,
             CellState::Blocked(Channel::X) => &mut self.blocked_x,
             CellState::Blocked(Channel::Y) => &mut self.blocked_y,
+            CellState::Blocked(Channel::Z) => &mut self.blocked_z,
             CellState::Idle => &mut self.idle,
         }
     }
 
+    /// Takes in the cycles of another cell, or of another time.
+    pub(super) fn add(&mut self, other: &CellStats) {
+        for state in CellState::ALL {
+            *self.of_mut(state) += other.of(state);
+        }
+    }
+
+    /// The cycles of some cells together.
+    pub fn sum(cells: &[CellStats]) -> CellStats {
+        let mut sum = CellStats::default();
+        cells.iter().for_each(|cell| sum.add(cell));
+        sum
+    }
+
     /// All cycles but the idle ones.
     pub fn active(&self) -> Cycles {
-        let stalls = self.waiting_x + self.waiting_y + self.blocked_x + self.blocked_y;
-        self.busy.total() + self.moving + stalls
+        let waiting = self.waiting_x + self.waiting_y + self.waiting_z;
+        let blocked = self.blocked_x + self.blocked_y + self.blocked_z;
+        self.busy.total() + self.moving + waiting + blocked
     }
 }
 
@@ -152,10 +194,11 @@ pub struct FifoStats {
     pub empty: Cycles,
 }
 
-/// The name of the FIFO of a channel of link `link` in an array of `cells` cells: `X0`, `Y1`, ..., `Yhost`.
+/// The name of the FIFO of a channel of link `link`, which leads into cell `link`, in an array of `cells` cells: `X0`, `Y1`,
+/// ..., `Yhost`; `Z0` belongs to link 1, as cell 0 reads it.
 pub(super) fn fifo_name(channel: Channel, link: usize, cells: usize) -> String {
-    let reader = if link == cells { "host".to_owned() } else { link.to_string() };
-    format!("{channel}{reader}")
+    let reader = if channel == Channel::Z { link.checked_sub(1) } else { Some(link).filter(|&link| link < cells) };
+    reader.map_or_else(|| format!("{channel}host"), |reader| format!("{channel}{reader}"))
 }
 
 impl FifoStats {

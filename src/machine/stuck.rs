@@ -104,22 +104,29 @@ impl Standing {
     /// The FIFO that it stands at, as the number of the link that leads there and the channel.
     pub fn fifo(&self) -> Option<(usize, Channel)> {
         match (self.party, self.halt) {
-            (Party::Cell(index), Halt::NoWord) => Some((index, self.op.kind().reads()?)),
-            (Party::Cell(index), Halt::NoRoom) => Some((index + 1, self.op.kind().writes()?)),
+            (Party::Cell(index), Halt::NoWord) => match self.op.kind().reads()? {
+                Channel::Z => Some((index + 1, Channel::Z)),
+                channel => Some((index, channel)),
+            },
+            (Party::Cell(index), Halt::NoRoom) => match self.op.kind().writes()? {
+                Channel::Z => Some((index, Channel::Z)),
+                channel => Some((index + 1, channel)),
+            },
             (Party::Host, Halt::NoRoom) => Some((0, self.op.kind().writes()?)),
             _ => None,
         }
     }
 
     fn waits_on(&self) -> Party {
-        match (self.party, self.halt) {
-            (Party::Cell(0), Halt::NoWord) => Party::Host,
-            (Party::Cell(index), Halt::NoWord) => Party::Cell(index - 1),
-            (Party::Cell(index), Halt::NoRoom) if index + 1 == self.cells => Party::Host,
-            (Party::Cell(index), _) => Party::Cell(index + 1),
-            (Party::Host, Halt::NoRoom) => Party::Cell(0),
-            (Party::Host, _) => Party::Cell(self.cells - 1),
-        }
+        let index = match (self.party, self.halt) {
+            (Party::Host, Halt::NoRoom) => return Party::Cell(0),
+            (Party::Host, _) => return Party::Cell(self.cells - 1),
+            (Party::Cell(index), _) => index,
+        };
+        // Words come from the left and room from the right; on Z it is the other way round.
+        let on_z = matches!(self.fifo(), Some((_, Channel::Z)));
+        let neighbour = if (self.halt == Halt::NoWord) == on_z { Some(index + 1) } else { index.checked_sub(1) };
+        neighbour.filter(|&neighbour| neighbour < self.cells).map_or(Party::Host, Party::Cell)
     }
 
     fn for_what(&self) -> WaitFor {

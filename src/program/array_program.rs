@@ -39,6 +39,17 @@ pub struct ArrayProgram {
     /// Whether the grid drops polygons that it has already sent on for the same ray.
     #[serde(default)]
     pub mailbox: bool,
+    /// How many voxels the grid's cell may be ahead of what the intersection's cell has told it, by stop words, at least 1.
+    /// `None` for the paper's way: the grid's cell walks to the end of the volume. Beyond the paper.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop_words: Option<u32>,
+    /// How many rays a cell reads and passes on ahead of the one that it begins. Beyond the paper, where it is 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub forward_ahead: u32,
+}
+
+fn is_zero(number: &u32) -> bool {
+    *number == 0
 }
 
 fn ugray_coefficient() -> f64 {
@@ -117,6 +128,14 @@ impl ArrayProgram {
             let message =
                 format!("{} cells are more than the {} that can be simulated", self.cells(), Self::MOST_CELLS);
             return Err(Fault::new("groups", message));
+        }
+        if self.stop_words == Some(0) {
+            let message = "the grid's cell cannot walk at all if it may be 0 voxels ahead of the stop words";
+            return Err(Fault::new("stop_words", message).help("give 1 or more, or leave the stop words out"));
+        }
+        if self.stop_words.is_some() && self.stages.len() == 1 {
+            let message = "stop words go from the intersection's cell to the grid's, which here are the same";
+            return Err(Fault::new("stop_words", message).help("it stops by itself: leave the stop words out"));
         }
         if !(self.grid_coefficient > 0.0 && self.grid_coefficient <= 1e6) {
             let message = format!("a grid coefficient of {} is not above 0 and at most 1000000", self.grid_coefficient);

@@ -2,11 +2,13 @@
 
 use crate::error::InputError;
 use crate::geometry::grid::GridTooLarge;
+use crate::geometry::partition::SubVolume;
 use crate::geometry::{Bounds, Grid, Partition, Polygons, Ray, Slabs, partition};
 use crate::scene::Mesh;
 
 use super::array_program::{ArrayProgram, Stages};
 use super::kernel::KernelTimes;
+use super::stop_words::StopWords;
 use super::trace::{Tracer, WorkSample};
 use super::workload::{Group, Workload};
 
@@ -18,25 +20,48 @@ impl Workload {
     ///
     /// Fails if there are more groups than polygons, or if a grid would be too large.
     pub fn new(mesh: &Mesh, program: &ArrayProgram, times: KernelTimes, rays: &[Ray]) -> Result<Workload, InputError> {
+        let mut workload = Workload::without_groups(mesh, program, times, rays)?;
+        let boxes = workload.cut(program, rays)?;
+        workload.groups = workload.fill_groups(&boxes, program.grid_coefficient)?;
+        Ok(workload)
+    }
+
+    /// The polygons and the sub-volumes that [`Workload::new`] would give the groups, without filling the groups' grids.
+    pub fn sub_volumes(
+        mesh: &Mesh,
+        program: &ArrayProgram,
+        times: KernelTimes,
+        rays: &[Ray],
+    ) -> Result<(Polygons, Vec<SubVolume>), InputError> {
+        let workload = Workload::without_groups(mesh, program, times, rays)?;
+        let sub_volumes = partition::assign(&workload.polygons, &workload.cut(program, rays)?);
+        Ok((workload.polygons, sub_volumes))
+    }
+
+    fn without_groups(
+        mesh: &Mesh,
+        program: &ArrayProgram,
+        times: KernelTimes,
+        rays: &[Ray],
+    ) -> Result<Workload, InputError> {
         program.check()?;
         let polygons = Polygons::for_rays(mesh, rays);
         if program.groups > polygons.len() {
             let message = format!("{} groups are more than the scene's {} polygons", program.groups, polygons.len());
             return Err(InputError::new(message).help("use fewer cells or a larger scene"));
         }
-        let mut workload = Workload {
+        Ok(Workload {
             slabs: Slabs::new(&polygons),
             polygons,
             groups: Vec::new(),
             stages: program.placement(),
             times,
             mailbox: program.mailbox,
+            stop_words: program.stop_words.map(|ahead| StopWords { ahead, last: program.stages.len() - 1 }),
+            forward_ahead: program.forward_ahead,
             kernels: program.stages.clone(),
             programs: None,
-        };
-        let boxes = workload.cut(program, rays)?;
-        workload.groups = workload.fill_groups(&boxes, program.grid_coefficient)?;
-        Ok(workload)
+        })
     }
 
     fn cut(&self, program: &ArrayProgram, rays: &[Ray]) -> Result<Vec<Bounds>, InputError> {
@@ -67,6 +92,7 @@ impl Workload {
         let whole = Workload {
             groups: self.fill_groups(&[volume], coefficient)?,
             stages: Stages { slabs: self.stages.slabs.map(|_| 0), intersection: 0 },
+            stop_words: None,
             ..self.clone()
         };
         let mut sample = WorkSample::default();
@@ -79,7 +105,7 @@ impl Workload {
 
     fn fill_groups(&self, boxes: &[Bounds], coefficient: f64) -> Result<Vec<Group>, InputError> {
         let too_large = |error: GridTooLarge| InputError::new(error.to_string());
-        let fill = |sub_volume: partition::SubVolume| {
+        let fill = |sub_volume: SubVolume| {
             let grid = Grid::new(&self.polygons, &sub_volume.members, sub_volume.volume, coefficient);
             Ok(Group { grid: grid.map_err(too_large)?, members: sub_volume.members })
         };

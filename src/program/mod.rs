@@ -8,6 +8,7 @@ pub mod cells;
 mod kernel;
 mod layout;
 mod machine_file;
+mod stop_words;
 mod trace;
 mod workload;
 

@@ -11,10 +11,11 @@ use crate::machine::{Cycles, OpBatch, OpKind, OpStream, Work};
 
 use super::cells::ProgramTracer;
 use super::kernel::Times;
+use super::stop_words::Stopping;
 use super::workload::{Group, Workload};
 
 /// Words of a RAY message: id, origin, direction, t_max.
-const RAY_WORDS: u64 = 8;
+pub(super) const RAY_WORDS: u64 = 8;
 /// Words of a CANDIDATE message, and of the END that follows the last.
 const CANDIDATE_WORDS: u64 = 1;
 /// Words of a HIT message: ray id, polygon, t, alpha, beta.
@@ -82,20 +83,29 @@ impl<'a> Tracer<'a> {
         self.programs.as_ref().map_or(0, ProgramTracer::executed)
     }
 
-    /// Traces ray number `id`: adds a line to the host's and to every cell's ops, and returns the first hit.
-    pub fn trace(&mut self, id: u32, ray: &Ray, batch: &mut OpBatch) -> Hit {
+    /// Traces ray number `id` of `count` rays that the host sends without waiting for hits: adds a line to the host's and
+    /// to every cell's ops, and returns the first hit.
+    pub fn trace(&mut self, id: u32, count: usize, ray: &Ray, batch: &mut OpBatch) -> Hit {
         send_ray(&mut batch.host, id, self.workload.times.host.ray);
-        self.trace_cells(id, ray, &mut batch.cells)
+        let ahead = self.workload.forward_ahead as u64;
+        let known_before = if id == 0 { 0 } else { id as u64 + ahead };
+        let passed_on = (id as u64 + 1 + ahead).min(count as u64).saturating_sub(known_before);
+        self.visit(id, passed_on, ray, &mut batch.cells)
     }
 
-    /// The same without the host's line, for who decides himself when the ray is sent.
+    /// The same without the host's line, for who decides himself when the ray is sent. No ray is passed on ahead.
     pub fn trace_cells(&mut self, id: u32, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+        self.visit(id, 1, ray, cells)
+    }
+
+    /// Each cell reads and passes on so many rays (programs just the one), then works on this one.
+    fn visit(&mut self, id: u32, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
         let hit = match &mut self.programs {
             Some(programs) => programs.trace(id, ray, cells, &mut self.counts).unwrap_or_else(|fault| {
                 self.fault.get_or_insert(fault);
                 Hit::MISS
             }),
-            None => self.visit_groups(ray, cells),
+            None => self.visit_groups(passed_on, ray, cells),
         };
         cells.iter_mut().for_each(|cell| cell.end_line(id));
         self.counts.hits += hit.is_hit() as u64;
@@ -103,7 +113,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The same where the cells take Figure 7's times.
-    fn visit_groups(&mut self, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+    fn visit_groups(&mut self, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
         let stages = self.workload.stages.count();
@@ -114,10 +124,15 @@ impl<'a> Tracer<'a> {
                 cells,
                 ray_slabs,
                 entered: Entered::default(),
+                stopping: Stopping::default(),
                 hit: Hit::MISS,
             };
-            visit.start();
-            visit.walk(group, &mut self.mailbox, &mut self.counts);
+            visit.start(passed_on);
+            if self.workload.stop_words.is_some() {
+                visit.walk_told(group, &mut self.mailbox, &mut self.counts);
+            } else {
+                visit.walk(group, &mut self.mailbox, &mut self.counts);
+            }
             visit.finish(index > 0);
             ray_slabs = visit.ray_slabs;
             nearest = nearest.nearer(visit.hit);
@@ -137,6 +152,7 @@ impl<'a> Tracer<'a> {
             cells: &mut cells,
             ray_slabs: None,
             entered: Entered::default(),
+            stopping: Stopping::default(),
             hit: Hit::MISS,
         };
         let mut t_enter = 0.0;
@@ -177,13 +193,16 @@ struct GroupVisit<'a> {
     cells: &'a mut [OpStream],
     ray_slabs: Option<RaySlabs>,
     entered: Entered,
+    stopping: Stopping,
     hit: Hit,
 }
 
 impl GroupVisit<'_> {
-    /// Every cell reads the ray; its first kernel starts on it.
-    fn start(&mut self) {
-        self.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, RAY_WORDS));
+    /// Every cell reads so many rays, this one among them if it does not know it yet; its first kernel starts on it.
+    fn start(&mut self, passed_on: u64) {
+        if passed_on > 0 {
+            self.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, passed_on * RAY_WORDS));
+        }
         self.cells[0].push(OpKind::Compute(Work::Grid), self.workload.times.grid.start.0);
         let stages = self.workload.stages;
         if let Some(slabs) = stages.slabs.filter(|&slabs| slabs > 0) {
@@ -221,6 +240,25 @@ impl GroupVisit<'_> {
         }
     }
 
+    /// The same where the cells tell each other of every voxel: the grid's cell walks until it has read the stop.
+    fn walk_told(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
+        let workload = self.workload;
+        let Some(words) = workload.stop_words else { return };
+        group.grid.walk(self.ray, workload.polygons.beyond_margin(self.ray.origin), |voxel| {
+            self.cells[0].push(OpKind::Compute(Work::Grid), workload.times.grid.each.0);
+            counts.voxels += 1;
+            for &polygon in voxel.polygons {
+                if !workload.mailbox || mailbox.mark(polygon) {
+                    self.candidate(polygon, counts);
+                }
+            }
+            words.end_voxel(self.cells);
+            self.stopping.end_voxel(self.hit.t <= voxel.t_exit);
+            let stop = self.stopping.seen_by(0, workload.stop_words);
+            if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+    }
+
     /// A cell that has both grid and intersection stops when its nearest hit lies inside the voxel just done.
     #[inline]
     fn done_in(&self, t_exit: f32) -> ControlFlow<()> {
@@ -238,6 +276,9 @@ impl GroupVisit<'_> {
         let mut cell = 0;
         if let Some(slabs) = stages.slabs {
             self.send(cell, slabs);
+            if self.stopping.seen_by(slabs, self.workload.stop_words) {
+                return;
+            }
             cell = slabs;
             counts.slab_tests += 1;
             if !self.slabs_test(slabs, polygon) {
@@ -245,6 +286,9 @@ impl GroupVisit<'_> {
             }
         }
         self.send(cell, stages.intersection);
+        if self.stopping.seen_by(stages.intersection, self.workload.stop_words) {
+            return;
+        }
         counts.intersection_tests += 1;
         self.intersection_test(polygon);
     }

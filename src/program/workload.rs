@@ -2,11 +2,13 @@
 
 use crate::error::InputError;
 use crate::geometry::{Grid, Polygons, Slabs, slabs};
-use crate::machine::Words;
+use crate::machine::{OpBatch, Words};
 
 use super::array_program::{Kernel, Stages};
 use super::cells::{CellOptions, CellPrograms};
 use super::kernel::{HostTimes, KernelTimes};
+use super::stop_words::StopWords;
+use super::trace::RAY_WORDS;
 
 /// A scene's polygons with the grids and slabs that an array program gives its cells.
 #[derive(Clone, Debug)]
@@ -17,6 +19,8 @@ pub struct Workload {
     pub(super) stages: Stages,
     pub(super) times: KernelTimes,
     pub(super) mailbox: bool,
+    pub(super) stop_words: Option<StopWords>,
+    pub(super) forward_ahead: u32,
     pub(super) kernels: Vec<Vec<Kernel>>,
     /// The cells' programs, if they run any instead of Figure 7's times.
     pub(super) programs: Option<CellPrograms>,
@@ -40,20 +44,28 @@ pub struct CellMemory {
     pub polygons: Words,
     /// What a cell that runs a program needs beside: the program, its own data, planes between voxels, addresses of records.
     pub program: Words,
+    /// Rays that have been passed on and wait for their turn.
+    pub rays: Words,
 }
 
 impl CellMemory {
     /// All of it.
     pub fn total(&self) -> Words {
-        self.grid + self.slabs + self.polygons + self.program
+        self.grid + self.slabs + self.polygons + self.program + self.rays
     }
 }
 
 impl Workload {
     /// Lets the cells run programs instead of taking Figure 7's times: assembles them and loads every cell's memory.
     ///
-    /// Fails if a program has a mistake, or wants something of the loader that it does not have.
+    /// Fails if a program has a mistake, or wants something of the loader that it does not have; or if the array program
+    /// goes beyond the paper.
     pub fn with_programs(self, options: &CellOptions) -> Result<Workload, InputError> {
+        if self.stop_words.is_some() || self.forward_ahead > 0 {
+            let what = if self.stop_words.is_some() { "stop words" } else { "rays forwarded ahead" };
+            let error = InputError::new(format!("the cells' programs know nothing of {what}"));
+            return Err(error.help("leave them out, or let the cells run timings"));
+        }
         let programs = CellPrograms::new(&self, options)?;
         Ok(Workload { programs: Some(programs), ..self })
     }
@@ -102,11 +114,44 @@ impl Workload {
             slabs: words(Kernel::Slabs, slabs::WORDS * group.members.len() as u64),
             polygons: words(Kernel::Intersection, self.polygons.memory_words(&group.members)),
             program: Words(0),
+            rays: Words(RAY_WORDS * self.forward_ahead as u64),
         };
         if let Some(programs) = &self.programs {
             memory.program = Words(programs.words(cell).0 - memory.total().0);
         }
         memory
+    }
+
+    /// A batch without a ray: what the cells do before the first one.
+    pub fn opening(&self) -> OpBatch {
+        let mut batch = OpBatch::new(self.cells());
+        if let Some(words) = self.stop_words {
+            batch.cells.chunks_mut(self.stages.count()).for_each(|group| words.begin(group));
+        }
+        batch
+    }
+
+    /// Fails if the cells want rays before the hits of others have left the array, for a host that sends some only after.
+    pub fn check_closed_loop(&self) -> Result<(), InputError> {
+        let message = match self.forward_ahead {
+            0 => return Ok(()),
+            ahead => format!(
+                "a cell would begin a ray only when the next {ahead} have come, and the host of an image may send those \
+                 only after that ray's hit"
+            ),
+        };
+        let help = "forward no rays ahead: that is for primary rays alone, which the host sends without waiting";
+        Err(InputError::new(message).help(help))
+    }
+
+    /// Fails if the FIFOs are too shallow for the stop words that are on their way at the end of a run.
+    pub fn check_fifos(&self, fifo_words: Words) -> Result<(), InputError> {
+        let Some(words) = self.stop_words.filter(|words| words.least_fifo_words() > fifo_words.0) else {
+            return Ok(());
+        };
+        let (ahead, least) = (words.ahead, words.least_fifo_words());
+        let message = format!("stop words {ahead} voxels ahead need FIFOs of {least} words, these hold {fifo_words}");
+        Err(InputError::new(message).help("use deeper FIFOs, or fewer voxels ahead"))
     }
 
     /// Fails if some cell needs more memory than it has.
@@ -118,12 +163,13 @@ impl Workload {
             return Ok(());
         };
         let message = format!(
-            "the scene does not fit: cell {cell} needs {} (grid {}, slabs {}, planes and vertices {}, program {}) and has {memory}",
+            "the scene does not fit: cell {cell} needs {} (grid {}, slabs {}, planes and vertices {}, program {}, rays ahead {}) and has {memory}",
             need.total(),
             need.grid.0,
             need.slabs.0,
             need.polygons.0,
             need.program.0,
+            need.rays.0,
         );
         Err(InputError::new(message).help("use more cells, a smaller grid coefficient, or more memory_words"))
     }

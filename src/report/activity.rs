@@ -131,8 +131,9 @@ impl ActivityTrace {
     /// Counts cells and rays, and checks every line.
     fn survey(&mut self) -> Result<(), InputError> {
         let (mut cells, mut order, mut awaited) = (0, HashMap::new(), Vec::new());
-        // The last of the cells that write rays themselves, and the line.
+        // The last of the cells that write rays themselves or read from the right, and the line.
         let mut writes_x: Option<(usize, usize)> = None;
+        let mut reads_z: Option<(usize, usize)> = None;
         let mut rays = 0;
         self.for_each_line(|line| {
             let ray = line.ray()?;
@@ -149,9 +150,16 @@ impl ActivityTrace {
                 Actor::Cell(index) => {
                     cells = cells.max(index + 1);
                     line.ops().try_for_each(|op| {
-                        let writes = op?.0 == OpKind::WriteX;
-                        writes_x = writes_x.max(writes.then_some((index, line.number)));
-                        Ok(())
+                        let (kind, _) = op?;
+                        let here = |asked: OpKind| (kind == asked).then_some((index, line.number));
+                        writes_x = writes_x.max(here(OpKind::WriteX));
+                        reads_z = reads_z.max(here(OpKind::ReadZ));
+                        match here(OpKind::WriteZ) {
+                            Some((0, _)) => {
+                                Err(line.error(line.words[1], "cell 0 writes to Z, which has nobody to read it"))
+                            }
+                            _ => Ok(()),
+                        }
                     })
                 }
             }
@@ -163,6 +171,10 @@ impl ActivityTrace {
         }
         if let Some((_, line)) = writes_x.filter(|(cell, _)| cell + 1 == cells) {
             let message = format!("line {line}: the last cell writes to X, which has nobody to read it");
+            return Err(InputError::in_file(&self.path, message));
+        }
+        if let Some((_, line)) = reads_z.filter(|(cell, _)| cell + 1 == cells) {
+            let message = format!("line {line}: the last cell reads from Z, to which nobody writes");
             return Err(InputError::in_file(&self.path, message));
         }
         if cells == 0 || rays == 0 {
@@ -261,7 +273,8 @@ impl<'a> Line<'a> {
             _ => !host,
         };
         let Some(kind) = kind.filter(allowed) else {
-            let (who, ops) = if host { ("the host", "w, a and c") } else { ("a cell", "x, g, s, n, c, i, o, r and w") };
+            let (who, ops) =
+                if host { ("the host", "w, a and c") } else { ("a cell", "x, g, s, n, c, i, o, r, w, b and z") };
             return Err(self.error(word, format!("'{word}' is no op of {who}, whose ops are {ops}")));
         };
         let digits = &word[letter.len_utf8()..];

@@ -49,8 +49,11 @@ fn main_work(cell: &CellStats) -> String {
 
 /// What the limiting cell does to its neighbours.
 fn effect(stats: &RunStats, index: usize) -> String {
-    let blocked = stats.cells[..index].iter().map(|cell| cell.blocked_x + cell.blocked_y).max().unwrap_or_default();
-    let waiting = stats.cells[index + 1..].iter().map(|cell| cell.waiting_x + cell.waiting_y).max().unwrap_or_default();
+    // On Z, which leads to the left, it is the left one that lacks words.
+    let blocked = |cell: &CellStats| cell.blocked_x + cell.blocked_y + cell.waiting_z;
+    let blocked = stats.cells[..index].iter().map(blocked).max().unwrap_or_default();
+    let waiting = |cell: &CellStats| cell.waiting_x + cell.waiting_y + cell.blocked_z;
+    let waiting = stats.cells[index + 1..].iter().map(waiting).max().unwrap_or_default();
     let part = |cycles: Cycles| percent(cycles, stats.cycles);
     let significant = |cycles: Cycles| share(cycles, stats) > NOTABLE;
     match (significant(blocked), significant(waiting)) {

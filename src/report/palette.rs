@@ -7,14 +7,23 @@ use crate::machine::{CellState, Channel, Work};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rgb(pub u8, pub u8, pub u8);
 
-/// What a FIFO holds: the mean.
-pub const LEVEL: Rgb = Rgb(0, 114, 178);
-/// From the lowest to the highest that a FIFO holds.
-pub const RANGE: Rgb = Rgb(86, 180, 233);
-/// A FIFO that is full.
+/// Amounts: what a FIFO holds on average, rays that are done, how much a cell works. Colours are for states.
+pub const AMOUNT: Rgb = Rgb(55, 65, 95);
+/// From the lowest to the highest amount.
+pub const RANGE: Rgb = Rgb(168, 178, 208);
+/// A FIFO that is full, which blocks its writer.
 pub const FULL: Rgb = Rgb(213, 94, 0);
-/// Rays that are done.
-pub const RAYS: Rgb = Rgb(0, 158, 115);
+
+/// Lines that differ in what a caption says: blue, vermilion, green, orange, sky blue, purple, black.
+pub const LINES: [Rgb; 7] = [
+    Rgb(0, 114, 178),
+    Rgb(213, 94, 0),
+    Rgb(0, 158, 115),
+    Rgb(230, 159, 0),
+    Rgb(86, 180, 233),
+    Rgb(204, 121, 167),
+    Rgb(0, 0, 0),
+];
 
 /// The colour of what a cell does.
 pub fn of_state(state: CellState) -> Rgb {
@@ -26,8 +35,10 @@ pub fn of_state(state: CellState) -> Rgb {
         CellState::Moving => Rgb(0, 0, 0),
         CellState::Waiting(Channel::X) => Rgb(240, 228, 66),
         CellState::Waiting(Channel::Y) => Rgb(250, 243, 176),
+        CellState::Waiting(Channel::Z) => Rgb(196, 180, 60),
         CellState::Blocked(Channel::X) => Rgb(213, 94, 0),
         CellState::Blocked(Channel::Y) => Rgb(230, 159, 0),
+        CellState::Blocked(Channel::Z) => Rgb(150, 62, 0),
         CellState::Idle => Rgb(225, 225, 225),
     }
 }

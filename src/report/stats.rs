@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::bottleneck;
 use super::kinds::RaysByKind;
-use crate::machine::{CellStats, FifoStats, MachineSpec, RunStats, Work};
+use crate::machine::{CellStats, Cycles, FifoStats, MachineSpec, RunStats, Work};
 use crate::program::{ArrayProgram, CellMemory, Counts, MachineFile, Workload};
 use crate::scene::Scene;
 
@@ -49,13 +49,22 @@ pub struct MemoryWords {
     slabs: u64,
     polygons: u64,
     program: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rays: Option<u64>,
     total: u64,
 }
 
 impl From<CellMemory> for MemoryWords {
     fn from(memory: CellMemory) -> MemoryWords {
-        let CellMemory { grid, slabs, polygons, program } = memory;
-        MemoryWords { grid: grid.0, slabs: slabs.0, polygons: polygons.0, program: program.0, total: memory.total().0 }
+        let CellMemory { grid, slabs, polygons, program, rays } = memory;
+        MemoryWords {
+            grid: grid.0,
+            slabs: slabs.0,
+            polygons: polygons.0,
+            program: program.0,
+            rays: Some(rays.0).filter(|&words| words > 0),
+            total: memory.total().0,
+        }
     }
 }
 
@@ -82,8 +91,12 @@ struct Cell {
     moving: u64,
     waiting_x: u64,
     waiting_y: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    waiting_z: Option<u64>,
     blocked_x: u64,
     blocked_y: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    blocked_z: Option<u64>,
     idle: u64,
 }
 
@@ -114,9 +127,10 @@ struct CountsJson {
     hits: u64,
 }
 
-impl From<&CellStats> for Cell {
-    fn from(stats: &CellStats) -> Cell {
+impl Cell {
+    fn new(stats: &CellStats, run: &RunStats) -> Cell {
         let busy = |work| stats.busy.of(work).0;
+        let on_z = |cycles: Cycles| run.sends_back().then_some(cycles.0);
         Cell {
             busy: Busy {
                 grid: busy(Work::Grid),
@@ -127,8 +141,10 @@ impl From<&CellStats> for Cell {
             moving: stats.moving.0,
             waiting_x: stats.waiting_x.0,
             waiting_y: stats.waiting_y.0,
+            waiting_z: on_z(stats.waiting_z),
             blocked_x: stats.blocked_x.0,
             blocked_y: stats.blocked_y.0,
+            blocked_z: on_z(stats.blocked_z),
             idle: stats.idle.0,
         }
     }
@@ -183,7 +199,7 @@ fn json(
         seconds,
         rays: stats.rays,
         rays_per_second: if seconds > 0.0 { stats.rays as f64 / seconds } else { 0.0 },
-        cells: stats.cells.iter().map(Cell::from).collect(),
+        cells: stats.cells.iter().map(|cell| Cell::new(cell, stats)).collect(),
         fifos: stats.fifos.iter().map(|fifo| Fifo::new(fifo, stats)).collect(),
         counts: counts.map(|counts| CountsJson {
             voxels: counts.voxels,

@@ -4,7 +4,7 @@ use comfy_table::{CellAlignment, Table};
 
 use super::bottleneck::percent;
 use super::time_unit::TimeUnit;
-use crate::machine::{CellState, MachineSpec, RunStats};
+use crate::machine::{CellState, CellStats, FifoStats, MachineSpec, RunStats};
 
 /// A number with its thousands set off: `262 144`.
 pub fn grouped(number: u64) -> String {
@@ -32,23 +32,33 @@ pub fn speed(stats: &RunStats, spec: &MachineSpec) -> String {
     )
 }
 
+/// A table: what its columns are called, and its rows.
+#[derive(Clone, Debug)]
+pub struct Rows {
+    /// The columns.
+    pub header: Vec<&'static str>,
+    /// As many values a row.
+    pub rows: Vec<Vec<String>>,
+}
+
 /// Where every cell's cycles went: a row a cell. `names` tells what each cell runs, as far as that is known.
-pub fn cells(stats: &RunStats, names: &[String]) -> String {
-    let header: Vec<&str> = std::iter::once("cell").chain(CellState::ALL.map(CellState::name)).collect();
-    let mut table = table(&header);
-    for (index, cell) in stats.cells.iter().enumerate() {
+pub fn cell_rows(stats: &RunStats, names: &[String]) -> Rows {
+    let states: Vec<CellState> = stats.states().collect();
+    let row = |(index, cell): (usize, &CellStats)| {
         let name = names.get(index).map_or(index.to_string(), |name| format!("{index} {name}"));
-        let shares = CellState::ALL.map(|state| percent(cell.of(state), stats.cycles));
-        table.add_row(std::iter::once(name).chain(shares));
+        let shares = states.iter().map(|&state| percent(cell.of(state), stats.cycles));
+        std::iter::once(name).chain(shares).collect()
+    };
+    Rows {
+        header: std::iter::once("cell").chain(states.iter().map(|state| state.name())).collect(),
+        rows: stats.cells.iter().enumerate().map(row).collect(),
     }
-    aligned(table)
 }
 
 /// What every FIFO held: a row a FIFO.
-pub fn fifos(stats: &RunStats) -> String {
-    let mut table = table(&["FIFO", "words through", "holds", "max", "mean", "full", "empty"]);
-    for fifo in &stats.fifos {
-        table.add_row([
+pub fn fifo_rows(stats: &RunStats) -> Rows {
+    let row = |fifo: &FifoStats| {
+        vec![
             fifo.name.clone(),
             grouped(fifo.words.0),
             fifo.capacity.0.to_string(),
@@ -56,8 +66,27 @@ pub fn fifos(stats: &RunStats) -> String {
             format!("{:.2}", fifo.mean(stats.cycles)),
             percent(fifo.full, stats.cycles),
             percent(fifo.empty, stats.cycles),
-        ]);
+        ]
+    };
+    Rows {
+        header: vec!["FIFO", "words through", "holds", "max", "mean", "full", "empty"],
+        rows: stats.fifos.iter().map(row).collect(),
     }
+}
+
+/// The cells' table as text.
+pub fn cells(stats: &RunStats, names: &[String]) -> String {
+    text(cell_rows(stats, names))
+}
+
+/// The FIFOs' table as text.
+pub fn fifos(stats: &RunStats) -> String {
+    text(fifo_rows(stats))
+}
+
+fn text(rows: Rows) -> String {
+    let mut table = table(&rows.header);
+    table.add_rows(rows.rows);
     aligned(table)
 }
 

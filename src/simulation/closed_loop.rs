@@ -20,8 +20,8 @@ use std::collections::VecDeque;
 use super::trees::{ByKind, TreeBatch};
 use crate::geometry::Hit;
 use crate::host::shading::RayKind;
-use crate::machine::{Array, Cycles, MachineSpec, OpBatch, OpKind, OpStream, Stuck, Work};
-use crate::program::{HostTimes, send_ray};
+use crate::machine::{Array, Cycles, OpBatch, OpKind, OpStream, Stuck, Work};
+use crate::program::{HostTimes, Workload, send_ray};
 
 /// What the host sends next when it can choose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -80,6 +80,8 @@ struct Begun {
 pub(super) struct ClosedLoop {
     array: Array,
     cells: usize,
+    /// What the cells do before the first ray, until it is sent.
+    opening: Option<OpBatch>,
     rules: HostRules,
     times: HostTimes,
     clock: u64,
@@ -105,12 +107,15 @@ pub(super) struct ClosedLoop {
 }
 
 impl ClosedLoop {
-    pub fn new(spec: &MachineSpec, cells: usize, times: HostTimes, rules: HostRules) -> ClosedLoop {
+    /// The host of an array for a workload.
+    pub fn new(array: Array, workload: &Workload, rules: HostRules) -> ClosedLoop {
+        let cells = workload.cells();
         ClosedLoop {
-            array: Array::new(spec, cells),
+            array,
             cells,
+            opening: Some(workload.opening()),
             rules,
-            times,
+            times: workload.host_times(),
             clock: 0,
             ops: OpStream::default(),
             sent: 0,
@@ -153,6 +158,11 @@ impl ClosedLoop {
             self.step(observe)?;
         }
         Ok(())
+    }
+
+    /// The array at work.
+    pub fn array(&self) -> &Array {
+        &self.array
     }
 
     /// The array, when all is done.
@@ -246,7 +256,8 @@ impl ClosedLoop {
         parent: Option<u64>,
         observe: &mut impl FnMut(&OpBatch, &Hit) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut batch = self.array.take_spent().unwrap_or_else(|| OpBatch::new(self.cells));
+        let spare = self.opening.take().or_else(|| self.array.take_spent());
+        let mut batch = spare.unwrap_or_else(|| OpBatch::new(self.cells));
         let trees = &self.batches[place.batch - self.dropped].trees;
         // What cannot be waited for any more costs nothing; it ties the ray to its parent under other machines too.
         parent.into_iter().for_each(|message| self.ops.push(OpKind::Await, message));

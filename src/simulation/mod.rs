@@ -9,9 +9,10 @@ pub use closed_loop::{HostRules, Policy};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timing, render};
 pub use trees::{ByKind, KindCounts};
 
+use crate::error::InputError;
 use crate::geometry::{Hit, Ray};
 use crate::isa::Fault;
-use crate::machine::{Array, Cycles, MachineSpec, OpBatch, Profile, RunStats, Stuck, Unfinished};
+use crate::machine::{Array, Cycles, MachineSpec, Observed, OpBatch, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
 
 /// What a run gives.
@@ -23,8 +24,8 @@ pub struct Outcome {
     pub counts: Counts,
     /// Each ray's first hit, in the order of the rays.
     pub hits: Vec<Hit>,
-    /// The run over time, if the array had a probe.
-    pub profile: Option<Profile>,
+    /// What the array's observers saw.
+    pub observed: Observed,
 }
 
 /// Some consecutive rays, traced.
@@ -49,6 +50,9 @@ pub enum RunError<E> {
     /// A cell's program cannot go on.
     #[error(transparent)]
     Fault(#[from] Fault),
+    /// The array program does not go with what is to be run.
+    #[error(transparent)]
+    Unfit(#[from] InputError),
     /// `observe` failed.
     #[error("{0}")]
     Observer(E),
@@ -62,24 +66,24 @@ pub fn run<E>(
     spec: &MachineSpec,
     rays: &[Ray],
     threads: usize,
-    observe: impl FnMut(&TracedBatch) -> Result<(), E>,
+    mut observe: impl FnMut(&TracedBatch) -> Result<(), E>,
 ) -> Result<Outcome, RunError<E>> {
-    run_in(Array::new(spec, workload.cells()), workload, rays, threads, observe)
+    run_in(Array::new(spec, workload.cells()), workload, rays, threads, |batch, _| observe(batch))
 }
 
-/// The same in an array of the caller's, which may have a probe.
+/// The same in an array of the caller's, which may have observers. `observe` sees it as it is before the batch.
 pub fn run_in<E>(
     mut array: Array,
     workload: &Workload,
     rays: &[Ray],
     threads: usize,
-    mut observe: impl FnMut(&TracedBatch) -> Result<(), E>,
+    mut observe: impl FnMut(&TracedBatch, &Array) -> Result<(), E>,
 ) -> Result<Outcome, RunError<E>> {
     let mut counts = Counts::default();
     let mut hits = Vec::with_capacity(rays.len());
     trace(workload, rays, threads, |mut batch| {
         batch.fault.take().map_or(Ok(()), Err)?;
-        observe(&batch).map_err(RunError::Observer)?;
+        observe(&batch, &array).map_err(RunError::Observer)?;
         counts += batch.counts;
         hits.append(&mut batch.hits);
         array.feed(std::mem::take(&mut batch.ops));
@@ -87,12 +91,12 @@ pub fn run_in<E>(
         batch.ops = array.take_spent().unwrap_or_default();
         Ok::<_, RunError<E>>(batch)
     })?;
-    let (stats, profile) = array.finish_probed().map_err(|unfinished| match unfinished {
+    let (stats, observed) = array.finish_observed().map_err(|unfinished| match unfinished {
         Unfinished::Stuck(stuck) => stuck,
         // No array program has a cell work on after the last hit has left the array.
         Unfinished::Outlived(cycles) => unreachable!("a cell outlived the last hit in cycle {cycles}"),
     })?;
-    Ok(Outcome { stats, counts, hits, profile })
+    Ok(Outcome { stats, counts, hits, observed })
 }
 
 /// Times a trace: `feed` hands it, from its start, batch by batch to the function that it is given. It is called again if
@@ -102,21 +106,25 @@ pub fn replay<E: From<Stuck>>(
     cells: usize,
     feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<(), E>) -> Result<(), E>,
 ) -> Result<RunStats, E> {
-    Ok(replay_in(|limit| Array::until(spec, cells, limit), feed)?.0)
+    Ok(replay_in(|limit| Array::until(spec, cells, limit), feed, |_| ())?.0)
 }
 
-/// The same in arrays that `array` makes, for the limit that it is given, and what their probe saw, if they have one.
+/// The same in arrays that `array` makes, for the limit that it is given, and what their observers saw.
+/// `observe` sees the array after each batch.
 pub fn replay_in<E: From<Stuck>>(
     array: impl Fn(Cycles) -> Array,
     mut feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<(), E>) -> Result<(), E>,
-) -> Result<(RunStats, Option<Profile>), E> {
+    mut observe: impl FnMut(&Array),
+) -> Result<(RunStats, Observed), E> {
     let mut attempt = |limit: Cycles| {
         let mut array = array(limit);
         feed(&mut |batch| {
             array.feed(batch);
-            Ok(array.run()?)
+            array.run()?;
+            observe(&array);
+            Ok(())
         })?;
-        Ok::<_, E>(array.finish_probed())
+        Ok::<_, E>(array.finish_observed())
     };
     let mut result = attempt(Cycles(u64::MAX))?;
     if let Err(Unfinished::Outlived(cycles)) = result {
@@ -140,9 +148,12 @@ pub fn trace<E>(
     let first = |index: usize| index * per_batch;
     let make = |tracer: &mut Tracer<'_>, index: usize, mut batch: TracedBatch| {
         batch.reset(workload.cells());
-        let rays = &rays[first(index)..rays.len().min(first(index + 1))];
-        for (id, ray) in (first(index) as u32..).zip(rays) {
-            batch.hits.push(tracer.trace(id, ray, &mut batch.ops));
+        if index == 0 {
+            batch.ops = workload.opening();
+        }
+        let some = &rays[first(index)..rays.len().min(first(index + 1))];
+        for (id, ray) in (first(index) as u32..).zip(some) {
+            batch.hits.push(tracer.trace(id, rays.len(), ray, &mut batch.ops));
         }
         batch.counts = std::mem::take(&mut tracer.counts);
         batch.fault = tracer.fault.take();

@@ -10,7 +10,7 @@ use crate::geometry::Hit;
 use crate::host::camera::{ImageSize, View};
 use crate::host::sampling::{Pass, Sampling};
 use crate::host::shading::{Limits, Shader};
-use crate::machine::{Cycles, MachineSpec, OpBatch, RunStats, Stuck, Unfinished};
+use crate::machine::{Array, Cycles, Observed, OpBatch, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
 use crate::scene::{Mesh, Object, Scene};
 
@@ -41,6 +41,8 @@ pub enum Seen<'a> {
         done: usize,
         /// How many are to be known.
         of: usize,
+        /// The array as it is by now, if there is one.
+        array: Option<&'a Array>,
     },
     /// The host sends a ray: its ops, and the hit that it will find. Not without timing.
     Sent(&'a OpBatch, &'a Hit),
@@ -66,6 +68,8 @@ pub struct Timing {
     pub stats: RunStats,
     /// The latencies of the rays of each kind.
     pub latencies: ByKind<KindLatencies>,
+    /// What the array's observers saw.
+    pub observed: Observed,
 }
 
 /// Latencies in rising order: each from the cycle in which the host writes a ray's last word to that in which it reads
@@ -91,18 +95,19 @@ impl KindLatencies {
     }
 }
 
-/// Makes an image; with a machine and its host's rules, it also times it.
+/// Makes an image; with an array, new and of the workload's cells, and its host's rules, it also times it.
 ///
 /// `observe` sees it grow: for progress, to keep the ops, or to stop it by failing.
 pub fn render<E>(
     picture: &Picture,
-    timing: Option<(&MachineSpec, HostRules)>,
+    timing: Option<(Array, HostRules)>,
     threads: usize,
     mut observe: impl FnMut(Seen<'_>) -> Result<(), E>,
 ) -> Result<Rendered, RunError<E>> {
-    let cells = picture.workload.cells();
-    let times = picture.workload.host_times();
-    let mut host = timing.map(|(spec, rules)| ClosedLoop::new(spec, cells, times, rules));
+    if timing.is_some() {
+        picture.workload.check_closed_loop()?;
+    }
+    let mut host = timing.map(|(array, rules)| ClosedLoop::new(array, picture.workload, rules));
     let mut canvas = Canvas::new(picture);
     let mut seen = |seen: Seen<'_>| observe(seen).map_err(RunError::Observer);
     let first = Pass::first(picture.size, picture.sampling);
@@ -120,8 +125,8 @@ pub fn render<E>(
 
 fn finish(mut host: ClosedLoop) -> Result<Timing, Stuck> {
     let latencies = std::mem::take(&mut host.latencies).map(KindLatencies::new);
-    match host.into_array().finish() {
-        Ok(stats) => Ok(Timing { stats, latencies }),
+    match host.into_array().finish_observed() {
+        Ok((stats, observed)) => Ok(Timing { stats, latencies, observed }),
         Err(Unfinished::Stuck(stuck)) => Err(stuck),
         // No array program has a cell work on after the last hit has left the array.
         Err(Unfinished::Outlived(cycles)) => unreachable!("a cell outlived the last hit in cycle {cycles}"),
@@ -177,7 +182,8 @@ impl Canvas {
                 }
             }
             index += 1;
-            observe(Seen::Samples { done: range.end, of: pass.len() })?;
+            let array = host.as_ref().map(ClosedLoop::array);
+            observe(Seen::Samples { done: range.end, of: pass.len(), array })?;
             match host {
                 Some(host) => host.add(batch, &mut |ops, hit| observe(Seen::Sent(ops, hit))),
                 None => Ok(batch),

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod command;
+pub mod random_ops;
 pub mod ticking;
 pub mod whitted;
 

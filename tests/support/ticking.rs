@@ -12,6 +12,8 @@ use pcs_sim::machine::{
 pub struct History {
     /// For each cell, its state in each cycle.
     pub states: Vec<Vec<CellState>>,
+    /// For each cell, in each cycle the number of the op that it was at; that behind the last when it had done all.
+    pub at: Vec<Vec<usize>>,
     /// For each FIFO, in the order of the statistics, its occupancy at the end of each cycle.
     pub occupancies: Vec<Vec<u64>>,
     /// The cycles in which the host wrote the words of X.
@@ -45,8 +47,10 @@ pub struct Ticking<'a> {
     x: Vec<Queue>,
     /// y[i] is read by cell i + 1, the last one by the host.
     y: Vec<Queue>,
+    /// z[i] is written by cell i + 1 and read by cell i.
+    z: Vec<Queue>,
     /// Per link (0 is the host's) and channel, the first cycle in which the wire is free.
-    wire_free: Vec<[u64; 2]>,
+    wire_free: Vec<[u64; 3]>,
     returned_words: u64,
     returned: Vec<u64>,
     now: u64,
@@ -114,13 +118,15 @@ impl<'a> Ticking<'a> {
             cells: (0..cells).map(|index| join(&|batch| batch.cells[index].ops().to_vec())).collect(),
             x: (0..cells).map(|_| Queue::new()).collect(),
             y: (0..cells).map(|_| Queue::new()).collect(),
-            wire_free: vec![[0; 2]; cells + 1],
+            z: (1..cells).map(|_| Queue::new()).collect(),
+            wire_free: vec![[0; 3]; cells + 1],
             returned_words: 0,
             returned: Vec::new(),
             now: 0,
             history: History {
                 states: vec![Vec::new(); cells],
-                occupancies: vec![Vec::new(); 2 * cells],
+                at: vec![Vec::new(); cells],
+                occupancies: vec![Vec::new(); 3 * cells - 1],
                 ..History::default()
             },
         }
@@ -141,9 +147,13 @@ impl<'a> Ticking<'a> {
         // What can never end must not pass for ended because the host has all its words.
         let stats = self.stats(batches);
         let mut history = std::mem::take(&mut self.history);
+        let always = self.x.len() + self.y.len();
+        let mut exist = (0..).map(|fifo: usize| fifo.checked_sub(always).is_none_or(|z| self.z[z].words > 0));
+        history.occupancies.retain(|_| exist.next().unwrap());
         history.returned = self.returned.clone();
         self.history.states = vec![Vec::new(); self.cells.len()];
-        self.history.occupancies = vec![Vec::new(); 2 * self.cells.len()];
+        self.history.at = vec![Vec::new(); self.cells.len()];
+        self.history.occupancies = vec![Vec::new(); 3 * self.cells.len() - 1];
         if to_return > 0 {
             let mut still = 0;
             while !self.all_done() {
@@ -162,7 +172,7 @@ impl<'a> Ticking<'a> {
 
     /// One cycle. Returns whether anything happened in it.
     fn tick(&mut self) -> bool {
-        for queue in self.x.iter_mut().chain(&mut self.y) {
+        for queue in self.x.iter_mut().chain(&mut self.y).chain(&mut self.z) {
             queue.at_start = queue.written_in.len();
         }
         let mut active = self.tick_host();
@@ -174,7 +184,8 @@ impl<'a> Ticking<'a> {
             self.history.states[index].push(state.expect("every cycle is spent in some state"));
         }
         active |= self.host_reads();
-        for (queue, occupancies) in self.x.iter_mut().chain(&mut self.y).zip(&mut self.history.occupancies) {
+        let queues = self.x.iter_mut().chain(&mut self.y).chain(&mut self.z);
+        for (queue, occupancies) in queues.zip(&mut self.history.occupancies) {
             queue.observe(self.spec.fifo_words.0);
             occupancies.push(queue.written_in.len() as u64);
         }
@@ -212,6 +223,7 @@ impl<'a> Ticking<'a> {
         while self.cells[index].ops.get(self.cells[index].at).is_some_and(|op| op.count() == 0) {
             self.cells[index].at += 1;
         }
+        self.history.at[index].push(self.cells[index].at);
         let Some(op) = self.cells[index].ops.get(self.cells[index].at).copied() else {
             self.cells[index].stats.idle += Cycles(1);
             return false;
@@ -229,15 +241,20 @@ impl<'a> Ticking<'a> {
             OpKind::ReadY => (Some(1), None),
             OpKind::WriteX => (None, Some(0)),
             OpKind::WriteY => (None, Some(1)),
+            OpKind::ReadZ => (Some(2), None),
+            OpKind::WriteZ => (None, Some(2)),
             OpKind::Await => panic!("cells await nothing"),
         };
         let stats = &self.cells[index].stats;
         let mut stats = *stats;
-        let moved = if reads.is_some_and(|channel| !self.word(index, channel)) {
-            *[&mut stats.waiting_x, &mut stats.waiting_y][reads.unwrap()] += Cycles(1);
+        // X and Y come from the left and go to the right; Z comes from the right and goes to the left.
+        let from = |channel| if channel == 2 { index + 1 } else { index };
+        let to = |channel| if channel == 2 { index } else { index + 1 };
+        let moved = if reads.is_some_and(|channel| !self.word(from(channel), channel)) {
+            *[&mut stats.waiting_x, &mut stats.waiting_y, &mut stats.waiting_z][reads.unwrap()] += Cycles(1);
             false
-        } else if writes.is_some_and(|channel| !self.room(index + 1, channel)) {
-            *[&mut stats.blocked_x, &mut stats.blocked_y][writes.unwrap()] += Cycles(1);
+        } else if writes.is_some_and(|channel| !self.room(to(channel), channel)) {
+            *[&mut stats.blocked_x, &mut stats.blocked_y, &mut stats.blocked_z][writes.unwrap()] += Cycles(1);
             false
         } else {
             stats.moving += Cycles(1);
@@ -246,10 +263,10 @@ impl<'a> Ticking<'a> {
         self.cells[index].stats = stats;
         if moved {
             if let Some(channel) = reads {
-                self.queue(index, channel).unwrap().written_in.pop_front();
+                self.queue(from(channel), channel).unwrap().written_in.pop_front();
             }
             if let Some(channel) = writes {
-                self.put(index + 1, channel);
+                self.put(to(channel), channel);
             }
             self.cells[index].step();
         }
@@ -258,7 +275,11 @@ impl<'a> Ticking<'a> {
 
     /// The queue of a link: link i leads into cell i, the last one to the host.
     fn queue(&mut self, link: usize, channel: usize) -> Option<&mut Queue> {
-        if channel == 0 { self.x.get_mut(link) } else { self.y.get_mut(link.checked_sub(1)?) }
+        match channel {
+            0 => self.x.get_mut(link),
+            1 => self.y.get_mut(link.checked_sub(1)?),
+            _ => self.z.get_mut(link.checked_sub(1)?),
+        }
     }
 
     fn word(&mut self, link: usize, channel: usize) -> bool {
@@ -279,9 +300,9 @@ impl<'a> Ticking<'a> {
         queue.words += 1;
         let rate = self.spec.link_rate();
         let free = now + rate.cycles_per_word;
-        match rate.counts {
-            RateCounts::Link => self.wire_free[link] = [free; 2],
-            RateCounts::Channel => self.wire_free[link][channel] = free,
+        let shared = rate.counts == RateCounts::Link && channel < 2;
+        for wire in if shared { 0..2 } else { channel..channel + 1 } {
+            self.wire_free[link][wire] = free;
         }
     }
 
@@ -303,11 +324,13 @@ impl<'a> Ticking<'a> {
         let name = |index: usize| if index + 1 == self.y.len() { "Yhost".into() } else { format!("Y{}", index + 1) };
         let xs = self.x.iter().enumerate().map(|(index, q)| q.stats(format!("X{index}"), capacity));
         let ys = self.y.iter().enumerate().map(|(index, q)| q.stats(name(index), capacity));
+        let zs = self.z.iter().enumerate().filter(|(_, q)| q.words > 0);
+        let zs = zs.map(|(index, q)| q.stats(format!("Z{index}"), capacity));
         RunStats {
             cycles: Cycles(self.now),
             rays: batches.iter().map(|batch| batch.host.lines().len() as u64).sum(),
             cells: self.cells.iter().map(|cell| cell.stats).collect(),
-            fifos: xs.chain(ys).collect(),
+            fifos: xs.chain(ys).chain(zs).collect(),
         }
     }
 }

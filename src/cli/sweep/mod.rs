@@ -1,58 +1,71 @@
 //! `pcs-sim sweep SWEEP.ron`: many runs, and one table of them.
 
+mod latest;
+mod plots;
 mod point;
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use clap::Parser;
-use pcs_sim::error::InputError;
-use pcs_sim::report::files::OutputFile;
-use pcs_sim::sweep::{Journal, Sweep};
+use pcs_sim::report::table::Column;
+use pcs_sim::sweep::{Record, Sweep};
 use rayon::prelude::*;
 
 use super::args::{Cli, RunArgs, SweepArgs};
 use super::{Failure, outputs, print, progress};
-use point::{Recording, Scenes, Setting};
+use latest::Latest;
+use plots::Plots;
+use point::{Outcome, Recording, Setting, Stage};
 
-/// Runs the points that are not done yet, and writes the table once all are.
+/// Runs the points that are not done yet; the table grows as they finish.
 pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let sweep = Sweep::read(&args.sweep)?;
-    drop(OutputFile::create(&args.table, args.force)?);
-    let points: Vec<Result<RunArgs, String>> = sweep.points.iter().map(|point| flags(&sweep, point)).collect();
-    let mut journal = open_journal(args, &sweep)?;
-    let failed = |error: std::io::Error| Failure::Output(format!("the journal cannot be written: {error}"));
-    let todo: Vec<usize> = (0..points.len()).filter(|&index| !journal.has(index)).collect();
-    let bar = progress::points(points.len() as u64);
-    bar.set_position((points.len() - todo.len()) as u64);
-    let done = Mutex::new((&mut journal, Ok(())));
-    run_all(&points, &todo, |index, result| {
-        let row = [sweep.points[index].clone(), point::columns(result)].concat();
-        let mut guard = done.lock().unwrap_or_else(PoisonError::into_inner);
-        let (journal, state) = &mut *guard;
-        if state.is_ok() {
-            *state = journal.enter(index, row);
+    let plots = Plots::open(args, &columns(&sweep))?;
+    let mut record = Record::open(&sweep, &columns(&sweep), &args.table, args.force)?;
+    let failed = |error: std::io::Error| Failure::Output(format!("the table cannot be written: {error}"));
+    let todo: Vec<usize> = (0..sweep.points()).filter(|&index| !record.has(index)).collect();
+    let bar = progress::points(sweep.points() as u64);
+    bar.set_position((sweep.points() - todo.len()) as u64);
+    bar.reset_eta();
+    let latest = Latest::new(&sweep, &bar, args.watch);
+    let state = Mutex::new((&mut record, latest, Ok(())));
+    run_all(&sweep, &todo, |index, result| {
+        let row = [sweep.point(index), point::results(result)].concat();
+        let mut guard = state.lock().unwrap_or_else(PoisonError::into_inner);
+        let (record, latest, written) = &mut *guard;
+        latest.add(&row);
+        if written.is_ok() {
+            *written = record.enter(index, row);
         }
         bar.inc(1);
     });
-    let (_, state) = done.into_inner().unwrap_or_else(PoisonError::into_inner);
-    state.map_err(failed)?;
+    let (_, _, written) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    written.and_then(|()| record.write_table()).map_err(failed)?;
     bar.finish_and_clear();
-    let mut written = Vec::new();
-    let table = OutputFile::create(&args.table, args.force)?;
-    outputs::finish(Some(table), &mut written, |file| write_table(file, &sweep, &journal))?;
-    journal.remove().map_err(failed)?;
-    print(&format!("{} points, {} of them done now\n{}", points.len(), todo.len(), outputs::list(&written)))
+    let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();
+    plots.write(&sweep, &record.table(), &mut written)?;
+    print(&format!("{} points, {} of them done now\n{}", sweep.points(), todo.len(), outputs::list(&written)))
 }
 
-/// The flags that a point stands for.
-fn flags(sweep: &Sweep, point: &[String]) -> Result<RunArgs, String> {
-    let flag = |(name, value): (&&str, &String)| match (*name, value.as_str()) {
+/// The columns of the table: the parameters, then the results.
+fn columns(sweep: &Sweep) -> Vec<Column> {
+    sweep.parameters.iter().map(|parameter| parameter.column).chain(point::COLUMNS).collect()
+}
+
+/// What is to be run for a point, or why it cannot be.
+fn setting(sweep: &Sweep, index: usize) -> Result<Setting, String> {
+    let flag = |(name, value): (&str, String)| match (name, value.as_str()) {
         ("mailbox", "true") => Some("--mailbox".to_owned()),
         ("mailbox", "false") => None,
         _ => Some(format!("--{}={value}", name.replace('_', "-"))),
     };
-    let flags = sweep.names.iter().zip(point).filter_map(flag);
+    let names = sweep.parameters.iter().map(|parameter| parameter.column.name);
+    Setting::new(parse(names.zip(sweep.point(index)).filter_map(flag))?)
+}
+
+fn parse(flags: impl Iterator<Item = String>) -> Result<RunArgs, String> {
     let cli = Cli::try_parse_from(std::iter::once("pcs-sim".to_owned()).chain(flags));
     cli.map(|cli| cli.run).map_err(|error| {
         let text = error.to_string();
@@ -60,43 +73,76 @@ fn flags(sweep: &Sweep, point: &[String]) -> Result<RunArgs, String> {
     })
 }
 
-fn open_journal(args: &SweepArgs, sweep: &Sweep) -> Result<Journal, InputError> {
-    let mut path = args.table.clone().into_os_string();
-    path.push(".journal");
-    let heading = format!("{} {:?} {:?}", env!("CARGO_PKG_VERSION"), sweep.names, sweep.points);
-    Journal::open(&PathBuf::from(path), &heading, sweep.points.len())
-}
-
-/// Runs the points: those that do the same work one after the other, so that its ops are worked out and held once.
-fn run_all(
-    points: &[Result<RunArgs, String>],
-    todo: &[usize],
-    done: impl Fn(usize, Result<point::Outcome, String>) + Sync,
-) {
-    let mut kinds: Vec<(Setting, Vec<usize>)> = Vec::new();
-    for &index in todo {
-        match points[index].as_ref().map_err(String::clone).and_then(Setting::new) {
+/// Runs the points: those of a scene one after the other, and among them those that do the same work, so that a scene is
+/// built once, and what its cells do is worked out once.
+fn run_all(sweep: &Sweep, todo: &[usize], done: impl Fn(usize, Result<Outcome, String>) + Sync) {
+    let settings: Vec<Result<Setting, String>> = todo.par_iter().map(|&index| setting(sweep, index)).collect();
+    let mut possible = Vec::new();
+    for (&index, setting) in todo.iter().zip(settings) {
+        match setting {
+            Ok(setting) => possible.push((index, setting)),
             Err(reason) => done(index, Err(reason)),
-            Ok(setting) => match kinds.iter_mut().find(|(other, _)| other.does_the_same_work(&setting)) {
-                Some((_, same)) => same.push(index),
-                None => kinds.push((setting, vec![index])),
-            },
         }
     }
-    let mut scenes = Scenes::default();
-    for (setting, same) in &kinds {
-        let recording = scenes.get(setting).and_then(|scene| Recording::new(setting, &scene));
-        same.par_iter().for_each(|&index| {
-            let setting = points[index].as_ref().map_err(String::clone).and_then(Setting::new);
-            let recording = recording.as_ref().map_err(String::clone);
-            done(index, setting.and_then(|setting| recording?.time(&setting)));
-        });
+    let all = possible.iter().collect();
+    for same_stage in by_key(all, Setting::stage_key) {
+        let stage = same_stage[0].1.stage();
+        for same_work in by_key(same_stage, Setting::work_key) {
+            match &stage {
+                Ok(stage) => run_same_work(stage, &same_work, &done),
+                Err(reason) => same_work.iter().for_each(|point| done(point.0, Err(reason.clone()))),
+            }
+        }
     }
 }
 
-fn write_table(out: &mut OutputFile, sweep: &Sweep, journal: &Journal) -> csv::Result<()> {
-    let mut table = csv::Writer::from_writer(out);
-    table.write_record(sweep.names.iter().chain(&point::COLUMNS))?;
-    journal.rows().try_for_each(|row| table.write_record(row))?;
-    Ok(table.flush()?)
+/// A point's number and what is to be run for it.
+type Point = (usize, Setting);
+
+fn run_same_work(stage: &Stage, points: &[&Point], done: &(impl Fn(usize, Result<Outcome, String>) + Sync)) {
+    match (points[0].1.workload(stage), points) {
+        (Err(reason), _) => points.iter().for_each(|(index, _)| done(*index, Err(reason.clone()))),
+        (Ok(workload), [(index, setting)]) => done(*index, setting.run(&workload, stage.rays())),
+        (Ok(workload), _) => {
+            let recording = Recording::new(&workload, stage.rays());
+            let time = |setting| recording.as_ref().map_err(String::clone)?.time(setting);
+            points.par_iter().for_each(|(index, setting)| done(*index, time(setting)));
+        }
+    }
+}
+
+/// Puts points with the same key together, in the order in which the keys come first.
+fn by_key(points: Vec<&Point>, key: impl Fn(&Setting) -> String) -> Vec<Vec<&Point>> {
+    let mut places = HashMap::new();
+    let mut groups: Vec<Vec<&Point>> = Vec::new();
+    for point in points {
+        let place = *places.entry(key(&point.1)).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push(Vec::new());
+        }
+        groups[place].push(point);
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Only what changes the ops is worked out again: no depth, rate, latency or memory.
+    #[test]
+    fn points_that_only_the_machine_tells_apart_share_their_ops() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("sweep.ron");
+        let text = r#"(scene: ["room", "teapot"], mode: ["pipeline", "broadcast"], fifo_words: [4, 8], clock_ns: [50, 100],
+            link_mb_s: [80, 40], latency_cycles: [1, 2], memory_words: [1000, 2000], rate_counts: ["link", "channel"])"#;
+        std::fs::write(&file, text).unwrap();
+        let sweep = Sweep::read(&file).unwrap();
+        let points: Vec<Point> = (0..sweep.points()).map(|index| (index, setting(&sweep, index).unwrap())).collect();
+        let stages = by_key(points.iter().collect(), Setting::stage_key);
+        assert_eq!(stages.iter().map(Vec::len).collect::<Vec<_>>(), [128, 128]);
+        let works = by_key(stages.into_iter().next().unwrap(), Setting::work_key);
+        assert_eq!(works.iter().map(Vec::len).collect::<Vec<_>>(), [32; 4], "two modes, and two lengths of a cycle");
+        assert_eq!(works[0][0].0, 0);
+    }
 }

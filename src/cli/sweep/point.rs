@@ -1,145 +1,163 @@
 //! One point of a sweep, and what it shares with others.
 
-use std::rc::Rc;
+use std::convert::Infallible;
+use std::fmt::Display;
 
-use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
-use pcs_sim::machine::{Array, OpBatch, RunStats, Stuck};
+use pcs_sim::machine::{Array, OpBatch, RunStats};
 use pcs_sim::program::{ArrayProgram, Counts, Machine, Workload};
+use pcs_sim::report::table::{Column, Kind};
 use pcs_sim::scene::Scene;
 use pcs_sim::simulation::{self, TracedBatch};
 
-use crate::cli::args::{RunArgs, SceneArgs};
+use crate::cli::args::RunArgs;
 use crate::cli::run;
 
 /// What the table tells of a point, behind its parameters.
-pub const COLUMNS: [&str; 14] = [
-    "array_cells",
-    "ray_count",
-    "cycles",
-    "seconds",
-    "rays_per_second",
-    "hits",
-    "voxels",
-    "slab_tests",
-    "intersection_tests",
-    "busiest_cell",
-    "busiest_cell_works",
-    "fullest_fifo",
-    "fullest_fifo_words",
-    "error",
+pub const COLUMNS: [Column; 17] = [
+    column("array_cells", Kind::Whole, "cells of the array"),
+    column("polygons", Kind::Whole, "polygons of the scene"),
+    column("ray_count", Kind::Whole, "rays"),
+    column("cycles", Kind::Whole, "simulated time (cycles)"),
+    column("seconds", Kind::Number, "simulated time (s)"),
+    column("rays_per_second", Kind::Number, "rays a second of simulated time"),
+    column("hits", Kind::Whole, "rays that hit"),
+    column("voxels", Kind::Whole, "voxels visited"),
+    column("slab_tests", Kind::Whole, "slabs tests"),
+    column("intersection_tests", Kind::Whole, "intersection tests"),
+    column("mean_works", Kind::Number, "share of the time that a cell works, mean of all cells"),
+    column("busiest_cell", Kind::Whole, "number of the busiest cell"),
+    column("busiest_cell_works", Kind::Number, "share of the time that the busiest cell works"),
+    column("fullest_fifo", Kind::Text, "fullest FIFO"),
+    column("fullest_fifo_words", Kind::Whole, "most that a FIFO held (words)"),
+    column("fullest_memory_words", Kind::Whole, "most that a cell's memory holds (words)"),
+    column("error", Kind::Text, "why the point failed"),
 ];
+
+const fn column(name: &'static str, kind: Kind, label: &'static str) -> Column {
+    Column { name, kind, label }
+}
 
 /// All that a point is made of.
 pub struct Setting {
-    scene: SceneKey,
     args: RunArgs,
     program: ArrayProgram,
     machine: Machine,
 }
 
-/// What a scene and its rays depend on.
-type SceneKey = String;
+/// A scene and its rays.
+pub struct Stage {
+    scene: Scene,
+    rays: Vec<Ray>,
+}
 
 /// What a point gives.
 pub struct Outcome {
     stats: RunStats,
     counts: Counts,
     seconds: f64,
+    polygons: usize,
+    memory_words: u64,
 }
 
 impl Setting {
-    pub fn new(args: &RunArgs) -> Result<Setting, String> {
+    pub fn new(args: RunArgs) -> Result<Setting, String> {
         let machine = run::machine_file(&args.machine).and_then(|file| file.build()).map_err(reason)?;
         let program = run::array_program(&args.program).map_err(reason)?;
-        Ok(Setting { scene: format!("{:?}", args.scene), args: args.clone(), program, machine })
+        Ok(Setting { args, program, machine })
     }
 
-    /// Whether the cells do the same ops, if not in the same time.
-    pub fn does_the_same_work(&self, other: &Setting) -> bool {
-        let cells = |setting: &Setting| format!("{:?} {:?}", setting.args.cells, setting.machine.instructions);
-        self.scene == other.scene
-            && self.program == other.program
-            && self.machine.times == other.machine.times
-            && cells(self) == cells(other)
+    /// What its scene and its rays depend on.
+    pub fn stage_key(&self) -> String {
+        format!("{:?}", self.args.scene)
+    }
+
+    /// What its cells' ops depend on, beside the scene.
+    pub fn work_key(&self) -> String {
+        let Setting { args, program, machine } = self;
+        format!("{program:?} {:?} {:?} {:?}", machine.times, args.cells, machine.instructions)
+    }
+
+    /// Its scene and rays.
+    pub fn stage(&self) -> Result<Stage, String> {
+        let args = &self.args.scene;
+        let scene = run::scene(&args.scene, &args.shape).map_err(reason)?;
+        let rays = run::rays(args, &scene).map_err(reason)?;
+        Ok(Stage { scene, rays })
+    }
+
+    /// The scene laid out for its program.
+    pub fn workload(&self, stage: &Stage) -> Result<Workload, String> {
+        run::workload(&self.args.cells, &stage.scene, &self.program, &self.machine, &stage.rays).map_err(reason)
+    }
+
+    /// Runs it, on all cores.
+    pub fn run(&self, workload: &Workload, rays: &[Ray]) -> Result<Outcome, String> {
+        let spec = &self.machine.spec;
+        workload.check_memory(spec.memory_words).map_err(reason)?;
+        let outcome = simulation::run(workload, spec, rays, run::threads(None), |_| Ok::<_, Infallible>(()));
+        let outcome = outcome.map_err(reason)?;
+        Ok(self.outcome(workload, outcome.stats, outcome.counts))
+    }
+
+    fn outcome(&self, workload: &Workload, stats: RunStats, counts: Counts) -> Outcome {
+        let seconds = self.machine.spec.seconds(stats.cycles);
+        let memory = (0..workload.cells()).map(|cell| workload.memory_of(cell).total().0).max();
+        let (polygons, memory_words) = (workload.polygons().len(), memory.unwrap_or(0));
+        Outcome { stats, counts, seconds, polygons, memory_words }
     }
 }
 
-/// Shared by the recordings of a scene.
-type SceneAndRays = Rc<(Scene, Vec<Ray>)>;
-
-/// The scene that was built last: points of one scene follow each other.
-#[derive(Default)]
-pub struct Scenes {
-    last: Option<(SceneKey, SceneAndRays)>,
-}
-
-impl Scenes {
-    /// The scene and the rays of a setting.
-    pub fn get(&mut self, setting: &Setting) -> Result<SceneAndRays, String> {
-        if let Some((key, scene)) = &self.last
-            && *key == setting.scene
-        {
-            return Ok(scene.clone());
-        }
-        let SceneArgs { scene, shape, .. } = &setting.args.scene;
-        let scene = run::scene(scene, shape).map_err(reason)?;
-        let rays = run::rays(&setting.args.scene, &scene).map_err(reason)?;
-        let both = Rc::new((scene, rays));
-        self.last = Some((setting.scene.clone(), both.clone()));
-        Ok(both)
+impl Stage {
+    pub fn rays(&self) -> &[Ray] {
+        &self.rays
     }
 }
 
 /// The ops of a run, to be timed under any machine.
-pub struct Recording {
+pub struct Recording<'a> {
+    workload: &'a Workload,
     batches: Vec<OpBatch>,
     counts: Counts,
-    workload: Workload,
 }
 
-impl Recording {
+impl Recording<'_> {
     /// Works the ops out, on all cores.
-    pub fn new(setting: &Setting, scene: &(Scene, Vec<Ray>)) -> Result<Recording, String> {
-        let (scene, rays) = scene;
-        let workload =
-            run::workload(&setting.args.cells, scene, &setting.program, &setting.machine, rays).map_err(reason)?;
+    pub fn new<'a>(workload: &'a Workload, rays: &[Ray]) -> Result<Recording<'a>, String> {
         let (mut batches, mut counts) = (Vec::new(), Counts::default());
-        let threads = run::threads(setting.args.tracing.threads);
-        simulation::trace(&workload, rays, threads, |batch| {
-            batch.fault.map_or(Ok(()), |fault| Err(fault.to_string()))?;
+        simulation::trace(workload, rays, run::threads(None), |batch| {
+            batch.fault.map_or(Ok(()), |fault| Err(reason(fault)))?;
             counts += batch.counts;
             batches.push(batch.ops);
             Ok::<_, String>(TracedBatch::default())
         })?;
-        Ok(Recording { batches, counts, workload })
+        Ok(Recording { workload, batches, counts })
     }
 
-    /// Times the ops under a machine.
+    /// Times the ops under a setting's machine.
     pub fn time(&self, setting: &Setting) -> Result<Outcome, String> {
         let spec = &setting.machine.spec;
         self.workload.check_memory(spec.memory_words).map_err(reason)?;
+        self.workload.check_fifos(spec.fifo_words).map_err(reason)?;
         let mut array = Array::new(spec, self.workload.cells());
-        let stuck = |stuck: Stuck| stuck.to_string();
         for batch in &self.batches {
             let mut copy = array.take_spent().unwrap_or_default();
             copy.clone_from(batch);
             array.feed(copy);
-            array.run().map_err(stuck)?;
+            array.run().map_err(reason)?;
         }
-        let stats = array.finish().map_err(|unfinished| unfinished.to_string())?;
-        let seconds = spec.seconds(stats.cycles);
-        Ok(Outcome { stats, counts: self.counts, seconds })
+        let stats = array.finish().map_err(reason)?;
+        Ok(setting.outcome(self.workload, stats, self.counts))
     }
 }
 
-fn reason(error: InputError) -> String {
+fn reason(error: impl Display) -> String {
     error.to_string()
 }
 
-/// The columns of a point that is done, or that failed.
-pub fn columns(result: Result<Outcome, String>) -> Vec<String> {
-    let Outcome { stats, counts, seconds } = match result {
+/// The results of a point that is done, or that failed.
+pub fn results(result: Result<Outcome, String>) -> Vec<String> {
+    let Outcome { stats, counts, seconds, polygons, memory_words } = match result {
         Ok(outcome) => outcome,
         Err(reason) => {
             let mut row = vec![String::new(); COLUMNS.len() - 1];
@@ -147,13 +165,15 @@ pub fn columns(result: Result<Outcome, String>) -> Vec<String> {
             return row;
         }
     };
-    let work = |cell: usize| stats.cells[cell].busy.total() + stats.cells[cell].moving;
+    let work = |cell: usize| (stats.cells[cell].busy.total() + stats.cells[cell].moving).0;
     let busiest = (0..stats.cells.len()).max_by_key(|&cell| (work(cell), std::cmp::Reverse(cell))).unwrap_or(0);
     let fullest = stats.fifos.iter().rev().max_by_key(|fifo| fifo.max);
-    let share = work(busiest).0 as f64 / stats.cycles.0.max(1) as f64;
+    let cycles = stats.cycles.0.max(1) as f64;
+    let all_work: u64 = (0..stats.cells.len()).map(work).sum();
     let rate = if seconds > 0.0 { stats.rays as f64 / seconds } else { 0.0 };
     vec![
         stats.cells.len().to_string(),
+        polygons.to_string(),
         stats.rays.to_string(),
         stats.cycles.0.to_string(),
         seconds.to_string(),
@@ -162,10 +182,12 @@ pub fn columns(result: Result<Outcome, String>) -> Vec<String> {
         counts.voxels.to_string(),
         counts.slab_tests.to_string(),
         counts.intersection_tests.to_string(),
+        (all_work as f64 / cycles / stats.cells.len() as f64).to_string(),
         busiest.to_string(),
-        share.to_string(),
+        (work(busiest) as f64 / cycles).to_string(),
         fullest.map(|fifo| fifo.name.clone()).unwrap_or_default(),
         fullest.map(|fifo| fifo.max.0.to_string()).unwrap_or_default(),
+        memory_words.to_string(),
         String::new(),
     ]
 }

@@ -13,16 +13,17 @@ pub struct CellLane {
 
 impl Bin for CellStats {
     fn absorb(&mut self, later: &CellStats) {
-        for state in CellState::ALL {
-            *self.of_mut(state) += later.of(state);
-        }
+        self.add(later);
     }
 }
 
 impl Watcher for &mut CellLane {
-    #[inline]
+    #[inline(always)]
     fn spent(&mut self, state: CellState, from: u64, cycles: u64) {
-        self.timeline.for_each(from, from + cycles, |bin, cycles| *bin.of_mut(state) += Cycles(cycles));
+        match self.timeline.within(from + cycles) {
+            Some(bin) => *bin.of_mut(state) += Cycles(cycles),
+            None => self.timeline.cut(from, from + cycles, |bin, from, to| *bin.of_mut(state) += Cycles(to - from)),
+        }
     }
 }
 

@@ -12,13 +12,17 @@ const MOST_ENTRIES: u64 = 1024;
 #[derive(Debug)]
 pub struct FifoLane {
     timeline: Timeline<FifoBin>,
-    histogram: Vec<u64>,
-    /// Occupancies that share an entry of the histogram, as a power of two.
-    step: u32,
+    /// For each occupancy, the cycles for which it was held.
+    held: Vec<u64>,
+    /// Of the cycles in which the occupancy was passed on the way up or down, the differences from one occupancy to the
+    /// next, modulo 2^64.
+    passed: Vec<u64>,
     capacity: u64,
     /// Writes and reads before these have been followed.
     writes: u64,
     reads: u64,
+    write_run: Run,
+    read_run: Run,
     /// The first cycle that has not been entered yet; the FIFO holds `writes - reads` words from it on.
     since: u64,
 }
@@ -40,14 +44,15 @@ impl Bin for FifoBin {
 
 impl FifoLane {
     pub fn new(capacity: u64, bins: usize) -> FifoLane {
-        let step = (capacity / MOST_ENTRIES + 1).next_power_of_two().ilog2();
         FifoLane {
             timeline: Timeline::new(bins),
-            histogram: vec![0; (capacity >> step) as usize + 1],
-            step,
+            held: vec![0; capacity as usize + 1],
+            passed: vec![0; capacity as usize + 1],
             capacity,
             writes: 0,
             reads: 0,
+            write_run: Run { usual: 1 },
+            read_run: Run { usual: 1 },
             since: 0,
         }
     }
@@ -57,10 +62,22 @@ impl FifoLane {
     pub fn follow(&mut self, fifo: &Fifo) {
         let (written, read) = (fifo.words_written(), fifo.words_read());
         while self.writes < written && self.reads < read {
-            let (write, read) = (fifo.write_time(self.writes), fifo.read_time(self.reads));
-            self.hold_until(write.min(read));
-            self.writes += (write <= read) as u64;
-            self.reads += (read <= write) as u64;
+            let (write, read_in) = (fifo.write_time(self.writes), fifo.read_time(self.reads));
+            let (writes, reads) = (written - self.writes, read - self.reads);
+            if write < read_in {
+                let count =
+                    self.write_run.length(self.writes, writes.min(read_in - write), |word| fifo.write_time(word));
+                self.rise(write, count);
+            } else if read_in < write {
+                let count = self.read_run.length(self.reads, reads.min(write - read_in), |word| fifo.read_time(word));
+                self.fall(read_in, count);
+            } else {
+                // A word comes and a word goes: nothing changes, for as long as both go on.
+                let count = self.write_run.length(self.writes, writes.min(reads), |word| fifo.write_time(word));
+                let count = self.read_run.length(self.reads, count, |word| fifo.read_time(word));
+                self.writes += count;
+                self.reads += count;
+            }
         }
     }
 
@@ -68,35 +85,140 @@ impl FifoLane {
     pub fn finish(mut self, fifo: &Fifo, name: String, cycles: u64) -> FifoProfile {
         self.follow(fifo);
         while self.writes < fifo.words_written() {
-            self.hold_until(fifo.write_time(self.writes));
-            self.writes += 1;
+            self.rise(fifo.write_time(self.writes).min(cycles), 1);
         }
         while self.reads < fifo.words_read() {
-            self.hold_until(fifo.read_time(self.reads));
-            self.reads += 1;
+            self.fall(fifo.read_time(self.reads).min(cycles), 1);
         }
         self.hold_until(cycles);
-        FifoProfile {
-            name,
-            capacity: Words(self.capacity),
-            bins: self.timeline.finish(cycles).0,
-            histogram: self.histogram.into_iter().map(Cycles).collect(),
-            step: Words(1 << self.step),
+        let (histogram, step) = self.histogram();
+        let bins = self.timeline.finish(cycles).0;
+        FifoProfile { name, capacity: Words(self.capacity), bins, histogram, step }
+    }
+
+    /// Cycles by occupancy, and how many occupancies share an entry.
+    fn histogram(&self) -> (Vec<Cycles>, Words) {
+        let step = (self.capacity / MOST_ENTRIES + 1).next_power_of_two();
+        let mut passing = 0u64;
+        let cycles = self.held.iter().zip(&self.passed).map(|(held, passed)| {
+            passing = passing.wrapping_add(*passed);
+            held + passing
+        });
+        let cycles: Vec<u64> = cycles.collect();
+        (cycles.chunks(step as usize).map(|shared| Cycles(shared.iter().sum())).collect(), Words(step))
+    }
+
+    /// `count` words are written, one a cycle, the first in cycle `at`.
+    #[inline(always)]
+    fn rise(&mut self, at: u64, count: u64) {
+        let held = self.hold_until(at);
+        self.writes += count;
+        if count > 1 {
+            self.slope(held + 1, count - 1, |passed| held + 1 + passed);
         }
     }
 
-    /// The occupancy stays as it is up to, and without, cycle `until`.
-    #[inline]
-    fn hold_until(&mut self, until: u64) {
-        let occupancy = self.writes - self.reads;
-        self.histogram[(occupancy >> self.step) as usize] += until - self.since;
-        let full = occupancy == self.capacity;
-        self.timeline.for_each(self.since, until, |bin, cycles| {
-            bin.min = bin.min.min(Words(occupancy));
-            bin.max = bin.max.max(Words(occupancy));
-            bin.word_cycles += occupancy * cycles;
-            bin.full += Cycles(if full { cycles } else { 0 });
-        });
-        self.since = until;
+    /// `count` words are read, one a cycle, the first in cycle `at`.
+    #[inline(always)]
+    fn fall(&mut self, at: u64, count: u64) {
+        let held = self.hold_until(at);
+        self.reads += count;
+        if count > 1 {
+            self.slope(held + 1 - count, count - 1, |passed| held - 1 - passed);
+        }
     }
+
+    /// The occupancy stays as it is up to, and without, cycle `until`. Returns it.
+    #[inline(always)]
+    fn hold_until(&mut self, until: u64) -> u64 {
+        let occupancy = self.writes - self.reads;
+        let from = std::mem::replace(&mut self.since, until);
+        if from < until {
+            self.held[occupancy as usize] += until - from;
+            let full = occupancy == self.capacity;
+            match self.timeline.within(until) {
+                Some(bin) => bin.hold(occupancy, until - from, full),
+                None => self.timeline.cut(from, until, |bin, from, to| bin.hold(occupancy, to - from, full)),
+            }
+        }
+        occupancy
+    }
+
+    /// For `count` cycles, the occupancy changes by one a cycle and is never that of a full FIFO: `level` tells it from the
+    /// cycles passed, `lowest` is the lowest.
+    #[inline(always)]
+    fn slope(&mut self, lowest: u64, count: u64, level: impl Fn(u64) -> u64) {
+        let from = self.since;
+        let until = from + count;
+        self.since = until;
+        let past = (lowest + count) as usize;
+        self.passed[lowest as usize] = self.passed[lowest as usize].wrapping_add(1);
+        self.passed[past] = self.passed[past].wrapping_sub(1);
+        match self.timeline.within(until) {
+            Some(bin) => bin.pass(level(0), level(count - 1), count),
+            None => self.timeline.cut(from, until, |bin, start, end| {
+                bin.pass(level(start - from), level(end - 1 - from), end - start);
+            }),
+        }
+    }
+}
+
+impl FifoBin {
+    /// The FIFO holds so many words for some cycles.
+    #[inline(always)]
+    fn hold(&mut self, occupancy: u64, cycles: u64, full: bool) {
+        self.min = self.min.min(Words(occupancy));
+        self.max = self.max.max(Words(occupancy));
+        self.word_cycles += occupancy * cycles;
+        self.full += Cycles(if full { cycles } else { 0 });
+    }
+
+    /// What the FIFO holds goes from one level to another, by one a cycle, both included.
+    #[inline(always)]
+    fn pass(&mut self, from: u64, to: u64, cycles: u64) {
+        self.min = self.min.min(Words(from.min(to)));
+        self.max = self.max.max(Words(from.max(to)));
+        self.word_cycles += (from + to) * cycles / 2;
+    }
+}
+
+/// How many words come one a cycle; mostly as many as the last time, as messages are of a few lengths.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    usual: u64,
+}
+
+impl Run {
+    /// The number of words from `first` on, at most `most`, that come one a cycle; `time` tells each word's. As times rise,
+    /// words do so if the last of them comes as many cycles later.
+    #[inline(always)]
+    fn length(&mut self, first: u64, most: u64, time: impl Fn(u64) -> u64) -> u64 {
+        let start = time(first);
+        let steady = |count: u64| count <= most && time(first + count - 1) == start + count - 1;
+        if steady(self.usual) && !steady(self.usual + 1) {
+            return self.usual;
+        }
+        let length = longest(steady);
+        // One that was cut short says nothing about the next.
+        if length < most {
+            self.usual = length;
+        }
+        length
+    }
+}
+
+/// The largest count for which `steady` holds, as it does for every smaller one.
+fn longest(steady: impl Fn(u64) -> bool) -> u64 {
+    let mut step = 1;
+    while steady(2 * step) {
+        step *= 2;
+    }
+    let mut count = step;
+    while step > 1 {
+        step /= 2;
+        if steady(count + step) {
+            count += step;
+        }
+    }
+    count
 }

@@ -18,25 +18,27 @@ use rays::RayLane;
 /// Bins of a run on few cells. A run that outgrows them has half as many, twice as wide.
 const MOST_BINS: usize = 1024;
 /// Bins of all cells together; cells of a large array have fewer each.
-const ALL_BINS: usize = 1 << 18;
+const ALL_BINS: usize = 1 << 15;
 
 /// Follows all cells and FIFOs of an array, and its rays.
 #[derive(Debug)]
 pub(super) struct Probe {
     cells: Vec<CellLane>,
-    /// X and Y of each link, where there is such a FIFO.
-    links: Vec<[Option<FifoLane>; 2]>,
+    /// X, Y and Z of each link, where there is such a FIFO.
+    links: Vec<[Option<FifoLane>; 3]>,
     rays: RayLane,
 }
 
 impl Probe {
     /// A probe for an array of `cells` cells.
     pub fn new(cells: usize, fifo_words: u64) -> Probe {
-        let bins = (ALL_BINS / cells.next_power_of_two()).clamp(64, MOST_BINS);
+        let bins = (ALL_BINS / cells.next_power_of_two()).clamp(16, MOST_BINS);
         let lane = |exists: bool| exists.then(|| FifoLane::new(fifo_words, bins));
         Probe {
             cells: (0..cells).map(|_| CellLane::new(bins)).collect(),
-            links: (0..=cells).map(|link| [lane(link < cells), lane(link > 0)]).collect(),
+            links: (0..=cells)
+                .map(|link| [lane(link < cells), lane(link > 0), lane(link > 0 && link < cells)])
+                .collect(),
             rays: RayLane::new(bins),
         }
     }
@@ -48,7 +50,7 @@ impl Probe {
 
     /// Follows the FIFOs of a link, after each stretch of reads or writes.
     pub fn follow(&mut self, index: usize, link: &Link) {
-        for (lane, fifo) in self.links[index].iter_mut().zip([&link.x, &link.y]) {
+        for (lane, fifo) in self.links[index].iter_mut().zip([&link.x, &link.y, &link.z]) {
             if let Some(lane) = lane {
                 lane.follow(fifo);
             }
@@ -71,11 +73,13 @@ impl Probe {
     /// All that was seen in a run of `cycles` cycles. `clocks` are those of the cells at its end.
     pub fn finish(self, links: &[Link], clocks: impl Iterator<Item = u64>, cycles: u64) -> Profile {
         let count = self.cells.len();
-        let mut fifos: [Vec<FifoProfile>; 2] = Default::default();
+        let mut fifos: [Vec<FifoProfile>; 3] = Default::default();
         for (index, (lanes, link)) in self.links.into_iter().zip(links).enumerate() {
-            for (lane, channel) in lanes.into_iter().zip([Channel::X, Channel::Y]) {
-                let finish = |lane: FifoLane| lane.finish(link.fifo(channel), fifo_name(channel, index, count), cycles);
-                fifos[channel as usize].extend(lane.map(finish));
+            for (lane, channel) in lanes.into_iter().zip([Channel::X, Channel::Y, Channel::Z]) {
+                let fifo = link.fifo(channel);
+                let lane = lane.filter(|_| channel != Channel::Z || fifo.words_written() > 0);
+                fifos[channel as usize]
+                    .extend(lane.map(|lane| lane.finish(fifo, fifo_name(channel, index, count), cycles)));
             }
         }
         let (rays, latency, bin) = self.rays.finish(cycles);

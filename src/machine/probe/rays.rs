@@ -18,6 +18,8 @@ pub struct RayLane {
     first_words: VecDeque<u64>,
     /// For each ray under way: the cycle in which its first word was written.
     sent: VecDeque<u64>,
+    /// For each message whose ray is not known to have been sent: the cycle in which its last word was read.
+    back: VecDeque<u64>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -37,6 +39,7 @@ impl RayLane {
             words: 0,
             first_words: VecDeque::new(),
             sent: VecDeque::new(),
+            back: VecDeque::new(),
         }
     }
 
@@ -55,13 +58,22 @@ impl RayLane {
             self.sent.push_back(fifo.write_time(word));
             self.first_words.pop_front();
         }
+        self.pair();
     }
 
     /// The host read the last word of the next HIT in that cycle.
     pub fn returned(&mut self, cycle: u64) {
         self.done.at(cycle).0 += 1;
-        if let Some(sent) = self.sent.pop_front() {
-            self.latency.add(cycle + 1 - sent);
+        self.back.push_back(cycle);
+        self.pair();
+    }
+
+    /// Ends the ways of the rays of which both ends are known. A message that left before its ray came took no time.
+    fn pair(&mut self) {
+        while let (Some(sent), Some(back)) = (self.sent.front(), self.back.front()) {
+            self.latency.add((back + 1).saturating_sub(*sent));
+            self.sent.pop_front();
+            self.back.pop_front();
         }
     }
 

@@ -6,50 +6,73 @@ pub trait Bin: Clone + Default {
     fn absorb(&mut self, later: &Self);
 }
 
-/// Bins of equal width over the time from cycle 0 on. The width is a power of two and doubles, pair by pair, whenever
-/// the time outgrows the bins: the memory is bounded whatever the length of the run, and every bin stays exact.
+/// Bins of equal width over the time from cycle 0 on, entered from the first to the last. The width is a power of two and
+/// doubles, pair by pair, whenever the time outgrows the bins: the memory is bounded whatever the length of the run, and
+/// every bin stays exact.
 #[derive(Clone, Debug)]
 pub struct Timeline<B> {
-    bins: Box<[B]>,
+    /// The bins before the one under way.
+    done: Vec<B>,
+    /// The bin under way.
+    now: B,
+    /// The first cycle after it.
+    end: u64,
     /// A bin is 2^shift cycles wide.
     shift: u32,
+    /// How many bins there may be.
+    most: usize,
 }
 
 impl<B: Bin> Timeline<B> {
-    /// So many bins, an even number, each one cycle wide.
-    pub fn new(bins: usize) -> Timeline<B> {
-        Timeline { bins: vec![B::default(); bins].into(), shift: 0 }
+    /// At the most so many bins, an even number, each one cycle wide.
+    pub fn new(most: usize) -> Timeline<B> {
+        Timeline { done: Vec::with_capacity(most), now: B::default(), end: 1, shift: 0, most }
     }
 
-    /// The bin that a cycle lies in.
+    /// The bin that a cycle lies in, which is not before that of any earlier call.
     #[inline]
     pub fn at(&mut self, cycle: u64) -> &mut B {
-        while cycle >> self.shift >= self.bins.len() as u64 {
-            self.widen();
+        while cycle >= self.end {
+            self.advance();
         }
-        &mut self.bins[(cycle >> self.shift) as usize]
+        &mut self.now
     }
 
-    /// Cuts the cycles `from..to` where bins meet, and visits each bin with the number of its cycles.
-    #[inline]
-    pub fn for_each(&mut self, mut from: u64, to: u64, mut visit: impl FnMut(&mut B, u64)) {
+    /// The bin under way, if the cycles up to, and without, `to` lie in it.
+    #[inline(always)]
+    pub fn within(&mut self, to: u64) -> Option<&mut B> {
+        (to <= self.end).then_some(&mut self.now)
+    }
+
+    /// Cuts the cycles `from..to` where bins meet, and visits each bin with its part of them.
+    #[cold]
+    pub fn cut(&mut self, mut from: u64, to: u64, mut visit: impl FnMut(&mut B, u64, u64)) {
         while from < to {
             self.at(from);
-            let end = (((from >> self.shift) + 1) << self.shift).min(to);
-            visit(self.at(from), end - from);
+            let end = self.end.min(to);
+            visit(&mut self.now, from, end);
             from = end;
         }
     }
 
+    /// Goes on to the next bin.
     #[cold]
-    fn widen(&mut self) {
-        let half = self.bins.len() / 2;
-        for index in 0..half {
-            let mut both = self.bins[2 * index].clone();
-            both.absorb(&self.bins[2 * index + 1]);
-            self.bins[index] = both;
+    fn advance(&mut self) {
+        self.done.push(std::mem::take(&mut self.now));
+        if self.done.len() == self.most {
+            self.widen();
         }
-        self.bins[half..].fill(B::default());
+        self.end = (self.done.len() as u64 + 1) << self.shift;
+    }
+
+    fn widen(&mut self) {
+        let half = self.most / 2;
+        for index in 0..half {
+            let mut both = self.done[2 * index].clone();
+            both.absorb(&self.done[2 * index + 1]);
+            self.done[index] = both;
+        }
+        self.done.truncate(half);
         self.shift += 1;
     }
 
@@ -57,8 +80,8 @@ impl<B: Bin> Timeline<B> {
     pub fn finish(mut self, cycles: u64) -> (Vec<B>, u64) {
         let Some(last) = cycles.checked_sub(1) else { return (Vec::new(), 1) };
         self.at(last);
-        let mut bins = self.bins.into_vec();
-        bins.truncate((last >> self.shift) as usize + 1);
-        (bins, 1 << self.shift)
+        self.done.push(self.now);
+        self.done.truncate((last >> self.shift) as usize + 1);
+        (self.done, 1 << self.shift)
     }
 }

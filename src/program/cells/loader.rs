@@ -114,7 +114,7 @@ impl Memory {
         self.scene.extend(grid.table().iter().map(|&start| lists + start));
         self.word("voxels_end", lists - 1);
         let number = |polygon: &u32| members.binary_search(polygon).map_or(Hit::NO_POLYGON, |number| number as u32);
-        self.scene.extend(grid.lists().iter().map(number));
+        self.scene.extend(grid.lists().flatten().map(number));
     }
 
     fn polygons(&mut self, workload: &Workload, group: &Group) {

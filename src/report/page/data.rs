@@ -1,32 +1,45 @@
 //! The figures that a page's script draws.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 use super::Page;
-use crate::machine::{CellState, CellStats, Cycles, FifoProfile, FifoStats, Work};
-use crate::report::palette;
+use crate::machine::{CellState, CellStats, Cycles, FifoProfile, FifoStats};
+use crate::report::palette::{self, Rgb};
 use crate::report::time_unit::TimeUnit;
 
 #[derive(Serialize)]
 pub struct Data<'a> {
     unit: &'static str,
-    /// Where the bins start, in that unit.
-    times: Vec<f64>,
+    /// Number of bins.
+    bins: usize,
+    /// Width of a bin, in that unit.
+    bin: f64,
+    /// Length of the run, in that unit.
     end: f64,
     states: Vec<State>,
     cells: Vec<Cell<'a>>,
     fifos: Vec<Fifo<'a>>,
     /// Rays done in each bin, per unit of time.
-    rays: Vec<f64>,
+    rays: Numbers,
     colors: Colors,
 }
 
+/// 32-bit floats, least byte first, in base 64.
+#[derive(Serialize)]
+struct Numbers(String);
+
+/// Shares of each bin in hundredths of a percent, as 16-bit integers, likewise; nothing where all are 0.
+#[derive(Serialize)]
+struct Shares(Option<String>);
+
 #[derive(Serialize)]
 struct Colors {
-    level: String,
+    amount: String,
+    amount_rgb: [u8; 3],
     range: String,
     full: String,
-    rays: String,
 }
 
 #[derive(Serialize)]
@@ -38,10 +51,10 @@ struct State {
 #[derive(Serialize)]
 struct Cell<'a> {
     name: &'a str,
-    /// Share of the run in which it computes or moves words.
+    /// Share of the run in which it computes or moves words, in percent.
     works: f64,
-    /// For each state, its share of each bin in percent.
-    states: Vec<Vec<f64>>,
+    /// For each state, its share of each bin.
+    states: Vec<Shares>,
 }
 
 #[derive(Serialize)]
@@ -51,12 +64,12 @@ struct Fifo<'a> {
     most: u64,
     /// Over the whole run.
     average: f64,
+    /// In percent.
     full_share: f64,
-    min: Vec<u64>,
-    mean: Vec<f64>,
-    max: Vec<u64>,
-    /// Share of each bin in which it is full, in percent.
-    full: Vec<f64>,
+    min: Numbers,
+    mean: Numbers,
+    max: Numbers,
+    full: Shares,
 }
 
 impl<'a> Data<'a> {
@@ -71,64 +84,67 @@ impl<'a> Data<'a> {
         let states: Vec<CellState> = CellState::ALL.into_iter().filter(occurs).collect();
         let cells = profile.cells.iter().zip(&stats.cells).enumerate().map(|(index, (bins, whole))| Cell {
             name: page.cell_names.get(index).map_or("", String::as_str),
-            works: share(working(whole), profile.cycles.0),
-            states: states.iter().map(|&state| shares(bins, &lengths, |bin| bin.of(state))).collect(),
+            works: percent(working(whole), stats.cycles),
+            states: states.iter().map(|&state| Shares::new(bins, &lengths, |bin| bin.of(state))).collect(),
         });
-        let rate = |(&rays, &cycles): (&u64, &u64)| rounded(rays as f64 / (cycles as f64 * cycle));
+        let fifos = profile.fifos.iter().zip(&stats.fifos);
+        let rate = |(&rays, &cycles): (&u64, &u64)| rays as f64 / (cycles as f64 * cycle);
+        let Rgb(red, green, blue) = palette::AMOUNT;
         Data {
             unit: unit.name,
-            times: (0..lengths.len() as u64).map(|bin| (bin * profile.bin.0) as f64 * cycle).collect(),
+            bins: lengths.len(),
+            bin: profile.bin.0 as f64 * cycle,
             end: profile.cycles.0 as f64 * cycle,
             states: states.iter().map(|&s| State { name: s.name(), color: palette::of_state(s).to_string() }).collect(),
             cells: cells.collect(),
-            fifos: profile
-                .fifos
-                .iter()
-                .zip(&stats.fifos)
-                .map(|(f, whole)| Fifo::new(f, whole, page, &lengths))
-                .collect(),
-            rays: profile.rays.iter().zip(&lengths).map(rate).collect(),
+            fifos: fifos.map(|(fifo, whole)| Fifo::new(fifo, whole, stats.cycles, &lengths)).collect(),
+            rays: Numbers::new(profile.rays.iter().zip(&lengths).map(rate)),
             colors: Colors {
-                level: palette::LEVEL.to_string(),
+                amount: palette::AMOUNT.to_string(),
+                amount_rgb: [red, green, blue],
                 range: palette::RANGE.to_string(),
                 full: palette::FULL.to_string(),
-                rays: palette::RAYS.to_string(),
             },
         }
     }
 }
 
 impl<'a> Fifo<'a> {
-    fn new(fifo: &'a FifoProfile, whole: &FifoStats, page: &Page<'a>, lengths: &[u64]) -> Fifo<'a> {
-        let mean = |(word_cycles, &cycles): (u64, &u64)| rounded(word_cycles as f64 / cycles as f64);
+    fn new(fifo: &'a FifoProfile, whole: &FifoStats, cycles: Cycles, lengths: &[u64]) -> Fifo<'a> {
+        let bins = || fifo.bins.iter();
         Fifo {
             name: &fifo.name,
             capacity: fifo.capacity.0,
             most: whole.max.0,
-            average: whole.mean(page.stats.cycles),
-            full_share: share(whole.full, page.stats.cycles.0),
-            min: fifo.bins.iter().map(|bin| bin.min.0).collect(),
-            mean: fifo.bins.iter().map(|bin| bin.word_cycles).zip(lengths).map(mean).collect(),
-            max: fifo.bins.iter().map(|bin| bin.max.0).collect(),
-            full: shares(&fifo.bins, lengths, |bin| bin.full),
+            average: whole.mean(cycles),
+            full_share: percent(whole.full, cycles),
+            min: Numbers::new(bins().map(|bin| bin.min.0 as f64)),
+            mean: Numbers::new(bins().zip(lengths).map(|(bin, &cycles)| bin.word_cycles as f64 / cycles as f64)),
+            max: Numbers::new(bins().map(|bin| bin.max.0 as f64)),
+            full: Shares::new(&fifo.bins, lengths, |bin| bin.full),
         }
     }
 }
 
+impl Numbers {
+    fn new(values: impl Iterator<Item = f64>) -> Numbers {
+        Numbers(STANDARD.encode(values.flat_map(|value| (value as f32).to_le_bytes()).collect::<Vec<u8>>()))
+    }
+}
+
+impl Shares {
+    fn new<B>(bins: &[B], lengths: &[u64], part: impl Fn(&B) -> Cycles) -> Shares {
+        let hundredths = |(bin, &cycles): (&B, &u64)| (100.0 * percent(part(bin), Cycles(cycles))).round() as u16;
+        let all_zero = bins.iter().all(|bin| part(bin) == Cycles(0));
+        let bytes = || bins.iter().zip(lengths).flat_map(|pair| hundredths(pair).to_le_bytes()).collect::<Vec<u8>>();
+        Shares((!all_zero).then(|| STANDARD.encode(bytes())))
+    }
+}
+
 fn working(cell: &CellStats) -> Cycles {
-    Work::ALL.into_iter().map(|work| cell.busy.of(work)).sum::<Cycles>() + cell.moving
+    cell.busy.total() + cell.moving
 }
 
-fn shares<B>(bins: &[B], lengths: &[u64], part: impl Fn(&B) -> Cycles) -> Vec<f64> {
-    bins.iter().zip(lengths).map(|(bin, &cycles)| rounded(share(part(bin), cycles))).collect()
-}
-
-/// In percent.
-fn share(part: Cycles, cycles: u64) -> f64 {
-    100.0 * part.0 as f64 / cycles.max(1) as f64
-}
-
-/// Four digits are more than a screen shows, and keep the page small.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
+fn percent(part: Cycles, whole: Cycles) -> f64 {
+    100.0 * part.0 as f64 / whole.0.max(1) as f64
 }

@@ -3,13 +3,14 @@
 mod data;
 
 use base64::Engine;
-use minijinja::{Environment, context};
+use minijinja::{Environment, Value, context};
 
 use super::bottleneck;
+use super::palette;
 use super::plot::Caption;
 use super::stats::Configuration;
-use super::summary;
-use crate::machine::{MachineSpec, Profile, RunStats};
+use super::summary::{self, Rows};
+use crate::machine::{CellState, MachineSpec, Profile, RunStats};
 
 /// What a page shows.
 #[derive(Debug)]
@@ -50,8 +51,9 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         machine => page.caption.machine.as_str(),
         speed => summary::speed(page.stats, page.spec),
         bottleneck => bottleneck::sentence(page.stats, page.spec),
-        cells => summary::cells(page.stats, page.cell_names),
-        fifos => summary::fifos(page.stats),
+        cells => value(summary::cell_rows(page.stats, page.cell_names)),
+        fifos => value(summary::fifo_rows(page.stats)),
+        state_colors => CellState::ALL.map(|state| palette::of_state(state).to_string()),
         configuration,
         image => page.image.map(|png| base64::engine::general_purpose::STANDARD.encode(png)).unwrap_or_default(),
         // No text in it may end the script that it stands in.
@@ -59,8 +61,18 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         chart_style => include_str!("../../../assets/uplot.min.css"),
         chart_script => include_str!("../../../assets/uplot.min.js"),
         style => include_str!("page.css"),
-        script => include_str!("page.js"),
+        scripts => [
+            include_str!("array.js"),
+            include_str!("charts.js"),
+            include_str!("overview.js"),
+            include_str!("page.js"),
+        ],
         version => env!("CARGO_PKG_VERSION"),
     });
     rendered.map_err(|error| PageError(error.to_string()))
+}
+
+/// A table as the template reads it.
+fn value(table: Rows) -> Value {
+    context! { header => table.header, rows => table.rows }
 }

@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::Caption;
-use super::chart::{self, TimeScale, font, rgb};
+use super::chart::{self, TimeScale, rgb};
 use super::render::{Drawn, Figure};
 use crate::machine::{CellState, CellStats, Cycles};
 use crate::report::palette::{self, Rgb};
@@ -13,8 +13,9 @@ use crate::report::palette::{self, Rgb};
 pub struct States<'a> {
     pub caption: &'a Caption,
     pub scale: TimeScale,
-    /// Each cell's number and bins.
-    pub cells: &'a [(usize, &'a Vec<CellStats>)],
+    pub cells: &'a [Vec<CellStats>],
+    /// What each cell runs, as far as that is known.
+    pub names: &'a [String],
 }
 
 impl Figure for States<'_> {
@@ -23,12 +24,10 @@ impl Figure for States<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let occurs = |state: &CellState| self.cells.iter().any(|(_, bins)| total(bins, *state) > Cycles(0));
-        let states: Vec<CellState> = CellState::ALL.into_iter().filter(occurs).collect();
-        let legend: Vec<(&str, Rgb)> = states.iter().map(|&s| (s.name(), palette::of_state(s))).collect();
-        let panels = chart::panels(area, self.caption, "What the cells do over time", &legend, self.cells.len())?;
-        for (index, (cell, panel)) in self.cells.iter().zip(&panels).enumerate() {
-            self.draw_cell(cell, &states, panel, index + 1 == self.cells.len())?;
+        let states = occurring(self.cells.iter());
+        let panels = chart::panels(area, self.caption, WHAT, &legend(&states), self.cells.len())?;
+        for (index, panel) in panels.iter().enumerate().take(self.cells.len()) {
+            self.draw_cell(index, &states, panel)?;
         }
         Ok(())
     }
@@ -37,33 +36,51 @@ impl Figure for States<'_> {
 impl States<'_> {
     fn draw_cell<DB: DrawingBackend>(
         &self,
-        (number, bins): &(usize, &Vec<CellStats>),
+        index: usize,
         states: &[CellState],
         panel: &DrawingArea<DB, Shift>,
-        is_last: bool,
     ) -> Drawn<DB> {
-        let mut chart = chart::builder(panel, &format!("cell {number}"), is_last)
-            .build_cartesian_2d(0.0..self.scale.end(), 0.0..100.0)?;
-        // From the highest band down, each over the one before it.
-        for (index, &state) in states.iter().enumerate().rev() {
-            let up_to = |(at, bin): (usize, &CellStats)| {
-                let cycles: Cycles = states[..=index].iter().map(|&state| bin.of(state)).sum();
-                100.0 * cycles.0 as f64 / self.scale.cycles_of(at) as f64
-            };
-            let edge = self.scale.steps(bins.iter().enumerate().map(up_to));
+        let name = self.names.get(index).map_or(format!("cell {index}"), |name| format!("cell {index}: {name}"));
+        let is_last = index + 1 == self.cells.len();
+        let mut chart = chart::builder(panel, &name, is_last).build_cartesian_2d(0.0..self.scale.end(), 0.0..100.0)?;
+        for (state, edge) in bands(&self.cells[index], states, self.scale, chart::grain(100.0)) {
             chart.draw_series(AreaSeries::new(edge, 0.0, rgb(palette::of_state(state))))?;
         }
-        let mut mesh = chart.configure_mesh();
-        mesh.x_label_formatter(&chart::number).y_label_formatter(&chart::number);
-        mesh.disable_mesh().y_labels(3).y_desc("% of time").label_style(font(13)).axis_desc_style(font(13));
-        mesh.x_labels(if is_last { 11 } else { 0 });
-        if is_last {
-            mesh.x_desc(self.scale.label());
-        }
-        mesh.draw()
+        let across = self.scale.label();
+        chart::axes(&mut chart, (is_last.then_some(&across), "% of time"), 3, &chart::number)
     }
 }
 
-fn total(bins: &[CellStats], state: CellState) -> Cycles {
-    bins.iter().map(|bin| bin.of(state)).sum()
+/// What the picture is called.
+pub const WHAT: &str = "What the cells do over time";
+
+/// The states that occur in some cell.
+pub fn occurring<'a>(cells: impl Iterator<Item = &'a Vec<CellStats>> + Clone) -> Vec<CellState> {
+    let occurs = |state: &CellState| cells.clone().flatten().any(|bin| bin.of(*state) > Cycles(0));
+    CellState::ALL.into_iter().filter(occurs).collect()
+}
+
+/// Their names and colours.
+pub fn legend(states: &[CellState]) -> Vec<(&'static str, Rgb)> {
+    states.iter().map(|&state| (state.name(), palette::of_state(state))).collect()
+}
+
+/// For each state the upper edge of its band, in percent, from the highest band down: each is drawn over the one before it.
+pub fn bands(
+    bins: &[CellStats],
+    states: &[CellState],
+    scale: TimeScale,
+    grain: f64,
+) -> impl Iterator<Item = (CellState, Vec<(f64, f64)>)> {
+    let mut sums = vec![0; bins.len()];
+    let mut bands: Vec<_> = states
+        .iter()
+        .map(|&state| {
+            sums.iter_mut().zip(bins).for_each(|(sum, bin)| *sum += bin.of(state).0);
+            let share = |(at, &sum): (usize, &u64)| 100.0 * sum as f64 / scale.cycles_of(at) as f64;
+            (state, scale.steps(sums.iter().enumerate().map(share), grain))
+        })
+        .collect();
+    bands.reverse();
+    bands.into_iter()
 }

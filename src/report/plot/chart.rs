@@ -1,6 +1,8 @@
 //! What the figures have in common: the caption, the legend, panels one above the other on one axis of time.
 
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::{Ranged, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::Caption;
@@ -10,18 +12,20 @@ use crate::report::palette::Rgb;
 use crate::report::time_unit::TimeUnit;
 
 /// Width of every picture, in pixels.
-const WIDTH: u32 = 1280;
+pub const WIDTH: u32 = 1280;
 /// Height of the caption and the legend.
-const HEAD: u32 = 96;
+pub const HEAD: u32 = 124;
 /// Height of a panel.
-const PANEL: u32 = 150;
+const PANEL: u32 = 160;
 /// What the panel with the time axis needs more.
-const FOOT: u32 = 44;
-/// Room for the labels of the vertical axis.
-const LEFT: u32 = 86;
-/// What the axis itself takes of it; the rest keeps its name off the picture's edge.
-const AXIS: u32 = 70;
-const RIGHT: u32 = 24;
+pub const FOOT: u32 = 52;
+/// Left of the axes: room for what they are called and for their labels.
+pub const LEFT: u32 = 92;
+/// The part of it that keeps their names off the picture's edge.
+const EDGE: u32 = 14;
+pub const RIGHT: u32 = 28;
+/// Height of the text on axes and over panels.
+pub const SMALL: u32 = 15;
 
 /// Simulated time as the horizontal axis shows it.
 #[derive(Clone, Copy, Debug)]
@@ -58,9 +62,18 @@ impl TimeScale {
         self.bin.min(self.cycles - index as u64 * self.bin)
     }
 
-    /// A curve that has one value in each bin, as steps.
-    pub fn steps(&self, values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
-        values.enumerate().flat_map(|(index, value)| [(self.bin(index).0, value), (self.bin(index).1, value)]).collect()
+    /// A curve that has one value in each bin, as steps; values are rounded to multiples of `grain`, which is less than
+    /// can be seen.
+    pub fn steps(&self, values: impl Iterator<Item = f64>, grain: f64) -> Vec<(f64, f64)> {
+        let mut steps: Vec<(f64, f64)> = Vec::new();
+        for (index, value) in values.enumerate() {
+            let ((start, end), value) = (self.bin(index), (value / grain).round() * grain);
+            match steps.last_mut() {
+                Some(last) if last.1 == value => last.0 = end,
+                _ => steps.extend([(start, value), (end, value)]),
+            }
+        }
+        steps
     }
 
     /// What the axis is called.
@@ -81,6 +94,16 @@ pub fn number(value: &f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
+/// A whole number on an axis; between them there is nothing to tell.
+pub fn whole_number(value: &f64) -> String {
+    if (value - value.round()).abs() < 1e-9 { number(value) } else { String::new() }
+}
+
+/// What cannot be seen in a panel whose vertical axis is so long.
+pub fn grain(length: f64) -> f64 {
+    length / (2 * PANEL) as f64
+}
+
 /// Text of a height.
 pub fn font(height: u32) -> TextStyle<'static> {
     (FONT_NAME, height).into_font().color(&BLACK)
@@ -99,10 +122,7 @@ pub fn panels<DB: DrawingBackend>(
     legend: &[(&str, Rgb)],
     count: usize,
 ) -> Result<Vec<DrawingArea<DB, Shift>>, DrawingAreaErrorKind<DB::ErrorType>> {
-    area.draw_text(what, &font(22), (16, 8))?;
-    area.draw_text(&caption.title, &font(15), (16, 36))?;
-    area.draw_text(&caption.machine, &font(13).color(&RGBColor(90, 90, 90)), (16, 56))?;
-    draw_legend(area, legend)?;
+    head(area, caption, what, legend)?;
     let (_, mut rest) = area.split_vertically(HEAD);
     let mut panels = Vec::new();
     for _ in 1..count {
@@ -114,29 +134,51 @@ pub fn panels<DB: DrawingBackend>(
     Ok(panels)
 }
 
-fn draw_legend<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, legend: &[(&str, Rgb)]) -> Drawn<DB> {
+/// Draws the caption and the legend.
+pub fn head<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    caption: &Caption,
+    what: &str,
+    legend: &[(&str, Rgb)],
+) -> Drawn<DB> {
+    area.draw_text(what, &font(26), (EDGE as i32, 10))?;
+    area.draw_text(&caption.title, &font(17), (EDGE as i32, 44))?;
+    area.draw_text(&caption.machine, &font(SMALL).color(&RGBColor(90, 90, 90)), (EDGE as i32, 68))?;
     let mut x = LEFT as i32;
     for (name, color) in legend {
-        let square = [(x, 78), (x + 14, 92)];
+        let square = [(x, 98), (x + 15, 113)];
         area.draw(&Rectangle::new(square, rgb(*color).filled()))?;
         area.draw(&Rectangle::new(square, RGBColor(120, 120, 120)))?;
-        area.draw_text(name, &font(14), (x + 20, 78))?;
-        x += 20 + area.estimate_text_size(name, &font(14))?.0 as i32 + 24;
+        area.draw_text(name, &font(16), (x + 22, 98))?;
+        x += 22 + area.estimate_text_size(name, &font(16))?.0 as i32 + 22;
     }
     Ok(())
 }
 
-/// A chart in a panel, with its name inside the frame's top.
+/// A chart in a panel, with its name over the frame.
 pub fn builder<'a, DB: DrawingBackend>(
     area: &'a DrawingArea<DB, Shift>,
     name: &str,
     is_last: bool,
 ) -> ChartBuilder<'a, 'a, DB> {
     let mut builder = ChartBuilder::on(area);
-    builder.caption(name, font(14)).margin_right(RIGHT).y_label_area_size(AXIS).x_label_area_size(if is_last {
-        FOOT
-    } else {
-        6
-    });
+    builder.margin_left(EDGE).margin_right(RIGHT).y_label_area_size(LEFT - EDGE);
+    builder.caption(name, font(16)).x_label_area_size(if is_last { FOOT } else { 8 });
     builder
+}
+
+/// Draws the axes of a chart: what they are called, and how many values are named on the vertical one.
+pub fn axes<DB: DrawingBackend, Y: Ranged<ValueType = f64> + ValueFormatter<f64>>(
+    chart: &mut ChartContext<'_, DB, Cartesian2d<RangedCoordf64, Y>>,
+    (across, up): (Option<&str>, &str),
+    values: usize,
+    format: &dyn Fn(&f64) -> String,
+) -> Drawn<DB> {
+    let mut mesh = chart.configure_mesh();
+    mesh.max_light_lines(1).disable_x_mesh().x_label_formatter(&number).y_label_formatter(format);
+    mesh.label_style(font(SMALL)).axis_desc_style(font(SMALL)).y_labels(values).y_desc(up);
+    match across {
+        Some(name) => mesh.x_labels(11).x_desc(name).draw(),
+        None => mesh.x_labels(0).draw(),
+    }
 }

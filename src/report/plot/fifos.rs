@@ -4,11 +4,11 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::Caption;
-use super::chart::{self, TimeScale, font, rgb};
+use super::chart::{self, TimeScale, rgb};
 use super::render::{Drawn, Figure};
-use crate::machine::{Cycles, FifoProfile};
+use crate::machine::{Cycles, FifoBin, FifoProfile};
 use crate::report::bottleneck::percent;
-use crate::report::palette;
+use crate::report::palette::{self, Rgb};
 
 /// Each FIFO's level over time.
 pub struct Levels<'a> {
@@ -23,13 +23,7 @@ impl Figure for Levels<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let legend = [
-            ("mean", palette::LEVEL),
-            ("lowest to highest in each interval", palette::RANGE),
-            ("full at some time", palette::FULL),
-        ];
-        let what = "Words in the FIFOs over time";
-        let panels = chart::panels(area, self.caption, what, &legend, self.fifos.len())?;
+        let panels = chart::panels(area, self.caption, LEVELS, &LEVELS_LEGEND, self.fifos.len())?;
         for (index, (fifo, panel)) in self.fifos.iter().zip(&panels).enumerate() {
             self.draw_fifo(fifo, panel, index + 1 == self.fifos.len())?;
         }
@@ -51,40 +45,55 @@ impl Levels<'_> {
         let top = if shows_capacity { capacity } else { highest.max(1) } as f64 * 1.12;
         let name = format!("{}: at most {highest} of {capacity} words, full {} of the time", fifo.name, full(fifo));
         let mut chart = chart::builder(panel, &name, is_last).build_cartesian_2d(0.0..self.scale.end(), 0.0..top)?;
-        let mut mesh = chart.configure_mesh();
-        mesh.x_label_formatter(&chart::number).y_label_formatter(&chart::number);
-        mesh.max_light_lines(1)
-            .disable_x_mesh()
-            .y_labels(4)
-            .y_desc("words")
-            .label_style(font(13))
-            .axis_desc_style(font(13));
-        mesh.x_labels(if is_last { 11 } else { 0 });
-        if is_last {
-            mesh.x_desc(self.scale.label());
-        }
-        mesh.draw()?;
-        let bins = || fifo.bins.iter();
-        let mut outline = self.scale.steps(bins().map(|bin| bin.max.0 as f64));
-        outline.extend(self.scale.steps(bins().map(|bin| bin.min.0 as f64)).into_iter().rev());
+        let across = self.scale.label();
+        let values = if highest < 4 { highest as usize + 1 } else { 4 };
+        chart::axes(&mut chart, (is_last.then_some(&across), "words"), values, &chart::whole_number)?;
+        let grain = chart::grain(top);
+        let mut outline = self.scale.steps(fifo.bins.iter().map(|bin| bin.max.0 as f64), grain);
+        let lowest = self.scale.steps(fifo.bins.iter().map(|bin| bin.min.0 as f64), grain);
+        outline.extend(lowest.into_iter().rev());
         chart.draw_series([Polygon::new(outline, rgb(palette::RANGE).filled())])?;
-        let mean = |(index, word_cycles): (usize, u64)| word_cycles as f64 / self.scale.cycles_of(index) as f64;
-        let means = self.scale.steps(bins().map(|bin| bin.word_cycles).enumerate().map(mean));
-        chart.draw_series(LineSeries::new(means, rgb(palette::LEVEL)))?;
         if shows_capacity {
             let line = [(0.0, capacity as f64), (self.scale.end(), capacity as f64)];
             chart.draw_series(DashedLineSeries::new(line, 6, 4, BLACK.into()))?;
         }
-        let marks = fifo.bins.iter().enumerate().filter(|(_, bin)| bin.full > Cycles(0)).map(|(index, _)| {
-            let (start, end) = self.scale.bin(index);
-            Rectangle::new([(start, top * 0.95), (end, top)], rgb(palette::FULL).filled())
-        });
+        let means = self.scale.steps(means(&fifo.bins, self.scale), grain);
+        chart.draw_series(LineSeries::new(means, rgb(palette::AMOUNT).stroke_width(2)))?;
+        let marks = full_times(&fifo.bins, self.scale)
+            .map(|(start, end)| Rectangle::new([(start, top * 0.94), (end, top)], rgb(palette::FULL).filled()));
         chart.draw_series(marks)?;
         Ok(())
     }
 }
 
-fn highest(fifo: &FifoProfile) -> u64 {
+/// What the picture of the levels is called, and its colours.
+pub const LEVELS: &str = "Words in the FIFOs over time";
+pub const LEVELS_LEGEND: [(&str, Rgb); 3] = [
+    ("mean", palette::AMOUNT),
+    ("lowest to highest in each interval", palette::RANGE),
+    ("full at some time in the interval", palette::FULL),
+];
+/// What the picture of the histograms is called.
+pub const HISTOGRAMS: &str = "How full the FIFOs are";
+
+/// The mean of each bin, in words.
+pub fn means(bins: &[FifoBin], scale: TimeScale) -> impl Iterator<Item = f64> {
+    bins.iter().enumerate().map(move |(at, bin)| bin.word_cycles as f64 / scale.cycles_of(at) as f64)
+}
+
+/// The stretches of bins in which the FIFO was full at some time.
+pub fn full_times(bins: &[FifoBin], scale: TimeScale) -> impl Iterator<Item = (f64, f64)> {
+    let is_full = |bin: &FifoBin| bin.full > Cycles(0);
+    let mut first = 0;
+    bins.chunk_by(move |a, b| is_full(a) == is_full(b)).filter_map(move |stretch| {
+        let start = first;
+        first += stretch.len();
+        is_full(&stretch[0]).then(|| (scale.bin(start).0, scale.bin(first - 1).1))
+    })
+}
+
+/// The highest level of all.
+pub fn highest(fifo: &FifoProfile) -> u64 {
     fifo.bins.iter().map(|bin| bin.max.0).max().unwrap_or(0)
 }
 
@@ -108,8 +117,8 @@ impl Figure for Histograms<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let legend = [("share of the time with so many words inside", palette::LEVEL), ("full", palette::FULL)];
-        let panels = chart::panels(area, self.caption, "How full the FIFOs are", &legend, self.fifos.len())?;
+        let legend = [("share of the time with so many words inside", palette::AMOUNT), ("full", palette::FULL)];
+        let panels = chart::panels(area, self.caption, HISTOGRAMS, &legend, self.fifos.len())?;
         let widest = self.fifos.iter().map(highest).max().unwrap_or(0);
         for (index, (fifo, panel)) in self.fifos.iter().zip(&panels).enumerate() {
             self.draw_fifo(fifo, panel, widest, index + 1 == self.fifos.len())?;
@@ -129,25 +138,14 @@ impl Histograms<'_> {
         let name = format!("{}: at most {} of {} words", fifo.name, highest(fifo), fifo.capacity.0);
         let mut chart = chart::builder(panel, &name, is_last)
             .build_cartesian_2d(-0.5..widest as f64 + 0.5, (SMALLEST_SHARE..100.0).log_scale())?;
-        let mut mesh = chart.configure_mesh();
-        mesh.x_label_formatter(&chart::number).y_label_formatter(&chart::number);
-        mesh.max_light_lines(1)
-            .disable_x_mesh()
-            .y_labels(4)
-            .y_desc("% of the time")
-            .label_style(font(13))
-            .axis_desc_style(font(13));
-        mesh.x_labels(if is_last { 20 } else { 0 });
-        if is_last {
-            mesh.x_desc("words in the FIFO");
-        }
-        mesh.draw()?;
+        let across = is_last.then_some("words in the FIFO");
+        chart::axes(&mut chart, (across, "% of the time"), 4, &chart::number)?;
         let step = fifo.step.0 as f64;
         let bars = fifo.histogram.iter().enumerate().filter(|(_, cycles)| cycles.0 > 0).map(|(index, cycles)| {
             let share = 100.0 * cycles.0 as f64 / self.cycles.0.max(1) as f64;
             let start = index as f64 * step - 0.5;
             let is_full = (index as u64 + 1) * fifo.step.0 > fifo.capacity.0;
-            let color = rgb(if is_full { palette::FULL } else { palette::LEVEL });
+            let color = rgb(if is_full { palette::FULL } else { palette::AMOUNT });
             Rectangle::new([(start, SMALLEST_SHARE), (start + step, share.max(SMALLEST_SHARE))], color.filled())
         });
         chart.draw_series(bars)?;

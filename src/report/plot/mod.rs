@@ -1,12 +1,16 @@
-//! Pictures of a run over time, each as SVG and as PNG.
+//! Pictures of a run over time, and of a table of runs ([`curves`]), each as SVG and as PNG.
 
 mod cells;
 mod chart;
+pub mod curves;
 mod fifos;
+mod many;
 mod rays;
 mod render;
 
-use crate::machine::{MachineSpec, Profile};
+use rayon::prelude::*;
+
+use crate::machine::{FifoProfile, MachineSpec, Profile};
 
 pub use render::{PlotError, Rendered};
 
@@ -28,35 +32,57 @@ pub struct Picture {
     pub rendered: Rendered,
 }
 
-/// Panels that a picture has at the most: what a slide shows legibly.
+/// Panels that a picture has at the most: what a slide shows legibly. More cells or FIFOs become thin rows of one chart.
 const MOST_PANELS: usize = 8;
 
+/// A picture that is still to be drawn.
+type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
+
 /// Draws all that a profile shows: the FIFOs' levels, their histograms, the cells' states, the rays done, and how long rays
-/// took. Where there are more FIFOs or cells than a picture shows, there are several.
-pub fn pictures(profile: &Profile, spec: &MachineSpec, caption: &Caption) -> Result<Vec<Picture>, PlotError> {
+/// took. `names` tells what each cell runs, as far as that is known. There are seven pictures at the most (nine
+/// with words on Z), however many cells there are.
+pub fn pictures(
+    profile: &Profile,
+    spec: &MachineSpec,
+    caption: &Caption,
+    names: &[String],
+) -> Result<Vec<Picture>, PlotError> {
     let scale = chart::TimeScale::new(profile, spec);
-    let mut pictures = Vec::new();
-    let mut add = |name: String, rendered: Rendered| pictures.push(Picture { name, rendered });
-    for (name, fifos) in parts("fifos", &profile.fifos) {
-        add(name, render::render(&fifos::Levels { caption, scale, fifos })?);
+    let cycles = profile.cycles;
+    let mut pictures: Vec<(String, Draw<'_>)> = Vec::new();
+    for (ending, fifos) in fifo_pictures(&profile.fifos) {
+        let (levels, histograms) = (format!("fifos{ending}"), format!("fifo-histograms{ending}"));
+        if fifos.len() <= MOST_PANELS {
+            pictures.push((levels, Box::new(move || render::render(&fifos::Levels { caption, scale, fifos }))));
+            let draw = move || render::render(&fifos::Histograms { caption, fifos, cycles });
+            pictures.push((histograms, Box::new(draw)));
+        } else {
+            pictures.push((levels, Box::new(move || render::render(&many::Levels::new(caption, scale, fifos)))));
+            let draw = move || render::render(&many::Histograms::new(caption, fifos, cycles));
+            pictures.push((histograms, Box::new(draw)));
+        }
     }
-    for (name, fifos) in parts("fifo-histograms", &profile.fifos) {
-        add(name, render::render(&fifos::Histograms { caption, fifos, cycles: profile.cycles })?);
-    }
-    let cells: Vec<_> = profile.cells.iter().enumerate().collect();
-    for (name, cells) in parts("cells", &cells) {
-        add(name, render::render(&cells::States { caption, scale, cells })?);
-    }
-    add("rays".to_owned(), render::render(&rays::Rays { caption, scale, rays: &profile.rays })?);
-    add("latency".to_owned(), render::render(&rays::Latencies { caption, spec, latency: &profile.latency })?);
-    Ok(pictures)
+    let cells = &profile.cells;
+    let draw: Draw<'_> = if cells.len() <= MOST_PANELS {
+        Box::new(move || render::render(&cells::States { caption, scale, cells, names }))
+    } else {
+        Box::new(move || render::render(&many::States::new(caption, scale, cells)))
+    };
+    pictures.push(("cells".to_owned(), draw));
+    let rays = &profile.rays;
+    pictures.push(("rays".to_owned(), Box::new(move || render::render(&rays::Rays { caption, scale, rays }))));
+    let latency = &profile.latency;
+    let draw = move || render::render(&rays::Latencies { caption, spec, latency });
+    pictures.push(("latency".to_owned(), Box::new(draw)));
+    render::bring_font()?;
+    pictures.into_par_iter().map(|(name, draw)| Ok(Picture { name, rendered: draw()? })).collect()
 }
 
-/// Cuts the panels into pictures: `fifos`, or `fifos-1`, `fifos-2`, ...
-fn parts<'a, T>(name: &'a str, panels: &'a [T]) -> impl Iterator<Item = (String, &'a [T])> {
-    let several = panels.len() > MOST_PANELS;
-    panels.chunks(MOST_PANELS).enumerate().map(move |(index, part)| {
-        let name = if several { format!("{name}-{}", index + 1) } else { name.to_owned() };
-        (name, part)
-    })
+/// The FIFOs of each picture: all in one, or those of each channel by themselves.
+fn fifo_pictures(fifos: &[FifoProfile]) -> Vec<(&'static str, &[FifoProfile])> {
+    if fifos.len() <= MOST_PANELS {
+        return vec![("", fifos)];
+    }
+    let channels = fifos.chunk_by(|a, b| a.name.as_bytes()[0] == b.name.as_bytes()[0]);
+    ["-x", "-y", "-z"].into_iter().zip(channels).collect()
 }

@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::Caption;
-use super::chart::{self, TimeScale, font, rgb};
+use super::chart::{self, TimeScale, rgb};
 use super::render::{Drawn, Figure};
 use crate::machine::{Latency, MachineSpec};
 use crate::report::palette;
@@ -27,7 +27,7 @@ impl Figure for Rays<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let legend = [("rays done per unit of simulated time", palette::RAYS)];
+        let legend = [("rays done per unit of simulated time", palette::AMOUNT)];
         let panels = chart::panels(area, self.caption, "Rays done over time", &legend, 1)?;
         let rate =
             |(index, &rays): (usize, &u64)| rays as f64 / (self.scale.cycles_of(index) as f64 * self.scale.cycle);
@@ -38,12 +38,9 @@ impl Figure for Rays<'_> {
         let name = format!("on average {mean:.3} rays per {unit}");
         let mut chart = chart::builder(&panels[0], &name, true)
             .build_cartesian_2d(0.0..self.scale.end(), 0.0..top.max(f64::MIN_POSITIVE))?;
-        let mut mesh = chart.configure_mesh();
-        mesh.x_label_formatter(&chart::number).y_label_formatter(&chart::number);
-        mesh.max_light_lines(1).disable_x_mesh().label_style(font(13)).axis_desc_style(font(13));
-        mesh.x_desc(self.scale.label()).y_desc(format!("rays per {unit}")).draw()?;
-        let color = rgb(palette::RAYS);
-        let steps = self.scale.steps(rates.into_iter());
+        chart::axes(&mut chart, (Some(&self.scale.label()), &format!("rays per {unit}")), 8, &chart::number)?;
+        let color = rgb(palette::AMOUNT);
+        let steps = self.scale.steps(rates.into_iter(), chart::grain(top.max(f64::MIN_POSITIVE)) / PANELS as f64);
         chart.draw_series(AreaSeries::new(steps, 0.0, color.mix(0.35)).border_style(color))?;
         let line = [(0.0, mean), (self.scale.end(), mean)];
         chart.draw_series(DashedLineSeries::new(line, 6, 4, BLACK.into()))?;
@@ -64,7 +61,7 @@ impl Figure for Latencies<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let legend = [("share of the rays, as the area of the bars", palette::RAYS)];
+        let legend = [("share of the rays, as the area of the bars", palette::AMOUNT)];
         let what = "How long rays take, from their first word sent to their last word back";
         let panels = chart::panels(area, self.caption, what, &legend, 1)?;
         let latency = self.latency;
@@ -79,12 +76,10 @@ impl Figure for Latencies<'_> {
             0.0..time(latency.buckets.len()).max(f64::MIN_POSITIVE),
             0.0..top.max(f64::MIN_POSITIVE),
         )?;
-        let mut mesh = chart.configure_mesh();
-        mesh.x_label_formatter(&chart::number).y_label_formatter(&chart::number);
-        mesh.max_light_lines(1).disable_x_mesh().label_style(font(13)).axis_desc_style(font(13));
-        mesh.x_desc(format!("latency ({})", unit.name)).y_desc(format!("% of the rays per {}", unit.name)).draw()?;
+        let (across, up) = (format!("latency ({})", unit.name), format!("% of the rays per {}", unit.name));
+        chart::axes(&mut chart, (Some(&across), &up), 8, &chart::number)?;
         let bars = densities.iter().enumerate().filter(|(_, density)| **density > 0.0).map(|(bucket, &density)| {
-            Rectangle::new([(time(bucket), 0.0), (time(bucket + 1), density)], rgb(palette::RAYS).filled())
+            Rectangle::new([(time(bucket), 0.0), (time(bucket + 1), density)], rgb(palette::AMOUNT).filled())
         });
         chart.draw_series(bars)?;
         Ok(())

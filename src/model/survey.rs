@@ -1,0 +1,84 @@
+//! What is measured of a scene and its rays before anything is predicted.
+
+use rayon::prelude::*;
+
+use super::prediction::{Group, Prediction};
+use super::sketch::Sketch;
+use super::throughput::ArrayModel;
+use crate::geometry::grid::{GridTooLarge, voxels_for};
+use crate::geometry::partition::SubVolume;
+use crate::geometry::{Polygons, Ray, Slabs};
+
+/// How many of the rays are looked at.
+const SAMPLE: usize = 2000;
+
+/// The coefficients among which the best is sought.
+const COEFFICIENTS: [f64; 10] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
+
+/// A scene, cut into sub-volumes, with its rays: what predictions are made from.
+#[derive(Debug)]
+pub struct Survey<'a> {
+    polygons: &'a Polygons,
+    slabs: Slabs,
+    sub_volumes: &'a [SubVolume],
+    rays: Vec<Ray>,
+}
+
+impl<'a> Survey<'a> {
+    /// Surveys a scene. Of the rays a sample is kept, spread evenly over all of them.
+    pub fn new(polygons: &'a Polygons, sub_volumes: &'a [SubVolume], rays: &[Ray]) -> Survey<'a> {
+        Survey { polygons, slabs: Slabs::new(polygons), sub_volumes, rays: sample(rays) }
+    }
+
+    /// What an array will have to do, with so many voxels a polygon.
+    ///
+    /// Fails if the grids would be larger than any that can be built.
+    pub fn predict(&self, array: &ArrayModel, coefficient: f64) -> Result<Prediction, GridTooLarge> {
+        self.sub_volumes.iter().try_for_each(|part| voxels_for(part.members.len(), coefficient).map(drop))?;
+        let groups = self.sketch(array, coefficient)?;
+        Ok(self.price(&groups, array, coefficient))
+    }
+
+    /// The coefficient with the fewest cycles a ray, of 0.5, 1, 2, 5, ... 500, and what to expect of it.
+    pub fn best_coefficient(&self, array: &ArrayModel) -> Result<(f64, Prediction), GridTooLarge> {
+        let few = Survey { rays: sample_of(&self.rays, SAMPLE / 4), slabs: self.slabs.clone(), ..*self };
+        let sketches = [few.sketch(array, 4.0)?, few.sketch(array, 50.0)?];
+        let price = |&coefficient: &f64| {
+            let prediction = few.price(&sketches[usize::from(coefficient > 14.0)], array, coefficient);
+            (coefficient, prediction)
+        };
+        let priced: Vec<(f64, Prediction)> = COEFFICIENTS.par_iter().map(price).collect();
+        let cycles = |entry: &(f64, Prediction)| entry.1.bound.cycles_per_ray;
+        // COEFFICIENTS is not empty.
+        Ok(priced.into_iter().min_by(|a, b| cycles(a).total_cmp(&cycles(b))).unwrap_or_default())
+    }
+
+    fn sketch(&self, array: &ArrayModel, coefficient: f64) -> Result<Vec<Sketch<'_>>, GridTooLarge> {
+        let scene = (self.polygons, &self.slabs);
+        let sketch = |part: &SubVolume| {
+            Sketch::new(scene, (part.volume, &part.members), &self.rays, array.walks_stop(), coefficient)
+        };
+        self.sub_volumes.par_iter().map(sketch).collect()
+    }
+
+    fn price(&self, sketches: &[Sketch<'_>], array: &ArrayModel, coefficient: f64) -> Prediction {
+        let group = |(sketch, part): (&Sketch<'_>, &SubVolume)| {
+            Group::new(sketch, part.members.len() as f64, coefficient, 4.0 * self.polygons.margin())
+        };
+        let groups = sketches.par_iter().zip(self.sub_volumes).map(group).collect();
+        Prediction::new(groups, array, coefficient)
+    }
+}
+
+fn sample(rays: &[Ray]) -> Vec<Ray> {
+    sample_of(rays, SAMPLE)
+}
+
+/// So many of the rays, spread evenly: steps of the golden section never fall in with an image's lines.
+fn sample_of(rays: &[Ray], count: usize) -> Vec<Ray> {
+    if rays.len() <= count {
+        return rays.to_vec();
+    }
+    let golden = (5f64.sqrt() - 1.0) / 2.0;
+    (0..count).map(|k| rays[((k as f64 * golden).fract() * rays.len() as f64) as usize]).collect()
+}

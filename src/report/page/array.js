@@ -1,0 +1,100 @@
+"use strict";
+// Draws the array as it is: the host, the cells, the FIFOs between them. A click on a cell shows or hides its charts.
+
+const svg = (name, attributes, text) => {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  if (text !== undefined) element.textContent = text;
+  return element;
+};
+
+// White to the colour of amounts.
+const shade = (percent) => {
+  const mix = (to) => Math.round(255 + (to - 255) * percent / 100);
+  return `rgb(${run.colors.amount_rgb.map(mix).join(",")})`;
+};
+
+// Sizes in pixels: for a few cells, and for many.
+const LARGE = { box: 76, height: 92, link: 72, row: 122, bar: 15, x: 30, y: 72, z: 108, font: 13 };
+const SMALL = { box: 32, height: 36, link: 26, row: 50, bar: 8, x: 8, y: 24, z: 38, font: 11 };
+
+// What stands in the row: the host as sender, the cells, the host as receiver. FIFOs lead into each but the first.
+function drawArray() {
+  const place = document.getElementById("array");
+  const count = run.cells.length;
+  // Words that go to the left have a row of their own.
+  const zs = run.fifos.slice(2 * count);
+  const plain = count <= 24 ? LARGE : SMALL, more = zs.length ? plain.z - plain.y : 0;
+  const size = { ...plain, height: plain.height + more, row: plain.row + more };
+  const step = size.box + size.link;
+  const across = Math.max(2, Math.min(Math.floor((place.clientWidth - 8) / step), count + 2));
+  const lines = Math.ceil((count + 2) / across);
+  const drawing = svg("svg", { width: across * step + 4, height: lines * size.row + 4 });
+  const left = (at) => (at % across) * step + size.link;
+  const top = (at) => Math.floor(at / across) * size.row + (size.row - size.height) / 2;
+  const drawFifo = (fifo, at, y) => {
+    const from = left(at) - size.link + 4, length = size.link - 8, middle = top(at) + y;
+    const filled = (words) => length * Math.min(words / fifo.capacity, 1);
+    const group = svg("g", {});
+    group.append(svg("title", {}, `${fifo.name}: mean ${fifo.average.toFixed(2)}, at most ${fifo.most} of ` +
+      `${fifo.capacity} words, full ${fifo.full_share.toFixed(1)} % of the time`));
+    group.append(svg("line", { x1: from - 4, x2: from + length + 4, y1: middle, y2: middle, stroke: "#444" }));
+    const bar = { y: middle - size.bar / 2, height: size.bar };
+    group.append(svg("rect", { ...bar, x: from, width: length, fill: "#fff", stroke: "#444" }));
+    group.append(svg("rect", { ...bar, x: from, width: filled(fifo.most), fill: run.colors.range }));
+    group.append(svg("rect", { ...bar, x: from, width: filled(fifo.average), fill: run.colors.amount }));
+    const isFull = fifo.full_share >= 0.05;
+    if (isFull) group.append(svg("rect", { ...bar, x: from + length - 3, width: 3, fill: run.colors.full }));
+    if (plain === LARGE) {
+      group.append(svg("text", { x: from, y: middle - size.bar / 2 - 4 }, fifo.name));
+      if (isFull) group.append(svg("text", { x: from + length, y: middle - size.bar / 2 - 4, "text-anchor": "end",
+        fill: run.colors.full }, fifo.full_share < 1 ? "< 1 %" : `${Math.round(fifo.full_share)} %`));
+    }
+    drawing.append(group);
+  };
+  const drawBox = (at, fill, ink, lines, hint, station) => {
+    const group = svg("g", station === null ? {} : { class: "station", "data-station": station, tabindex: 0, role: "button" });
+    group.append(svg("title", {}, hint));
+    group.append(svg("rect", { x: left(at), y: top(at), width: size.box, height: size.height, rx: 5, fill, stroke: "#444" }));
+    const spacing = size.font + 6;
+    const first = top(at) + size.height / 2 - spacing * (lines.length - 1) / 2 + size.font / 3;
+    lines.forEach((line, row) => group.append(
+      svg("text", { x: left(at) + size.box / 2, y: first + spacing * row, "text-anchor": "middle", fill: ink }, line)));
+    if (station !== null) {
+      group.addEventListener("click", () => toggle(station));
+      group.addEventListener("keydown", (event) => { if (event.key === "Enter") toggle(station); });
+      group.addEventListener("mouseenter", () => point(station));
+      group.addEventListener("mouseleave", () => point(null));
+    }
+    drawing.append(group);
+  };
+  for (let at = 1; at <= count + 1; at++) {
+    if (at <= count) drawFifo(run.fifos[at - 1], at, size.x);
+    if (at > 1) drawFifo(run.fifos[count + at - 2], at, size.y);
+  }
+  zs.forEach((fifo) => drawFifo(fifo, Number(fifo.name.slice(1)) + 2, size.z));
+  const host = (what) => plain === LARGE ? ["host", what] : ["host"];
+  drawBox(0, "#fff", "#000", host("rays"), "The host sends the rays", null);
+  run.cells.forEach((cell, index) => {
+    const name = cell.name === "intersection" ? "inters." : cell.name;
+    const lines = plain === LARGE ? [`cell ${index}`, name, `${cell.works.toFixed(1)} %`] : [`${index}`];
+    drawBox(index + 1, shade(cell.works), cell.works > 50 ? "#fff" : "#000", lines.filter((line) => line !== ""),
+      `Cell ${index} ${cell.name} works ${cell.works.toFixed(1)} % of the time`, index);
+  });
+  drawBox(count + 1, "#fff", "#000", host("hits"), "The host reads the hits", count);
+  place.replaceChildren(drawing);
+  markSelected();
+}
+
+function markSelected() {
+  for (const group of document.querySelectorAll(".station")) {
+    group.classList.toggle("selected", selected.has(Number(group.dataset.station)));
+  }
+}
+
+// Marks a cell, and the charts of it.
+function point(station) {
+  for (const element of document.querySelectorAll("[data-station]")) {
+    element.classList.toggle("pointed", element.dataset.station === String(station));
+  }
+}

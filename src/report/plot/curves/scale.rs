@@ -1,0 +1,185 @@
+//! An axis of a plot of a table: linear, logarithmic, or words side by side.
+
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+
+use super::series::Positions;
+use crate::report::plot::chart;
+
+/// Ticks that an axis has room for.
+const MOST_TICKS: usize = 14;
+
+/// A scale, its ticks and what they are called.
+#[derive(Clone, Debug)]
+pub struct Scale {
+    low: f64,
+    high: f64,
+    is_log: bool,
+    ticks: Vec<f64>,
+    words: Vec<String>,
+}
+
+impl Scale {
+    /// The scale of what stands along x. It is logarithmic where the numbers are spread like that, with a tick at each.
+    pub fn of_positions(positions: &Positions) -> Scale {
+        match positions {
+            Positions::Words(words) => {
+                let last = words.len() as f64 - 1.0;
+                let ticks = (0..words.len()).map(|word| word as f64).collect();
+                Scale { low: -0.5, high: last + 0.5, is_log: false, ticks, words: words.clone() }
+            }
+            Positions::Numbers(numbers) => {
+                let (first, last) = (numbers[0], numbers[numbers.len() - 1]);
+                if is_geometric(numbers) {
+                    let air = (last / first).powf(0.03);
+                    let scale = Scale::logarithmic(first / air, last * air);
+                    if numbers.len() <= MOST_TICKS { Scale { ticks: numbers.clone(), ..scale } } else { scale }
+                } else {
+                    let air = if last > first { 0.03 * (last - first) } else { 0.5 * last.max(1.0) };
+                    Scale::linear(first - air, last + air)
+                }
+            }
+        }
+    }
+
+    /// The scale of values from 0 or more up, which may span several powers of ten.
+    pub fn of_values(values: impl Iterator<Item = f64> + Clone) -> Scale {
+        let low = values.clone().fold(f64::INFINITY, f64::min);
+        let high = values.fold(f64::NEG_INFINITY, f64::max);
+        if low > 0.0 && high / low > 50.0 {
+            let air = (high / low).powf(0.05);
+            Scale::logarithmic(low / air, high * air)
+        } else {
+            Scale::linear(0.0, if high > 0.0 { 1.08 * high } else { 1.0 })
+        }
+    }
+
+    fn linear(low: f64, high: f64) -> Scale {
+        let rough = (high - low) / 8.0;
+        let power = 10f64.powf(rough.log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|step| *step >= rough);
+        let step = step.unwrap_or(rough);
+        let ticks = (low / step).ceil() as i64..=(high / step).floor() as i64;
+        Scale { low, high, is_log: false, ticks: ticks.map(|tick| tick as f64 * step).collect(), words: Vec::new() }
+    }
+
+    fn logarithmic(low: f64, high: f64) -> Scale {
+        let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
+        let digits: &[f64] = if high / low > 1e4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let all = powers.flat_map(|power| digits.iter().map(move |digit| digit * 10f64.powi(power)));
+        let ticks = all.filter(|tick| (low..=high).contains(tick)).collect();
+        Scale { low, high, is_log: true, ticks, words: Vec::new() }
+    }
+
+    /// Whether it is logarithmic.
+    pub fn is_log(&self) -> bool {
+        self.is_log
+    }
+
+    /// How many ticks it has.
+    pub fn ticks(&self) -> usize {
+        self.ticks.len()
+    }
+
+    /// Whether words stand along it.
+    pub fn has_words(&self) -> bool {
+        !self.words.is_empty()
+    }
+
+    /// The value that lies a share of the axis beside another.
+    pub fn beside(&self, value: f64, share: f64) -> f64 {
+        if self.is_log { value * (self.high / self.low).powf(share) } else { value + share * (self.high - self.low) }
+    }
+
+    /// What a tick is called.
+    pub fn name_of(&self, tick: f64) -> String {
+        match self.words.get(tick.round().max(0.0) as usize) {
+            Some(word) => word.clone(),
+            None if self.words.is_empty() => number(tick),
+            None => String::new(),
+        }
+    }
+
+    /// How far along the axis a value lies, from 0 to 1.
+    fn share(&self, value: f64) -> f64 {
+        let along = |value: f64| if self.is_log { value.max(f64::MIN_POSITIVE).ln() } else { value };
+        (along(value) - along(self.low)) / (along(self.high) - along(self.low))
+    }
+}
+
+impl Ranged for Scale {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
+        start + (self.share(*value) * (end - start) as f64).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        self.ticks.clone()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
+}
+
+/// Whether numbers are spread as products rather than as sums: their ratios differ less than their differences do.
+fn is_geometric(numbers: &[f64]) -> bool {
+    let first = numbers[0];
+    if numbers.len() < 3 || first <= 0.0 || numbers[numbers.len() - 1] / first < 4.0 {
+        return false;
+    }
+    let unevenness = |step: fn(&[f64]) -> f64| {
+        let steps = numbers.windows(2).map(step);
+        steps.clone().fold(0.0, f64::max) / steps.fold(f64::INFINITY, f64::min)
+    };
+    unevenness(|pair| (pair[1] / pair[0]).ln()) < unevenness(|pair| pair[1] - pair[0])
+}
+
+/// A number as an axis shows it: thousands set off, very large and very small ones with a power of ten.
+fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e9).contains(&value.abs()) {
+        return format!("{value:e}");
+    }
+    let text = chart::number(&value);
+    match text.split_once('.') {
+        None if text.len() > 4 => crate::report::summary::grouped(value.round().max(0.0) as u64),
+        _ => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spread_tells_the_scale() {
+        assert!(is_geometric(&[1.0, 2.0, 4.0, 8.0]));
+        assert!(is_geometric(&[5.0, 10.0, 20.0, 80.0]));
+        assert!(!is_geometric(&[4.0, 8.0, 12.0, 16.0, 20.0]));
+        assert!(!is_geometric(&[0.0, 1.0, 10.0]));
+        assert!(!is_geometric(&[1.0, 64.0]));
+    }
+
+    #[test]
+    fn ticks_lie_on_the_axis() {
+        let scale = Scale::of_positions(&Positions::Numbers(vec![16.0, 64.0, 256.0]));
+        assert_eq!(scale.ticks, [16.0, 64.0, 256.0]);
+        assert_eq!(scale.map(&64.0, (0, 100)), 50);
+        let scale = Scale::of_values([3.0, 950.0].into_iter());
+        assert!(scale.is_log);
+        assert_eq!(scale.ticks, [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]);
+        let scale = Scale::of_values([700.0, 1234.0].into_iter());
+        assert_eq!(scale.ticks, [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0, 1200.0]);
+        let single = Scale::of_positions(&Positions::Numbers(vec![7.0]));
+        assert!(single.ticks.contains(&7.0), "{single:?}");
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let shown = [0.0, 0.25, 512.0, 4096.0, 20_000.0, 1_500_000.0, 2e9, 0.00002].map(number);
+        assert_eq!(shown, ["0", "0.25", "512", "4096", "20 000", "1 500 000", "2e9", "2e-5"]);
+    }
+}

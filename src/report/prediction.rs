@@ -1,0 +1,283 @@
+//! The cost model held against a run: what it predicts, what the functional half counts, what the timing half measures.
+
+use serde::Serialize;
+
+use super::summary::{aligned, grouped, table};
+use crate::machine::{RateCounts, RunStats, Work};
+use crate::model::cost::KernelTime;
+use crate::model::{ArrayModel, Bound, CellLoad, Limit, LinkLoad, Links, Prediction, Stage, Times};
+use crate::program::{ArrayProgram, CellMemory, Counts, Kernel, Machine, Workload};
+
+/// An array program on a machine, as the model sees it.
+pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
+    let stage = |kernels: &Vec<Kernel>| Stage {
+        grid: kernels.contains(&Kernel::Grid),
+        slabs: kernels.contains(&Kernel::Slabs),
+        intersection: kernels.contains(&Kernel::Intersection),
+    };
+    let time = |times: crate::program::Times| KernelTime { start: times.start.0 as f64, each: times.each.0 as f64 };
+    let rate = machine.spec.link_rate();
+    ArrayModel {
+        stages: program.stages.iter().map(stage).collect(),
+        times: Times {
+            grid: time(machine.times.grid),
+            slabs: time(machine.times.slabs),
+            intersection: time(machine.times.intersection),
+            host_ray: machine.times.host.ray.0 as f64,
+        },
+        links: Links { cycles_per_word: rate.cycles_per_word as f64, shared: rate.counts == RateCounts::Link },
+        cycles_per_second: 1e9 / machine.spec.clock_ns,
+    }
+}
+
+/// A run, for the model to be held against.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// How the scene was laid out.
+    pub workload: &'a Workload,
+    /// What was counted.
+    pub counts: &'a Counts,
+    /// What was measured.
+    pub stats: &'a RunStats,
+}
+
+/// One quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// What it is.
+    pub quantity: String,
+    /// By the paper's formulas.
+    pub paper: Option<f64>,
+    /// By the model, from what it has surveyed.
+    pub model: f64,
+    /// By the functional half.
+    pub counted: Option<f64>,
+    /// By the timing half.
+    pub measured: Option<f64>,
+}
+
+impl Row {
+    fn new(quantity: impl Into<String>, model: f64) -> Row {
+        Row { quantity: quantity.into(), paper: None, model, counted: None, measured: None }
+    }
+
+    fn paper(self, paper: f64) -> Row {
+        Row { paper: Some(paper), ..self }
+    }
+
+    fn counted(self, counted: Option<f64>) -> Row {
+        Row { counted, ..self }
+    }
+
+    fn measured(self, measured: Option<f64>) -> Row {
+        Row { measured, ..self }
+    }
+
+    /// By which share the model is above what was measured, or else counted.
+    pub fn error(&self) -> Option<f64> {
+        let truth = self.measured.or(self.counted)?;
+        (truth != 0.0).then(|| self.model / truth - 1.0)
+    }
+}
+
+/// The loads of a run, as counted, and the bound that follows from them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CountedLoads {
+    /// Each cell's, a ray.
+    pub cells: Vec<CellLoad>,
+    /// Each link's, a ray.
+    pub links: Vec<LinkLoad>,
+    /// What no run of these ops can pass.
+    pub bound: Bound,
+}
+
+impl CountedLoads {
+    /// Those of a run. `predicted` lends the waits between words, which follow from the messages' lengths alone.
+    pub fn new(stats: &RunStats, array: &ArrayModel, predicted: &[CellLoad]) -> CountedLoads {
+        let rays = stats.rays.max(1) as f64;
+        let cell = |(cell, predicted): (&crate::machine::CellStats, &CellLoad)| CellLoad {
+            grid: cell.busy.of(Work::Grid).0 as f64 / rays,
+            slabs: cell.busy.of(Work::Slabs).0 as f64 / rays,
+            intersection: cell.busy.of(Work::Intersection).0 as f64 / rays,
+            moving: cell.moving.0 as f64 / rays,
+            link_wait: predicted.link_wait,
+        };
+        let words = |channel: char, link: usize| {
+            let reader = if link == stats.cells.len() { "host".to_owned() } else { link.to_string() };
+            let name = format!("{channel}{reader}");
+            stats.fifos.iter().find(|fifo| fifo.name == name).map_or(0.0, |fifo| fifo.words.0 as f64 / rays)
+        };
+        let cells: Vec<CellLoad> = stats.cells.iter().zip(predicted).map(cell).collect();
+        let link = |link| LinkLoad { x: words('X', link), y: words('Y', link) };
+        let links: Vec<LinkLoad> = (0..=stats.cells.len()).map(link).collect();
+        let bound = Bound::new(array.host_load(), &cells, &links, array.links);
+        CountedLoads { cells, links, bound }
+    }
+}
+
+/// All quantities, of a prediction alone or with the run that it was made for.
+pub fn rows(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> Vec<Row> {
+    let loads = run.map(|run| CountedLoads::new(run.stats, array, &prediction.cells));
+    let mut rows = counts(prediction, array, run);
+    rows.extend(memory(prediction, array, run));
+    rows.extend(cells(prediction, array, loads.as_ref()));
+    rows.extend(speed(prediction, array, run, loads.as_ref()));
+    rows
+}
+
+fn counts(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> Vec<Row> {
+    let a_ray = |of: fn(&Counts) -> u64| run.map(|run| of(run.counts) as f64 / run.stats.rays.max(1) as f64);
+    let slabs = array.has_slabs();
+    let candidates = a_ray(if slabs { |counts| counts.slab_tests } else { |counts| counts.intersection_tests });
+    let mut rows = vec![
+        Row::new("voxels a ray", prediction.total(|work| work.voxels))
+            .paper(prediction.paper.voxels)
+            .counted(a_ray(|counts| counts.voxels)),
+        Row::new("candidates a ray", prediction.total(|work| work.candidates))
+            .paper(prediction.paper.candidates)
+            .counted(candidates),
+    ];
+    if slabs {
+        let survivors = prediction.total(|work| work.survivors);
+        rows.push(Row::new("slabs passed a ray", survivors).counted(a_ray(|counts| counts.intersection_tests)));
+    }
+    rows
+}
+
+fn memory(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> Vec<Row> {
+    let bill = &prediction.bill;
+    let grids =
+        |of: fn(&crate::geometry::Grid) -> usize| run.map(|run| run.workload.grids().map(of).sum::<usize>() as f64);
+    let references = grids(|grid| grid.reference_count());
+    let voxels = grids(|grid| grid.voxel_count());
+    let words = |of: fn(&CellMemory) -> u64| {
+        run.map(|run| (0..run.workload.cells()).map(|cell| of(&run.workload.memory_of(cell))).sum::<u64>() as f64)
+    };
+    let paper = &prediction.paper;
+    let mut rows = vec![
+        Row::new("voxels a polygon", bill.voxels_per_polygon())
+            .paper(paper.voxels_per_polygon)
+            .counted(references.map(|references| references / bill.polygons.max(1.0))),
+        Row::new("polygons a voxel", bill.polygons_per_voxel())
+            .paper(paper.polygons_per_voxel)
+            .counted(references.zip(voxels).map(|(references, voxels)| references / voxels.max(1.0))),
+        Row::new("words of grids", bill.grid_words()).paper(paper.grid_words).counted(words(|memory| memory.grid.0)),
+    ];
+    if array.has_slabs() {
+        let slabs = bill.slabs_words();
+        rows.push(Row::new("words of slabs", slabs).paper(slabs).counted(words(|memory| memory.slabs.0)));
+    }
+    rows
+}
+
+/// For each stage, the cell of the group that has most to do there.
+fn cells(prediction: &Prediction, array: &ArrayModel, loads: Option<&CountedLoads>) -> Vec<Row> {
+    let stages = array.stages.len();
+    let most = |cells: &[CellLoad], stage: usize| {
+        cells.iter().skip(stage).step_by(stages).map(CellLoad::total).fold(0.0, f64::max)
+    };
+    let row = |stage: usize| {
+        let which = if prediction.groups.len() > 1 { "busiest " } else { "" };
+        let name = format!("cycles a ray, {which}{} cell", stage_name(array.stages[stage]));
+        Row::new(name, most(&prediction.cells, stage)).counted(loads.map(|loads| most(&loads.cells, stage)))
+    };
+    (0..stages).map(row).collect()
+}
+
+fn speed(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>, loads: Option<&CountedLoads>) -> Vec<Row> {
+    let bound = prediction.bound.cycles_per_ray;
+    let counted = loads.map(|loads| loads.bound.cycles_per_ray);
+    let measured = run.map(|run| run.stats.cycles.0 as f64 / run.stats.rays.max(1) as f64);
+    let rate = |cycles: f64| array.cycles_per_second / cycles;
+    let busiest = |links: &[LinkLoad]| links.iter().map(|link| link.cycles(array.links)).fold(0.0, f64::max);
+    let link = loads.zip(measured).map(|(loads, cycles)| 100.0 * busiest(&loads.links) / cycles);
+    vec![
+        Row::new("cycles a ray, at least", bound).counted(counted).measured(measured),
+        Row::new("rays a second, at most", rate(bound)).counted(counted.map(rate)).measured(measured.map(rate)),
+        Row::new("busiest link used, %", 100.0 * busiest(&prediction.links) / bound).measured(link),
+        Row::new("host used, %", 100.0 * prediction.host / bound)
+            .measured(measured.map(|cycles| 100.0 * prediction.host / cycles)),
+    ]
+}
+
+fn stage_name(stage: Stage) -> String {
+    let kernels = [(stage.grid, "grid"), (stage.slabs, "slabs"), (stage.intersection, "intersection")];
+    let names: Vec<&str> = kernels.iter().filter(|kernel| kernel.0).map(|kernel| kernel.1).collect();
+    names.join("+")
+}
+
+/// The quantities as a table.
+pub fn to_table(rows: &[Row]) -> String {
+    let has_run = rows.iter().any(|row| row.counted.is_some() || row.measured.is_some());
+    let header = ["", "paper", "model", "counted", "measured", "error"];
+    let mut text = table(if has_run { &header } else { &header[..3] });
+    for row in rows {
+        let optional = |value: Option<f64>| value.map_or(String::new(), number);
+        let mut cells = vec![row.quantity.clone(), optional(row.paper), number(row.model)];
+        if has_run {
+            let error = row.error().map_or(String::new(), |error| format!("{:+.1} %", 100.0 * error));
+            cells.extend([optional(row.counted), optional(row.measured), error]);
+        }
+        text.add_row(cells);
+    }
+    aligned(text)
+}
+
+/// A figure as people read it: whole from a thousand on.
+fn number(value: f64) -> String {
+    if value >= 1000.0 { grouped(value.round() as u64) } else { format!("{value:.2}") }
+}
+
+/// What the model expects to limit the array, and the coefficient that it would take instead.
+pub fn sentences(prediction: &Prediction, best: &(f64, Prediction), array: &ArrayModel) -> String {
+    let rate =
+        |prediction: &Prediction| grouped((array.cycles_per_second / prediction.bound.cycles_per_ray).round() as u64);
+    let (coefficient, other) = best;
+    format!(
+        "The model expects {} to limit the array to {} rays/s.\n\
+         Of the grid coefficients from 0.5 to 500 it takes {coefficient} for the best: {} would limit it to {} rays/s.\n",
+        limit_name(prediction, array),
+        rate(prediction),
+        limit_name(other, array),
+        rate(other),
+    )
+}
+
+/// The bottleneck, by name.
+fn limit_name(prediction: &Prediction, array: &ArrayModel) -> String {
+    match prediction.bound.limit {
+        Limit::Host => "the host".to_owned(),
+        Limit::Link(link) if link == prediction.cells.len() => "the link back to the host".to_owned(),
+        Limit::Link(link) => format!("the link into cell {link}"),
+        Limit::Cell(cell) => format!("cell {cell} ({})", stage_name(array.stages[cell % array.stages.len()])),
+    }
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    program: &'a ArrayProgram,
+    limit: String,
+    quantities: &'a [Row],
+    best_grid_coefficient: f64,
+    best_rays_per_second: f64,
+}
+
+/// All of it as indented JSON.
+pub fn to_json(
+    (scene, program): (&str, &ArrayProgram),
+    rows: &[Row],
+    prediction: &Prediction,
+    best: &(f64, Prediction),
+    array: &ArrayModel,
+) -> serde_json::Result<String> {
+    let report = Report {
+        scene,
+        program,
+        limit: limit_name(prediction, array),
+        quantities: rows,
+        best_grid_coefficient: best.0,
+        best_rays_per_second: array.cycles_per_second / best.1.bound.cycles_per_ray,
+    };
+    serde_json::to_string_pretty(&report).map(|json| json + "\n")
+}

@@ -1,0 +1,55 @@
+//! Tables of many runs: a row a run, a column a parameter or a figure.
+
+mod parquet;
+
+use std::io::Write;
+
+pub use self::parquet::{ParquetError, write_parquet};
+
+/// What the cells of a column hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Words.
+    Text,
+    /// `true` or `false`.
+    Truth,
+    /// Whole numbers from 0 to 2^63 - 1.
+    Whole,
+    /// Numbers with a fraction.
+    Number,
+}
+
+/// A column of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its heading.
+    pub name: &'static str,
+    /// What its cells hold.
+    pub kind: Kind,
+    /// What it tells, with its unit: the name of an axis.
+    pub label: &'static str,
+}
+
+/// A table. A cell is text as CSV has it, whatever the column's kind; an empty one has no value.
+#[derive(Clone, Debug)]
+pub struct Table<'a> {
+    /// The columns.
+    pub columns: &'a [Column],
+    /// The rows, each as long as there are columns.
+    pub rows: Vec<&'a [String]>,
+}
+
+impl Table<'_> {
+    /// The cells of a column, from top to bottom.
+    pub fn column(&self, index: usize) -> impl Iterator<Item = &str> {
+        self.rows.iter().map(move |row| row[index].as_str())
+    }
+}
+
+/// Writes a table as CSV.
+pub fn write_csv(out: impl Write, table: &Table<'_>) -> csv::Result<()> {
+    let mut writer = csv::Writer::from_writer(out);
+    writer.write_record(table.columns.iter().map(|column| column.name))?;
+    table.rows.iter().try_for_each(|row| writer.write_record(*row))?;
+    Ok(writer.flush()?)
+}

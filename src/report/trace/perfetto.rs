@@ -1,0 +1,271 @@
+//! Perfetto's format: a track for the array and below it, in the array's order, one for each cell and a counter for each
+//! FIFO.
+//!
+//! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state. Flows lead from the slice in
+//! which the host sends a ray over those of the cells to the one in which the host reads its HIT.
+
+use std::io::Write;
+
+use super::Trace;
+use super::time_scale::TimeScale;
+use crate::machine::{Activity, CellState, Cycles, FifoLevels, Visit};
+
+/// The parts of Perfetto's messages that a trace needs, with their numbers.
+mod messages {
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct Packet {
+        #[prost(uint64, optional, tag = "8")]
+        pub timestamp: Option<u64>,
+        #[prost(uint32, optional, tag = "10")]
+        pub trusted_packet_sequence_id: Option<u32>,
+        #[prost(message, optional, tag = "11")]
+        pub event: Option<Event>,
+        #[prost(message, optional, tag = "12")]
+        pub interned: Option<Interned>,
+        #[prost(uint32, optional, tag = "13")]
+        pub sequence_flags: Option<u32>,
+        #[prost(message, optional, tag = "60")]
+        pub track: Option<Track>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct Track {
+        #[prost(uint64, optional, tag = "1")]
+        pub uuid: Option<u64>,
+        #[prost(string, optional, tag = "2")]
+        pub name: Option<String>,
+        #[prost(uint64, optional, tag = "5")]
+        pub parent: Option<u64>,
+        #[prost(message, optional, tag = "8")]
+        pub counter: Option<Counter>,
+        /// 3 orders the children by their ranks.
+        #[prost(int32, optional, tag = "11")]
+        pub order_of_children: Option<i32>,
+        #[prost(int32, optional, tag = "12")]
+        pub rank: Option<i32>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct Counter {
+        #[prost(string, optional, tag = "6")]
+        pub unit_name: Option<String>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct Event {
+        #[prost(uint64, repeated, packed = "false", tag = "3")]
+        pub categories: Vec<u64>,
+        #[prost(message, repeated, tag = "4")]
+        pub arguments: Vec<Argument>,
+        /// 1 begins a slice, 2 ends one, 4 counts.
+        #[prost(int32, optional, tag = "9")]
+        pub kind: Option<i32>,
+        #[prost(uint64, optional, tag = "10")]
+        pub name_id: Option<u64>,
+        #[prost(uint64, optional, tag = "11")]
+        pub track: Option<u64>,
+        #[prost(string, optional, tag = "23")]
+        pub name: Option<String>,
+        #[prost(int64, optional, tag = "30")]
+        pub count: Option<i64>,
+        #[prost(fixed64, repeated, packed = "false", tag = "47")]
+        pub flows: Vec<u64>,
+        #[prost(fixed64, repeated, packed = "false", tag = "48")]
+        pub ending_flows: Vec<u64>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct Argument {
+        #[prost(uint64, optional, tag = "1")]
+        pub name_id: Option<u64>,
+        #[prost(uint64, optional, tag = "3")]
+        pub value: Option<u64>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct Interned {
+        #[prost(message, repeated, tag = "1")]
+        pub categories: Vec<Name>,
+        #[prost(message, repeated, tag = "2")]
+        pub events: Vec<Name>,
+        #[prost(message, repeated, tag = "3")]
+        pub arguments: Vec<Name>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct Name {
+        #[prost(uint64, optional, tag = "1")]
+        pub id: Option<u64>,
+        #[prost(string, optional, tag = "2")]
+        pub name: Option<String>,
+    }
+}
+
+use messages::{Argument, Counter, Event, Interned, Name, Packet, Track};
+
+const BEGIN: i32 = 1;
+const END: i32 = 2;
+const COUNT: i32 = 4;
+
+/// All packets are of one sequence, of which the first resets the names and the others need them.
+const SEQUENCE: u32 = 1;
+const RESETS_NAMES: u32 = 1;
+const NEEDS_NAMES: u32 = 2;
+
+/// Names of arguments; their numbers are their places, from 1.
+const ARGUMENTS: [&str; 3] = ["ray", "cycle", "cycles"];
+const RAY: u64 = 1;
+const CYCLE: u64 = 2;
+const CYCLES: u64 = 3;
+
+/// What states are grouped into; likewise.
+const CATEGORIES: [&str; 5] = ["busy", "moving", "waiting", "blocked", "idle"];
+
+/// The array's track. Those below it have the numbers that follow, in their order.
+const ARRAY: u64 = 1;
+const BY_RANK: i32 = 3;
+
+pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> std::io::Result<()> {
+    let recording = trace.recording;
+    let mut writer = Writer { out, scale, buffer: Vec::new(), tracks: ARRAY };
+    writer.describe(&trace.caption.title)?;
+    writer.activity("host sends".to_owned(), &recording.host)?;
+    for (index, cell) in recording.cells.iter().enumerate() {
+        recording.inputs_of(index).try_for_each(|fifo| writer.levels(fifo))?;
+        writer.activity(trace.cell_name(index), cell)?;
+    }
+    recording.inputs_of(recording.cells.len()).try_for_each(|fifo| writer.levels(fifo))?;
+    writer.hits(&recording.hits)
+}
+
+struct Writer<'a, W> {
+    out: &'a mut W,
+    scale: TimeScale,
+    buffer: Vec<u8>,
+    /// The number of the last track.
+    tracks: u64,
+}
+
+impl<W: Write> Writer<'_, W> {
+    fn packet(&mut self, packet: Packet) -> std::io::Result<()> {
+        self.buffer.clear();
+        let packet = Packet { trusted_packet_sequence_id: Some(SEQUENCE), ..packet };
+        prost::encoding::message::encode(1, &packet, &mut self.buffer);
+        self.out.write_all(&self.buffer)
+    }
+
+    /// The names that events refer to, and the array.
+    fn describe(&mut self, title: &str) -> std::io::Result<()> {
+        let names = |names: &[&str]| {
+            let named = names.iter().zip(1..);
+            named.map(|(&name, id)| Name { id: Some(id), name: Some(name.to_owned()) }).collect()
+        };
+        let interned = Interned {
+            categories: names(&CATEGORIES),
+            events: names(&CellState::ALL.map(CellState::name)),
+            arguments: names(&ARGUMENTS),
+        };
+        let flags = Some(RESETS_NAMES | NEEDS_NAMES);
+        self.packet(Packet { interned: Some(interned), sequence_flags: flags, ..Packet::default() })?;
+        let name = Some(title.to_owned());
+        let array = Track { uuid: Some(ARRAY), name, order_of_children: Some(BY_RANK), ..Track::default() };
+        self.packet(Packet { track: Some(array), ..Packet::default() })
+    }
+
+    /// Adds a track, of slices or of a counter, and returns its number.
+    fn track(&mut self, name: String, counter: Option<Counter>) -> std::io::Result<u64> {
+        self.tracks += 1;
+        let (uuid, rank) = (Some(self.tracks), Some(self.tracks as i32));
+        let track = Track { uuid, name: Some(name), parent: Some(ARRAY), counter, rank, order_of_children: None };
+        self.packet(Packet { track: Some(track), ..Packet::default() })?;
+        Ok(self.tracks)
+    }
+
+    fn event(&mut self, at: Cycles, event: Event) -> std::io::Result<()> {
+        let timestamp = Some(self.scale.start_of(at));
+        self.packet(Packet { timestamp, event: Some(event), sequence_flags: Some(NEEDS_NAMES), ..Packet::default() })
+    }
+
+    /// The states, and around those on a ray its visit.
+    fn activity(&mut self, name: String, activity: &Activity) -> std::io::Result<()> {
+        let track = self.track(name, None)?;
+        let mut visits = activity.visits.iter().peekable();
+        for stretch in &activity.states {
+            let visit = visits.peek().copied().filter(|visit| visit.from <= stretch.from);
+            if let Some(visit) = visit.filter(|visit| visit.from == stretch.from) {
+                self.begin_visit(track, visit, false)?;
+            }
+            let event = Event {
+                kind: Some(BEGIN),
+                track: Some(track),
+                categories: vec![category(stretch.state)],
+                name_id: Some(name_id(stretch.state)),
+                arguments: visit.map(|visit| argument(RAY, visit.ray as u64)).into_iter().collect(),
+                ..Event::default()
+            };
+            self.event(stretch.from, event)?;
+            self.end(track, stretch.until)?;
+            if visit.is_some_and(|visit| visit.until <= stretch.until) {
+                self.end(track, stretch.until)?;
+                visits.next();
+            }
+        }
+        Ok(())
+    }
+
+    fn hits(&mut self, hits: &[Visit]) -> std::io::Result<()> {
+        let track = self.track("host reads HITs".to_owned(), None)?;
+        hits.iter().try_for_each(|hit| {
+            self.begin_visit(track, hit, true)?;
+            self.end(track, hit.until)
+        })
+    }
+
+    /// Begins the slice of a ray; the one of its HIT ends its flow.
+    fn begin_visit(&mut self, track: u64, visit: &Visit, is_hit: bool) -> std::io::Result<()> {
+        let arguments = [(RAY, visit.ray as u64), (CYCLE, visit.from.0), (CYCLES, (visit.until - visit.from).0)];
+        let flow = vec![visit.ray as u64 + 1];
+        let (flows, ending_flows) = if is_hit { (Vec::new(), flow) } else { (flow, Vec::new()) };
+        let event = Event {
+            kind: Some(BEGIN),
+            track: Some(track),
+            name: Some(format!("{} {}", if is_hit { "HIT" } else { "ray" }, visit.ray)),
+            arguments: arguments.map(|(name, value)| argument(name, value)).to_vec(),
+            flows,
+            ending_flows,
+            ..Event::default()
+        };
+        self.event(visit.from, event)
+    }
+
+    fn end(&mut self, track: u64, at: Cycles) -> std::io::Result<()> {
+        self.event(at, Event { kind: Some(END), track: Some(track), ..Event::default() })
+    }
+
+    fn levels(&mut self, fifo: &FifoLevels) -> std::io::Result<()> {
+        let counter = Counter { unit_name: Some("words".to_owned()) };
+        let track = self.track(format!("{} (of {})", fifo.name, fifo.capacity), Some(counter))?;
+        fifo.levels.iter().try_for_each(|&(cycle, words)| {
+            let count = Some(words.0 as i64);
+            self.event(cycle, Event { kind: Some(COUNT), track: Some(track), count, ..Event::default() })
+        })
+    }
+}
+
+fn argument(name: u64, value: u64) -> Argument {
+    Argument { name_id: Some(name), value: Some(value) }
+}
+
+fn name_id(state: CellState) -> u64 {
+    1 + CellState::ALL.iter().position(|&other| other == state).unwrap_or_default() as u64
+}
+
+fn category(state: CellState) -> u64 {
+    match state {
+        CellState::Busy(_) => 1,
+        CellState::Moving => 2,
+        CellState::Waiting(_) => 3,
+        CellState::Blocked(_) => 4,
+        CellState::Idle => 5,
+    }
+}

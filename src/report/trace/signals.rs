@@ -1,0 +1,148 @@
+//! A recording as signals that change, as waveform formats have it.
+
+use std::ops::Range;
+
+use super::Trace;
+use crate::machine::{Activity, CellState, Cycles, FifoLevels, Visit, Words};
+
+/// A name for each state, in the order of [`CellState::ALL`]; waveform formats have no spaces in them.
+pub struct StateNames([String; CellState::ALL.len()]);
+
+/// The signals of one party: what it does, and the FIFOs that it reads.
+pub struct Scope {
+    /// Its name.
+    pub name: String,
+    /// What is in it.
+    pub signals: Vec<Signal>,
+}
+
+/// One signal.
+pub struct Signal {
+    /// Its name.
+    pub name: String,
+    /// What its values are.
+    pub kind: Kind,
+}
+
+/// What a signal's values are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Words.
+    Text,
+    /// Numbers of so many bits.
+    Number(u32),
+}
+
+/// A signal's value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Value<'a> {
+    /// A word.
+    Text(&'a str),
+    /// A number.
+    Number(u64),
+    /// No ray.
+    Nothing,
+}
+
+/// A signal takes another value.
+#[derive(Clone, Copy, Debug)]
+pub struct Change<'a> {
+    /// The first cycle with that value.
+    pub at: Cycles,
+    /// The signal, by its place among those of all scopes.
+    pub signal: usize,
+    /// The value.
+    pub value: Value<'a>,
+}
+
+/// All signals, and their changes in the order of time, which begin with the first value of each.
+#[derive(Default)]
+pub struct Signals<'a> {
+    /// The array from left to right.
+    pub scopes: Vec<Scope>,
+    /// What changes when.
+    pub changes: Vec<Change<'a>>,
+    count: usize,
+}
+
+impl StateNames {
+    pub fn new() -> StateNames {
+        StateNames(CellState::ALL.map(|state| word(state.name())))
+    }
+
+    fn of(&self, state: CellState) -> &str {
+        let place = CellState::ALL.iter().position(|&other| other == state);
+        &self.0[place.unwrap_or_default()]
+    }
+}
+
+impl<'a> Signals<'a> {
+    pub fn new(trace: &Trace<'_>, names: &'a StateNames) -> Signals<'a> {
+        let recording = trace.recording;
+        let window = &recording.window;
+        let mut all = Signals::default();
+        all.scope("host sends");
+        all.activity(&recording.host, window, names);
+        for (index, cell) in recording.cells.iter().enumerate() {
+            all.scope(&trace.cell_name(index));
+            recording.inputs_of(index).for_each(|fifo| all.levels(fifo));
+            all.activity(cell, window, names);
+        }
+        all.scope("host reads");
+        recording.inputs_of(recording.cells.len()).for_each(|fifo| all.levels(fifo));
+        all.visits("hit", &recording.hits, window);
+        // Each signal's changes are in order, which makes this a merge.
+        all.changes.sort_by_key(|change| change.at);
+        all
+    }
+
+    fn scope(&mut self, name: &str) {
+        self.scopes.push(Scope { name: word(name), signals: Vec::new() });
+    }
+
+    /// Adds a signal to the last scope, and returns its place.
+    fn signal(&mut self, name: &str, kind: Kind) -> usize {
+        if let Some(scope) = self.scopes.last_mut() {
+            scope.signals.push(Signal { name: word(name), kind });
+        }
+        self.count += 1;
+        self.count - 1
+    }
+
+    fn levels(&mut self, fifo: &FifoLevels) {
+        let signal = self.signal(&fifo.name, Kind::Number(u64::BITS - fifo.capacity.0.leading_zeros()));
+        let change = |&(at, Words(level))| Change { at, signal, value: Value::Number(level) };
+        self.changes.extend(fifo.levels.iter().map(change));
+    }
+
+    fn activity(&mut self, activity: &Activity, window: &Range<Cycles>, names: &'a StateNames) {
+        let signal = self.signal("state", Kind::Text);
+        let mut last = None;
+        for stretch in activity.states.iter().filter(|stretch| last.replace(stretch.state) != Some(stretch.state)) {
+            self.changes.push(Change { at: stretch.from, signal, value: Value::Text(names.of(stretch.state)) });
+        }
+        self.visits("ray", &activity.visits, window);
+    }
+
+    fn visits(&mut self, name: &str, visits: &[Visit], window: &Range<Cycles>) {
+        let signal = self.signal(name, Kind::Number(u32::BITS));
+        let mut free_from = window.start;
+        for visit in visits {
+            self.nothing(signal, free_from..visit.from);
+            self.changes.push(Change { at: visit.from, signal, value: Value::Number(visit.ray as u64) });
+            free_from = visit.until;
+        }
+        self.nothing(signal, free_from..window.end);
+    }
+
+    fn nothing(&mut self, signal: usize, cycles: Range<Cycles>) {
+        if !cycles.is_empty() {
+            self.changes.push(Change { at: cycles.start, signal, value: Value::Nothing });
+        }
+    }
+}
+
+/// A name as one word.
+fn word(name: &str) -> String {
+    name.replace(|char: char| !char.is_ascii_alphanumeric(), "_")
+}

@@ -1,0 +1,233 @@
+//! The parameters that a sweep can vary, and what their values may be.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+
+use crate::report::table::{Column, Kind};
+
+/// A parameter that a sweep sets, and the values that it takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its column in the table, named like the command's flag, but with underscores.
+    pub column: Column,
+    /// Its values, as the flag takes them.
+    pub values: Vec<String>,
+}
+
+/// More values are surely a mistake.
+pub(super) const MOST_VALUES: usize = 1_000_000;
+
+/// Each parameter with the function that reads its values, and what it is.
+macro_rules! parameters {
+    ($($name:ident: $read:literal, $kind:ident, $label:literal;)*) => {
+        /// The file of a sweep.
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub(super) struct SweepFile {
+            $(#[serde(default, deserialize_with = $read)] $name: Option<Vec<String>>,)*
+        }
+
+        impl SweepFile {
+            /// The parameters that the file sets, in the order of tables.
+            pub fn parameters(self) -> Vec<Parameter> {
+                let all = [
+                    $((Column { name: stringify!($name), kind: Kind::$kind, label: $label }, self.$name)),*
+                ];
+                let given = all.into_iter().filter_map(|(column, values)| Some((column, values?)));
+                given.map(|(column, values)| Parameter { column, values }).collect()
+            }
+        }
+    };
+}
+
+parameters! {
+    scene: "text", Text, "scene";
+    size_factor: "whole", Whole, "size factor of the scene";
+    resolution: "whole", Whole, "slices of spheres and cones";
+    size: "size", Text, "size of the image (pixels)";
+    rays: "text", Text, "rays";
+    mode: "text", Text, "mode";
+    program: "text", Text, "array program";
+    cells: "whole", Whole, "cells";
+    groups: "whole", Whole, "groups of cells";
+    partition: "text", Text, "partition of the scene";
+    grid_coefficient: "number", Number, "grid coefficient (voxels a polygon)";
+    mailbox: "truth", Truth, "mailbox in the grid";
+    stop_words: "whole", Whole, "voxels ahead of the stop words";
+    forward_ahead: "whole", Whole, "rays passed on ahead";
+    cells_run: "text", Text, "what the cells run";
+    machine: "text", Text, "machine";
+    clock_ns: "number", Number, "length of a cycle (ns)";
+    word_bytes: "whole", Whole, "size of a word (bytes)";
+    fifo_words: "whole", Whole, "depth of each FIFO (words)";
+    link_mb_s: "number", Number, "rate of a link (Mbyte/s)";
+    rate_counts: "text", Text, "what the rate of a link counts";
+    latency_cycles: "whole", Whole, "latency of a link (cycles)";
+    memory_words: "whole", Whole, "memory of a cell (words)";
+    host_ray_us: "number", Number, "host's time for sending a ray (µs)";
+    grid_start: "number", Number, "grid: start of a ray (µs)";
+    grid_voxel: "number", Number, "grid: step to a voxel (µs)";
+    slabs_start: "number", Number, "slabs: start of a ray (µs)";
+    slabs_polygon: "number", Number, "slabs: test of a polygon (µs)";
+    intersection_start: "number", Number, "intersection: start of a ray (µs)";
+    intersection_polygon: "number", Number, "intersection: test of a polygon (µs)";
+}
+
+/// What the values of a parameter look like in the file.
+#[derive(Clone, Copy)]
+enum Form {
+    Text,
+    /// Width and height of an image; a number is both.
+    Size,
+    Truth,
+    Whole,
+    Number,
+}
+
+fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
+    Form::Text.deserialize(deserializer).map(Some)
+}
+
+fn size<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
+    Form::Size.deserialize(deserializer).map(Some)
+}
+
+fn truth<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
+    Form::Truth.deserialize(deserializer).map(Some)
+}
+
+fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
+    Form::Whole.deserialize(deserializer).map(Some)
+}
+
+fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
+    Form::Number.deserialize(deserializer).map(Some)
+}
+
+impl Form {
+    /// A whole number as a value.
+    fn of_whole(self, value: u64) -> Option<String> {
+        match self {
+            Form::Whole => i64::try_from(value).ok().map(|value| value.to_string()),
+            Form::Number => Some(value.to_string()),
+            Form::Size => Some(format!("{value}x{value}")),
+            Form::Text | Form::Truth => None,
+        }
+    }
+
+    /// A number as a value.
+    fn of_number(self, value: f64) -> Option<String> {
+        match self {
+            Form::Number => value.is_finite().then(|| value.to_string()),
+            Form::Whole | Form::Size if value.fract() == 0.0 && (0.0..9e15).contains(&value) => {
+                self.of_whole(value as u64)
+            }
+            _ => None,
+        }
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Form {
+    type Value = Vec<String>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Vec<String>, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Form {
+    type Value = Vec<String>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Form::Text => "a text in quotes, or a list of texts",
+            Form::Size => "a size such as \"640x480\", a number of pixels for both sides, a list or a range",
+            Form::Truth => "true, false, or a list of both",
+            Form::Whole => {
+                "a whole number, a list, or a range: (from: 1, to: 9, step: 2) or (from: 1, to: 64, times: 2)"
+            }
+            Form::Number => "a number, a list, or a range: (from: 1, to: 9, step: 2) or (from: 1, to: 64, times: 2)",
+        })
+    }
+
+    fn visit_bool<E: Error>(self, value: bool) -> Result<Vec<String>, E> {
+        match self {
+            Form::Truth => Ok(vec![value.to_string()]),
+            _ => Err(E::invalid_type(Unexpected::Bool(value), &self)),
+        }
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Vec<String>, E> {
+        let text = u64::try_from(value).map_or_else(|_| self.of_number(value as f64), |value| self.of_whole(value));
+        text.map(|text| vec![text]).ok_or_else(|| E::invalid_value(Unexpected::Signed(value), &self))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Vec<String>, E> {
+        let text = self.of_whole(value).map(|text| vec![text]);
+        text.ok_or_else(|| E::invalid_value(Unexpected::Unsigned(value), &self))
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Vec<String>, E> {
+        let text = self.of_number(value).map(|text| vec![text]);
+        text.ok_or_else(|| E::invalid_value(Unexpected::Float(value), &self))
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<Vec<String>, E> {
+        match self {
+            Form::Text | Form::Size if !value.is_empty() => Ok(vec![value.to_owned()]),
+            _ => Err(E::invalid_type(Unexpected::Str(value), &self)),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<String>, A::Error> {
+        let mut values = Vec::new();
+        while let Some(more) = list.next_element_seed(self)? {
+            values.extend(more);
+        }
+        if values.is_empty() { Err(A::Error::custom("a list needs at least one value")) } else { Ok(values) }
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Vec<String>, A::Error> {
+        let values = Range::deserialize(MapAccessDeserializer::new(map))?.values().map_err(A::Error::custom)?;
+        let misfit = |value: f64| A::Error::invalid_value(Unexpected::Float(value), &self);
+        values.into_iter().map(|value| self.of_number(value).ok_or_else(|| misfit(value))).collect()
+    }
+}
+
+/// Values from one to another, both included.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Range {
+    from: f64,
+    to: f64,
+    #[serde(default)]
+    step: f64,
+    #[serde(default = "one")]
+    times: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Range {
+    fn values(&self) -> Result<Vec<f64>, String> {
+        let next = |value: f64| value * self.times + self.step;
+        let rises = |value: f64| next(value) > value;
+        let end = self.to + 1e-9 * self.to.abs();
+        let values = std::iter::successors(Some(self.from), |&value| rises(value).then(|| next(value)));
+        let values: Vec<f64> = values.take_while(|&value| value <= end).take(MOST_VALUES).collect();
+        match values.last() {
+            Some(&last) if rises(last) => Ok(values.into_iter().map(rounded).collect()),
+            _ => Err("a range needs from, to, and a step above 0 or times above 1".to_owned()),
+        }
+    }
+}
+
+/// Sums of decimal fractions without the dust of binary ones.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.12e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,127 @@
+//! What is known of a sweep, in files: the table in two formats, which grows as points finish, and the journal.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::Sweep;
+use super::journal::{Heading, Journal};
+use crate::error::InputError;
+use crate::report::table::{self, Column, Table};
+
+/// The table of a sweep under way, and its files.
+///
+/// - A point that has been entered is never lost or repeated, whenever the process is killed.
+/// - The table's files are always whole: rows of the points that are done, in the order of the points. They are brought
+///   up to date some times a second, and at the end.
+/// - As long as a record is open, no other process can open it.
+#[derive(Debug)]
+pub struct Record {
+    places: Places,
+    columns: Vec<Column>,
+    journal: Journal,
+    /// When the table may be written next: writing it takes a small share of the time, however long it is.
+    due: Instant,
+}
+
+/// Where the files are: one name with an ending each.
+#[derive(Debug)]
+struct Places {
+    csv: PathBuf,
+    parquet: PathBuf,
+    journal: PathBuf,
+}
+
+/// The table is written no more often.
+const SHORTEST_PAUSE: Duration = Duration::from_millis(250);
+/// What must pass before the table is written again, as a multiple of the time that it took.
+const PAUSE_FACTOR: u32 = 20;
+
+impl Record {
+    /// Opens the record of a sweep, or starts one. `path` names the table, as `.csv` or `.parquet`; its rows begin with
+    /// the sweep's parameters.
+    ///
+    /// Fails if there are such files of something else and `force` was not asked for, and if another process has it open.
+    pub fn open(sweep: &Sweep, columns: &[Column], path: &Path, force: bool) -> Result<Record, InputError> {
+        let places = Places::new(path)?;
+        let begun = std::fs::metadata(&places.journal).is_ok_and(|journal| journal.len() > 0);
+        if !force && !begun {
+            places.check_free()?;
+        }
+        let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
+        let identity = format!("{} {names:?}", sweep.identity());
+        let heading = Heading { identity, points: sweep.points(), columns: columns.len() };
+        let journal = Journal::open(&places.journal, &heading, force)?;
+        Ok(Record { places, columns: columns.to_vec(), journal, due: Instant::now() })
+    }
+
+    /// Whether a point is done.
+    pub fn has(&self, index: usize) -> bool {
+        self.journal.has(index)
+    }
+
+    /// Enters the row of a point that is done.
+    pub fn enter(&mut self, index: usize, row: Vec<String>) -> std::io::Result<()> {
+        self.journal.enter(index, row)?;
+        if Instant::now() < self.due {
+            return Ok(());
+        }
+        let start = Instant::now();
+        self.write_table()?;
+        self.due = Instant::now() + (PAUSE_FACTOR * start.elapsed()).max(SHORTEST_PAUSE);
+        Ok(())
+    }
+
+    /// Brings the table's files up to date.
+    pub fn write_table(&self) -> std::io::Result<()> {
+        let table = self.table();
+        replace(&self.places.csv, |file| table::write_csv(file, &table).map_err(std::io::Error::other))?;
+        replace(&self.places.parquet, |file| table::write_parquet(file, &table).map_err(std::io::Error::other))
+    }
+
+    /// The points that are done.
+    pub fn table(&self) -> Table<'_> {
+        Table { columns: &self.columns, rows: self.journal.rows().collect() }
+    }
+
+    /// Where the table is: as CSV, as Parquet.
+    pub fn table_paths(&self) -> [&Path; 2] {
+        [&self.places.csv, &self.places.parquet]
+    }
+}
+
+impl Places {
+    fn new(path: &Path) -> Result<Places, InputError> {
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some("csv" | "parquet") => {
+                let with = |ending| path.with_extension(ending);
+                Ok(Places { csv: with("csv"), parquet: with("parquet"), journal: with("journal") })
+            }
+            _ => {
+                let error = InputError::in_file(path, "a table's name must end in .csv or .parquet");
+                Err(error.help("it is written as both, side by side"))
+            }
+        }
+    }
+
+    fn check_free(&self) -> Result<(), InputError> {
+        match [&self.csv, &self.parquet].into_iter().find(|path| path.exists()) {
+            Some(path) => {
+                let error = InputError::in_file(path, "the file exists already");
+                Err(error.help("give another name, or --force to replace it"))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Writes a file beside its place, then puts it there.
+fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> std::io::Result<()> {
+    let mut part = path.to_owned().into_os_string();
+    part.push(".part");
+    let mut file = BufWriter::new(File::create(&part)?);
+    write(&mut file)?;
+    file.flush()?;
+    std::fs::rename(part, path)
+}

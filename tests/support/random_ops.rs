@@ -1,0 +1,130 @@
+//! Random op streams for random machines.
+
+use pcs_sim::machine::{Cycles, MachineSpec, OpBatch, OpKind, OpStream, RateCounts, Words, Work};
+use proptest::prelude::*;
+
+/// What a cell may do between its moves.
+fn compute() -> impl Strategy<Value = (OpKind, u32)> {
+    let work = prop::sample::select(Work::ALL.to_vec());
+    (work, prop_oneof![0u32..4, 0u32..60]).prop_map(|(work, cycles)| (OpKind::Compute(work), cycles))
+}
+
+/// For each ray: words on Y from each cell to the next and on Z to the one before, and an order in which each cell does
+/// things.
+#[derive(Clone, Debug)]
+pub struct RayPlan {
+    words: Vec<u32>,
+    /// The left neighbour reads them with the next ray.
+    back: Vec<u32>,
+    seeds: Vec<u64>,
+    computes: Vec<Vec<(OpKind, u32)>>,
+    waits: bool,
+    host_time: u32,
+}
+
+fn ray_plan(cells: usize) -> impl Strategy<Value = RayPlan> {
+    (
+        prop::collection::vec(0u32..7, cells),
+        prop::collection::vec(prop_oneof![3 => Just(0u32), 2 => 1u32..5], cells),
+        prop::collection::vec(any::<u64>(), cells),
+        prop::collection::vec(prop::collection::vec(compute(), 0..4), cells),
+        prop::bool::weighted(0.2),
+        prop_oneof![Just(0u32), 0u32..40],
+    )
+        .prop_map(|(words, back, seeds, computes, waits, host_time)| RayPlan {
+            words,
+            back,
+            seeds,
+            computes,
+            waits,
+            host_time,
+        })
+}
+
+/// A shuffle that needs no generator: the seed's digits pick.
+fn shuffle<T>(mut items: Vec<T>, mut seed: u64) -> Vec<T> {
+    let mut out = Vec::new();
+    while !items.is_empty() {
+        let pick = (seed % items.len() as u64) as usize;
+        seed = seed.rotate_left(7).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        out.push(items.remove(pick));
+    }
+    out
+}
+
+/// The ops of some of the rays.
+pub fn batch_of(cells: usize, rays: &[RayPlan], range: std::ops::Range<usize>) -> OpBatch {
+    let mut batch = OpBatch::new(cells);
+    for index in range {
+        let (plan, ray) = (&rays[index], index as u32);
+        let before = index.checked_sub(1).map(|before| &rays[before]);
+        if plan.waits && ray > 0 {
+            batch.host.push(OpKind::Await, ray as u64 - 1);
+        }
+        batch.host.push(OpKind::Compute(Work::Other), plan.host_time as u64);
+        batch.host.push(OpKind::WriteX, 8);
+        batch.host.end_line(ray);
+        for cell in 0..cells {
+            let last = cell + 1 == cells;
+            push_line(&mut batch.cells[cell], plan, before, cell, last);
+            batch.cells[cell].end_line(ray);
+        }
+    }
+    batch
+}
+
+/// Eight words of X (passed on, or read and written by themselves), what the left cell sent, what the right one gets, what
+/// goes back to the left, and what the right cell sent back for the ray before.
+fn push_line(stream: &mut OpStream, plan: &RayPlan, before: Option<&RayPlan>, cell: usize, last: bool) {
+    let seed = plan.seeds[cell];
+    let mut items: Vec<Vec<(OpKind, u32)>> = plan.computes[cell].iter().map(|&op| vec![op]).collect();
+    items.push(match seed % 4 {
+        0 => vec![(OpKind::PassX, 3), (OpKind::PassX, 5)],
+        1 if !last => vec![(OpKind::ReadX, 8), (OpKind::WriteX, 8)],
+        _ => vec![(OpKind::PassX, 8)],
+    });
+    if cell > 0 {
+        items.extend(split(plan.words[cell - 1], seed).map(|count| vec![(OpKind::ReadY, count)]));
+        items.extend(split(plan.back[cell], seed >> 24).map(|count| vec![(OpKind::WriteZ, count)]));
+    }
+    if let Some(before) = before.filter(|_| !last) {
+        items.extend(split(before.back[cell + 1], seed >> 32).map(|count| vec![(OpKind::ReadZ, count)]));
+    }
+    let sent = if last { 5 } else { plan.words[cell] };
+    items.extend(split(sent, seed >> 8).map(|count| vec![(OpKind::WriteY, count)]));
+    for (kind, count) in shuffle(items, seed >> 16).into_iter().flatten() {
+        stream.push(kind, count as u64);
+    }
+}
+
+fn split(words: u32, seed: u64) -> impl Iterator<Item = u32> {
+    let first = if words == 0 { 0 } else { (seed % words as u64) as u32 };
+    [first, words - first].into_iter().filter(|&count| count > 0)
+}
+
+fn machine() -> impl Strategy<Value = MachineSpec> {
+    let rate = prop_oneof![3 => Just(80.0), 1 => prop::sample::select(vec![160.0, 40.0, 30.0, 13.0])];
+    let counts = prop::sample::select(vec![RateCounts::Link, RateCounts::Channel]);
+    (prop_oneof![1u64..=16, 1u64..=600], prop_oneof![Just(1u64), 1u64..=20], rate, counts).prop_map(
+        |(fifo_words, latency, link_mb_s, rate_counts)| MachineSpec {
+            fifo_words: Words(fifo_words),
+            latency: Cycles(latency),
+            link_mb_s,
+            rate_counts,
+            ..MachineSpec::default()
+        },
+    )
+}
+
+/// The ops of all rays, so many rays a batch.
+pub fn batches_of(cells: usize, rays: &[RayPlan], per_batch: usize) -> Vec<OpBatch> {
+    let end = |first: usize| rays.len().min(first + per_batch);
+    (0..rays.len()).step_by(per_batch).map(|first| batch_of(cells, rays, first..end(first))).collect()
+}
+
+/// A machine, its number of cells, rays, and how many of them a batch has.
+pub fn case() -> impl Strategy<Value = (MachineSpec, usize, Vec<RayPlan>, usize)> {
+    (machine(), 1usize..5).prop_flat_map(|(spec, cells)| {
+        (Just(spec), Just(cells), prop::collection::vec(ray_plan(cells), 1..24), 1usize..9)
+    })
+}
