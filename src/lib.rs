@@ -17,7 +17,8 @@
 //! and write blocks. So the work falls into two halves:
 //!
 //! - the **functional half** ([`geometry`] and [`program`]) turns rays into hits and into what each cell does, op by op:
-//!   read 8 words, compute 600 cycles, write a word. Rays are independent of each other; all cores work on them;
+//!   read 8 words, compute 600 cycles, write a word. Rays are independent of each other; all cores work on them.
+//!   The cells take Figure 7's times, or run programs that compute the hits themselves ([`isa`], [`program::cells`]);
 //! - the **timing half** ([`machine`]) turns ops into cycles. It knows no rays;
 //! - the **op stream** ([`machine::OpStream`]) lies between them. Recorded, it is an activity trace, which can be timed
 //!   again under any machine without the scene.
@@ -55,6 +56,7 @@ pub mod error;
 pub mod geometry;
 pub mod host;
 mod input;
+pub mod isa;
 pub mod machine;
 pub mod model;
 pub mod program;

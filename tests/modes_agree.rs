@@ -7,7 +7,7 @@ use pcs_sim::geometry::{Partition, Polygons, Ray, brute_force};
 use pcs_sim::program::ArrayProgram;
 use pcs_sim::scene::{Mesh, builtin};
 use proptest::prelude::*;
-use support::{bits, hits, program, scene};
+use support::{bits, hits, program, program_hits, scene};
 
 const PARTITIONS: [Partition; 3] = [Partition::Regular, Partition::Polygons, Partition::Work];
 
@@ -222,6 +222,26 @@ proptest! {
                 ..program(name, groups)
             };
             prop_assert_eq!(&hits(&mesh, &program, &rays, 1), &expected, "{}", name);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn on_random_soups_with_programs(
+        (mesh, rays) in case(),
+        cells in 1usize..9,
+        coefficient in prop_oneof![Just(50.0), Just(1.0), Just(0.01), Just(500.0)],
+        mailbox: bool,
+    ) {
+        let groups = cells.min(mesh.faces().len());
+        let expected = by_brute_force(&mesh, &rays);
+        for name in ["pipeline", "broadcast", "hybrid", "hybrid-3"] {
+            let groups = if name == "pipeline" { 1 } else { groups };
+            let program = ArrayProgram { grid_coefficient: coefficient, mailbox, ..program(name, groups) };
+            prop_assert_eq!(&program_hits(&mesh, &program, &rays), &expected, "{}", name);
         }
     }
 }

@@ -32,6 +32,10 @@ pub enum Command {
     Model(Box<ModelArgs>),
     /// Tells in what two statistics files differ, and by how much.
     Compare(CompareArgs),
+    /// Measures Figure 7's six numbers on both kinds of cell, and holds them against the paper.
+    Figure7(Figure7Args),
+    /// Fits what instructions cost to Figure 7, and writes a machine file.
+    Calibrate(CalibrateArgs),
     /// Lists the built-in scenes.
     Scenes,
 }
@@ -40,6 +44,8 @@ pub enum Command {
 pub struct RunArgs {
     #[command(flatten)]
     pub program: ProgramArgs,
+    #[command(flatten)]
+    pub cells: CellArgs,
     #[command(flatten)]
     pub scene: SceneArgs,
     #[command(flatten)]
@@ -72,6 +78,8 @@ pub struct ImageArgs {
     pub host: HostArgs,
     #[command(flatten)]
     pub program: ProgramArgs,
+    #[command(flatten)]
+    pub cells: CellArgs,
     #[command(flatten)]
     pub machine: MachineArgs,
     #[command(flatten)]
@@ -177,6 +185,59 @@ pub struct ProgramArgs {
     /// Let each cell read and pass on K rays ahead of the one that it begins.
     #[arg(long, value_name = "K")]
     pub forward_ahead: Option<u32>,
+}
+
+/// How the cells work.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Cells")]
+pub struct CellArgs {
+    /// What a cell runs: timings, which are Figure 7's, or programs of instructions, which find the hits themselves
+    /// [default: timings].
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub cells_run: Option<CellsRun>,
+    /// A folder of programs for the cells (grid.pcs, broadcast.pcs, ...) in place of the standard ones.
+    #[arg(long, value_name = "DIR")]
+    pub cell_programs: Option<PathBuf>,
+    /// The most cycles that a program may compute for one ray [default: 1000000000].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub cycle_limit: Option<u64>,
+}
+
+/// What a cell runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CellsRun {
+    /// The times of the machine file.
+    Timings,
+    /// Programs of instructions.
+    Programs,
+}
+
+/// `pcs-sim figure7`.
+#[derive(Debug, Args)]
+pub struct Figure7Args {
+    /// A machine file of your own [default: PCS].
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// A folder of programs for the cells in place of the standard ones.
+    #[arg(long, value_name = "DIR")]
+    pub cell_programs: Option<PathBuf>,
+}
+
+/// `pcs-sim calibrate`.
+#[derive(Debug, Args)]
+pub struct CalibrateArgs {
+    /// The machine file to which the costs are added, or in which they are replaced [default: PCS].
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// A folder of programs for the cells in place of the standard ones.
+    #[arg(long, value_name = "DIR")]
+    pub cell_programs: Option<PathBuf>,
+    /// Where the new machine file goes [default: stdout].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Replace a file that exists.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// The paper's two organisations of the array, and both together.

@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 
 use annotate_snippets::{AnnotationKind, Level, Origin, Renderer, Snippet};
 use pcs_sim::error::{InputError, Place, Spot};
+use pcs_sim::isa::Fault;
 use pcs_sim::machine::{Stuck, StuckKind, WaitFor};
 
 /// Longer source lines are cut down to this many characters around the fault.
@@ -50,6 +51,19 @@ fn excerpt(place: &Place) -> Option<Excerpt> {
     let byte = |char: usize| source.char_indices().nth(char).map_or(source.len(), |(at, _)| at);
     let (start, end) = (byte(before - skipped), byte(before - skipped + width));
     Some(Excerpt { line: *line, start, end, source })
+}
+
+/// Draws a fault of a cell's program: what is wrong, and the line of source that was executed.
+pub fn draw_fault(fault: &Fault) -> String {
+    let Fault { kind, cell, message, address, source } = fault;
+    let title = format!("{kind}: cell {cell}, ray {message}, address {address}");
+    let title = Level::ERROR.primary_title(title);
+    let renderer = if std::io::stderr().is_terminal() { Renderer::styled() } else { Renderer::plain() };
+    let Some(source) = source else { return renderer.render(&[annotate_snippets::Group::with_title(title)]) };
+    let path = source.path.display().to_string();
+    let annotation = AnnotationKind::Primary.span(0..source.text.len());
+    let snippet = Snippet::source(source.text.as_str()).line_start(source.line as usize).path(path.as_str());
+    renderer.render(&[title.element(snippet.annotation(annotation))])
 }
 
 /// Draws a standstill: the chain of waits, one a line.

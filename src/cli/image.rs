@@ -23,7 +23,7 @@ use super::args::{ImageArgs, PolicyName, Switch};
 use super::run::{array_program, cell_names, machine_file, machine_line, memory_line, plural, scene, threads};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress, unread};
+use super::{Failure, outputs, print, progress, run, unread};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
@@ -62,7 +62,7 @@ pub fn image(args: &ImageArgs) -> Result<(), Failure> {
     let spinner = progress::waiting("preparing the scene");
     let scene = scene(&args.scene, &args.shape)?;
     let rays = camera::primary_rays(&scene.camera, args.shape.size);
-    let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
+    let workload = run::workload(&args.cells, &scene, &program, &machine, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
     workload.check_fifos(machine.spec.fifo_words)?;
     spinner.finish_and_clear();
@@ -151,7 +151,8 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
     });
     live.finish();
     result.map_err(|error| match error {
-        RunError::Stuck(stuck) => Failure::Stuck(stuck),
+        RunError::Stuck(stuck) => stuck.into(),
+        RunError::Fault(fault) => fault.into(),
         RunError::Unfit(error) => error.into(),
         RunError::Observer(error) => unwritable(error),
     })

@@ -1,8 +1,10 @@
 //! The command line: one file a command; each parses, calls the library, prints.
 
 mod args;
+mod calibrate;
 mod compare;
 mod diagnostics;
+mod figure7;
 mod image;
 mod interrupt;
 mod model;
@@ -24,6 +26,7 @@ use clap::error::ErrorKind;
 
 use args::{Cli, Command};
 use pcs_sim::error::InputError;
+use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
 
 /// Why a command failed.
@@ -33,6 +36,8 @@ enum Failure {
     Input(Box<InputError>),
     /// The array can go no further: exit status 1.
     Stuck(Stuck),
+    /// A cell's program cannot go on: exit status 1.
+    Fault(Box<Fault>),
     /// A result could not be written: exit status 1.
     Output(String),
 }
@@ -40,6 +45,12 @@ enum Failure {
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Failure {
         Failure::Input(Box::new(error))
+    }
+}
+
+impl From<Fault> for Failure {
+    fn from(fault: Fault) -> Failure {
+        Failure::Fault(Box::new(fault))
     }
 }
 
@@ -73,6 +84,8 @@ fn command(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Model(args)) => model::model(args),
         Some(Command::Compare(args)) => compare::compare(args),
+        Some(Command::Figure7(args)) => figure7::figure7(args),
+        Some(Command::Calibrate(args)) => calibrate::calibrate(args),
         Some(Command::Scenes) => scenes::scenes(),
     }
 }
@@ -85,6 +98,10 @@ fn report(failure: &Failure) -> ExitCode {
         }
         Failure::Stuck(stuck) => {
             eprint!("{}", diagnostics::draw_stuck(stuck));
+            ExitCode::from(1)
+        }
+        Failure::Fault(fault) => {
+            eprintln!("{}", diagnostics::draw_fault(fault));
             ExitCode::from(1)
         }
         Failure::Output(message) => {

@@ -97,6 +97,7 @@ fn simulate(
     match outcome {
         Ok(outcome) => Ok((workload, outcome)),
         Err(RunError::Stuck(stuck)) => Err(Failure::Stuck(stuck)),
+        Err(RunError::Fault(fault)) => Err(fault.into()),
         Err(RunError::Unfit(error)) => Err(error.into()),
         Err(RunError::Observer(never)) => match never {},
     }

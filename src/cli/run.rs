@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::{camera, image, ray_file};
+use pcs_sim::isa::Processor;
 use pcs_sim::machine::{Array, MachineSpec};
+use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
 use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::plot::Caption;
@@ -16,7 +18,7 @@ use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
-use super::args::{MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
+use super::args::{CellArgs, CellsRun, MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
@@ -50,7 +52,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let spinner = progress::waiting("preparing the scene");
     let scene = scene(&args.scene.scene, &args.scene.shape)?;
     let rays = rays(&args.scene, &scene)?;
-    let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
+    let workload = workload(&args.cells, &scene, &program, &machine, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
     workload.check_fifos(machine.spec.fifo_words)?;
     spinner.finish_and_clear();
@@ -134,6 +136,32 @@ fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
     }
 }
 
+/// The scene laid out for the array, with the cells' programs if they run any.
+pub fn workload(
+    args: &CellArgs,
+    scene: &Scene,
+    program: &ArrayProgram,
+    machine: &Machine,
+    rays: &[Ray],
+) -> Result<Workload, InputError> {
+    let workload = Workload::new(&scene.mesh, program, machine.times, rays)?;
+    match args.cells_run {
+        Some(CellsRun::Programs) => workload.with_programs(&cell_options(args, machine)?),
+        Some(CellsRun::Timings) | None => Ok(workload),
+    }
+}
+
+/// How the cells run programs.
+fn cell_options(args: &CellArgs, machine: &Machine) -> Result<CellOptions, InputError> {
+    let cycles = machine.instructions.ok_or_else(|| {
+        let error =
+            InputError::new("the machine file does not say what instructions cost: instruction_cycles is missing");
+        error.help("`pcs-sim calibrate --machine FILE` adds it")
+    })?;
+    let cycle_limit = args.cycle_limit.unwrap_or(Processor::CYCLE_LIMIT);
+    Ok(CellOptions { cycles, folder: args.cell_programs.clone(), cycle_limit })
+}
+
 /// A built-in scene or a file's.
 pub fn scene(scene: &str, args: &ShapeArgs) -> Result<Scene, InputError> {
     let path = Path::new(scene);
@@ -213,7 +241,8 @@ fn simulate(setup: &Setup, threads: usize, watch: bool, files: &mut Outputs) -> 
     });
     live.finish();
     outcome.map_err(|error| match error {
-        RunError::Stuck(stuck) => Failure::Stuck(stuck),
+        RunError::Stuck(stuck) => stuck.into(),
+        RunError::Fault(fault) => fault.into(),
         RunError::Unfit(error) => error.into(),
         RunError::Observer(error) => failed(error),
     })
@@ -277,11 +306,22 @@ pub fn machine_line(spec: &MachineSpec) -> String {
     )
 }
 
-/// The fullest cell's memory, in one line.
+/// The fullest cell's memory, in one line; of cells that run programs, with its parts.
 pub fn memory_line(workload: &Workload) -> String {
     let largest = (0..workload.cells()).map(|cell| (workload.memory_of(cell).total(), std::cmp::Reverse(cell))).max();
     let (words, std::cmp::Reverse(cell)) = largest.unwrap_or_default();
-    format!("memory: {} words in the fullest cell, {cell}", grouped(words.0))
+    let line = format!("memory: {} words in the fullest cell, {cell}", grouped(words.0));
+    if !workload.runs_programs() {
+        return line;
+    }
+    let memory = workload.memory_of(cell);
+    format!(
+        "{line}: grid {} (equation 4), slabs {} (equation 6), planes and vertices {}, program and its tables {}",
+        grouped(memory.grid.0),
+        grouped(memory.slabs.0),
+        grouped(memory.polygons.0),
+        grouped(memory.program.0),
+    )
 }
 
 /// What a cell runs, in a word or two.

@@ -8,7 +8,7 @@ use pcs_sim::error::InputError;
 use pcs_sim::program::ArrayProgram;
 use pcs_sim::scene::builtin;
 
-use super::args::{ImageArgs, MachineArgs, ModelArgs, ProgramArgs, ReplayArgs, RunArgs, Switch};
+use super::args::{CellArgs, CellsRun, ImageArgs, MachineArgs, ModelArgs, ProgramArgs, ReplayArgs, RunArgs, Switch};
 use super::run::is_builtin;
 
 /// A flag, and whether it was typed.
@@ -19,6 +19,7 @@ pub fn check_run(args: &RunArgs, program: &ArrayProgram) -> Result<(), InputErro
     let shading = [("--host-hit-us", args.machine.host_hit_us.is_some())];
     refuse(&shading, "is about shading hits, which only a whole image does", "`pcs-sim image` makes whole images")?;
     check_resolution(&args.scene.scene, args.scene.shape.resolution)?;
+    check_cells(&args.cells, &args.machine)?;
     check_program(&args.program, &args.machine, program)
 }
 
@@ -45,6 +46,7 @@ pub fn check_image(args: &ImageArgs, program: &ArrayProgram) -> Result<(), Input
         refuse(&flags, "is about the machine at work, which --timing off leaves out", "leave out one of the two")?;
     }
     check_resolution(&args.scene, args.shape.resolution)?;
+    check_cells(&args.cells, &args.machine)?;
     check_program(&args.program, &args.machine, program)
 }
 
@@ -80,6 +82,15 @@ pub fn check_replay(args: &ReplayArgs) -> Result<(), InputError> {
     refuse(&recorded, "is a time that the trace has recorded", "record a trace with another time to see what it does")?;
     let memory = [("--memory-words", args.machine.memory_words.is_some())];
     refuse(&memory, "is held against a scene, which a trace has not", "leave it out")
+}
+
+fn check_cells(typed: &CellArgs, machine: &MachineArgs) -> Result<(), InputError> {
+    if typed.cells_run == Some(CellsRun::Programs) {
+        let why = "is a time of Figure 7, which cells that run programs do not take";
+        return refuse(&kernels(machine), why, "leave it out, or let the cells run timings");
+    }
+    let flags = [("--cell-programs", typed.cell_programs.is_some()), ("--cycle-limit", typed.cycle_limit.is_some())];
+    refuse(&flags, "is about programs of the cells, which run none", "ask for --cells-run programs")
 }
 
 fn check_program(typed: &ProgramArgs, machine: &MachineArgs, program: &ArrayProgram) -> Result<(), InputError> {

@@ -111,6 +111,26 @@ impl Grid {
         self.starts.len() as u64 + self.lists.len() as u64
     }
 
+    /// Along an axis, the planes between voxels; the outermost ones stand off by the margin.
+    pub fn planes(&self, axis: usize) -> &[f32] {
+        &self.planes[axis]
+    }
+
+    /// The corner with the smallest coordinates.
+    pub fn low(&self) -> Vec3 {
+        self.low
+    }
+
+    /// Along each axis, 1 / edge of a voxel.
+    pub fn per_edge(&self) -> Vec3 {
+        self.per_edge
+    }
+
+    /// The voxel table: where each voxel's list begins among all [`Grid::lists`], and at last where the last one ends.
+    pub fn table(&self) -> &[u32] {
+        &self.starts
+    }
+
     /// The middle of the voxel that holds a point, or the nearest one to it.
     pub fn voxel_center(&self, point: Vec3) -> glam::DVec3 {
         let voxel = self.voxel_at(point);

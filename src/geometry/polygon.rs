@@ -128,6 +128,16 @@ impl Polygons {
         self.records[polygon as usize].d
     }
 
+    /// i1 and i2, the axes that span the plane of projection.
+    pub fn projection(&self, polygon: u32) -> [u8; 2] {
+        self.records[polygon as usize].axes
+    }
+
+    /// How far out rays may start for the grid's margin to be wide enough.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
     /// The number of the file's face that a polygon is, or is a piece of.
     pub fn face(&self, polygon: u32) -> u32 {
         self.faces[polygon as usize]
@@ -152,7 +162,12 @@ impl Polygons {
 
     /// Words that some polygons take in the memory of an intersection cell.
     pub fn memory_words(&self, members: &[u32]) -> u64 {
-        members.iter().map(|&p| RECORD_WORDS + 3 * self.vertices(p).len() as u64).sum()
+        members.iter().map(|&polygon| self.record_words(polygon)).sum()
+    }
+
+    /// Words of a polygon's record and vertices.
+    pub fn record_words(&self, polygon: u32) -> u64 {
+        RECORD_WORDS + 3 * self.vertices(polygon).len() as u64
     }
 
     /// The vertices moved along the axis of projection into the plane: what A.3 takes the polygon to be.

@@ -47,6 +47,12 @@ impl Slabs {
         Slabs((0..polygons.len() as u32).map(|polygon| enclose(polygons.flattened(polygon))).collect())
     }
 
+    /// d_min and d_max of a polygon in one direction after the other, as a cell's memory holds them.
+    pub fn words(&self, polygon: u32) -> impl Iterator<Item = f32> + '_ {
+        let slabs = &self.0[polygon as usize];
+        (0..DIRECTIONS).flat_map(|i| [slabs.low[i], slabs.high[i]])
+    }
+
     /// Whether the ray meets the volume between all slabs of a polygon (equation 7).
     ///
     /// T_i is infinite for a ray parallel to the slab, which gives an interval of all t or of none.

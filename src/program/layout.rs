@@ -60,6 +60,7 @@ impl Workload {
             stop_words: program.stop_words.map(|ahead| StopWords { ahead, last: program.stages.len() - 1 }),
             forward_ahead: program.forward_ahead,
             kernels: program.stages.clone(),
+            programs: None,
         })
     }
 

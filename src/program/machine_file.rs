@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::kernel::{HostTimes, KernelTimes, Times};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
+use crate::isa::{Class, InstructionCycles};
 use crate::machine::{Cycles, MachineSpec, RateCounts, Words};
 
 /// A machine as a file describes it, in the units that people use.
@@ -36,6 +37,9 @@ pub struct MachineFile {
     pub host_hit_us: f64,
     /// Figure 7.
     pub times_us: TimesUs,
+    /// What instructions cost, for cells that run programs; `None` for a machine that is only told Figure 7.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instruction_cycles: Option<InstructionCycles>,
 }
 
 /// Figure 7, in µs.
@@ -63,6 +67,8 @@ pub struct Machine {
     pub spec: MachineSpec,
     /// What the kernels cost.
     pub times: KernelTimes,
+    /// What instructions cost, if the machine file says.
+    pub instructions: Option<InstructionCycles>,
     /// What had to be rounded, one sentence each.
     pub notes: Vec<String>,
 }
@@ -74,9 +80,12 @@ const LONGEST_WORD_CYCLES: f64 = 1e6;
 const LONGEST_TIME_CYCLES: u64 = 1_000_000_000;
 
 impl MachineFile {
+    /// The text of the standard machine file.
+    pub const STANDARD_TEXT: &str = include_str!("../../pcs-programs/pcs.ron");
+
     /// PCS, as the paper and the standard machine file have it.
     pub fn standard() -> Result<MachineFile, InputError> {
-        MachineFile::parse(Path::new("pcs.ron"), include_str!("../../pcs-programs/pcs.ron"))
+        MachineFile::parse(Path::new("pcs.ron"), Self::STANDARD_TEXT)
     }
 
     /// Reads the file of a machine, which must be a possible one.
@@ -84,7 +93,8 @@ impl MachineFile {
         MachineFile::parse(path, &fields::read_text(path)?)
     }
 
-    fn parse(path: &Path, text: &str) -> Result<MachineFile, InputError> {
+    /// Reads the text of a machine file; `path` is for the errors.
+    pub fn parse(path: &Path, text: &str) -> Result<MachineFile, InputError> {
         let file: MachineFile = fields::parse(path, text)?;
         file.convert().map_err(|fault| fault.in_text(path, text))?;
         Ok(file)
@@ -119,7 +129,7 @@ impl MachineFile {
             return Err(impossible("link_mb_s", self.link_mb_s, "at least a word in a million cycles"));
         }
         let times = self.times(&spec, &mut notes)?;
-        Ok(Machine { spec, times, notes })
+        Ok(Machine { spec, times, instructions: self.instruction_cycles, notes })
     }
 
     fn check(&self) -> Result<(), Fault> {
@@ -133,6 +143,11 @@ impl MachineFile {
         };
         positive("clock_ns", self.clock_ns, 1e9)?;
         positive("link_mb_s", self.link_mb_s, 1e9)?;
+        for class in Class::ALL {
+            if let Some(cycles) = self.instruction_cycles {
+                within(class.name(), cycles.of(class) as u64, InstructionCycles::MOST as u64)?;
+            }
+        }
         within("word_bytes", self.word_bytes as u64, 1024)?;
         within("fifo_words", self.fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
         within("latency_cycles", self.latency_cycles, 1_000_000)?;

@@ -4,6 +4,7 @@
 //! cycles that a kernel computes (Figure 7).
 
 mod array_program;
+pub mod cells;
 mod kernel;
 mod layout;
 mod machine_file;

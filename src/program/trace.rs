@@ -6,8 +6,10 @@ use bitvec::vec::BitVec;
 
 use crate::geometry::partition::Weight;
 use crate::geometry::{Hit, Ray, RaySlabs};
+use crate::isa::Fault;
 use crate::machine::{Cycles, OpBatch, OpKind, OpStream, Work};
 
+use super::cells::ProgramTracer;
 use super::kernel::Times;
 use super::stop_words::Stopping;
 use super::workload::{Group, Workload};
@@ -52,8 +54,12 @@ pub(super) struct WorkSample {
 pub struct Tracer<'a> {
     workload: &'a Workload,
     mailbox: Mailbox,
+    /// The cells at work, if they run programs.
+    programs: Option<ProgramTracer<'a>>,
     /// What has been counted so far.
     pub counts: Counts,
+    /// The first fault of a cell's program; rays that a fault ends hit nothing.
+    pub fault: Option<Fault>,
 }
 
 /// The polygons that a ray has already been tested against.
@@ -68,7 +74,13 @@ impl<'a> Tracer<'a> {
     pub fn new(workload: &'a Workload) -> Tracer<'a> {
         let polygons = if workload.mailbox { workload.polygons.len() } else { 0 };
         let mailbox = Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() };
-        Tracer { workload, mailbox, counts: Counts::default() }
+        let programs = workload.programs.as_ref().map(|cells| ProgramTracer::new(cells, workload.polygons.len()));
+        Tracer { workload, mailbox, programs, counts: Counts::default(), fault: None }
+    }
+
+    /// Instructions that cells with programs have executed.
+    pub fn executed(&self) -> u64 {
+        self.programs.as_ref().map_or(0, ProgramTracer::executed)
     }
 
     /// Traces ray number `id` of `count` rays that the host sends without waiting for hits: adds a line to the host's and
@@ -78,16 +90,30 @@ impl<'a> Tracer<'a> {
         let ahead = self.workload.forward_ahead as u64;
         let known_before = if id == 0 { 0 } else { id as u64 + ahead };
         let passed_on = (id as u64 + 1 + ahead).min(count as u64).saturating_sub(known_before);
-        self.visit_groups(id, passed_on, ray, &mut batch.cells)
+        self.visit(id, passed_on, ray, &mut batch.cells)
     }
 
     /// The same without the host's line, for who decides himself when the ray is sent. No ray is passed on ahead.
     pub fn trace_cells(&mut self, id: u32, ray: &Ray, cells: &mut [OpStream]) -> Hit {
-        self.visit_groups(id, 1, ray, cells)
+        self.visit(id, 1, ray, cells)
     }
 
-    /// Each cell reads and passes on so many rays, then works on this one.
-    fn visit_groups(&mut self, id: u32, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+    /// Each cell reads and passes on so many rays (programs just the one), then works on this one.
+    fn visit(&mut self, id: u32, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+        let hit = match &mut self.programs {
+            Some(programs) => programs.trace(id, ray, cells, &mut self.counts).unwrap_or_else(|fault| {
+                self.fault.get_or_insert(fault);
+                Hit::MISS
+            }),
+            None => self.visit_groups(passed_on, ray, cells),
+        };
+        cells.iter_mut().for_each(|cell| cell.end_line(id));
+        self.counts.hits += hit.is_hit() as u64;
+        hit
+    }
+
+    /// The same where the cells take Figure 7's times.
+    fn visit_groups(&mut self, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
         let stages = self.workload.stages.count();
@@ -112,8 +138,6 @@ impl<'a> Tracer<'a> {
             nearest = nearest.nearer(visit.hit);
             self.mailbox.clear();
         }
-        cells.iter_mut().for_each(|cell| cell.end_line(id));
-        self.counts.hits += nearest.is_hit() as u64;
         nearest
     }
 

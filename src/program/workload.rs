@@ -5,6 +5,7 @@ use crate::geometry::{Grid, Polygons, Slabs, slabs};
 use crate::machine::{OpBatch, Words};
 
 use super::array_program::{Kernel, Stages};
+use super::cells::{CellOptions, CellPrograms};
 use super::kernel::{HostTimes, KernelTimes};
 use super::stop_words::StopWords;
 use super::trace::RAY_WORDS;
@@ -21,6 +22,8 @@ pub struct Workload {
     pub(super) stop_words: Option<StopWords>,
     pub(super) forward_ahead: u32,
     pub(super) kernels: Vec<Vec<Kernel>>,
+    /// The cells' programs, if they run any instead of Figure 7's times.
+    pub(super) programs: Option<CellPrograms>,
 }
 
 /// A group's part of the scene.
@@ -39,6 +42,8 @@ pub struct CellMemory {
     pub slabs: Words,
     /// Planes and vertices.
     pub polygons: Words,
+    /// What a cell that runs a program needs beside: the program, its own data, planes between voxels, addresses of records.
+    pub program: Words,
     /// Rays that have been passed on and wait for their turn.
     pub rays: Words,
 }
@@ -46,11 +51,30 @@ pub struct CellMemory {
 impl CellMemory {
     /// All of it.
     pub fn total(&self) -> Words {
-        self.grid + self.slabs + self.polygons + self.rays
+        self.grid + self.slabs + self.polygons + self.program + self.rays
     }
 }
 
 impl Workload {
+    /// Lets the cells run programs instead of taking Figure 7's times: assembles them and loads every cell's memory.
+    ///
+    /// Fails if a program has a mistake, or wants something of the loader that it does not have; or if the array program
+    /// goes beyond the paper.
+    pub fn with_programs(self, options: &CellOptions) -> Result<Workload, InputError> {
+        if self.stop_words.is_some() || self.forward_ahead > 0 {
+            let what = if self.stop_words.is_some() { "stop words" } else { "rays forwarded ahead" };
+            let error = InputError::new(format!("the cells' programs know nothing of {what}"));
+            return Err(error.help("leave them out, or let the cells run timings"));
+        }
+        let programs = CellPrograms::new(&self, options)?;
+        Ok(Workload { programs: Some(programs), ..self })
+    }
+
+    /// Whether the cells run programs.
+    pub fn runs_programs(&self) -> bool {
+        self.programs.is_some()
+    }
+
     /// What the host spends.
     pub fn host_times(&self) -> HostTimes {
         self.times.host
@@ -85,12 +109,17 @@ impl Workload {
     pub fn memory_of(&self, cell: usize) -> CellMemory {
         let group = &self.groups[cell / self.kernels.len()];
         let words = |kernel, words: u64| Words(if self.kernels_of(cell).contains(&kernel) { words } else { 0 });
-        CellMemory {
+        let mut memory = CellMemory {
             grid: words(Kernel::Grid, group.grid.memory_words()),
             slabs: words(Kernel::Slabs, slabs::WORDS * group.members.len() as u64),
             polygons: words(Kernel::Intersection, self.polygons.memory_words(&group.members)),
+            program: Words(0),
             rays: Words(RAY_WORDS * self.forward_ahead as u64),
+        };
+        if let Some(programs) = &self.programs {
+            memory.program = Words(programs.words(cell).0 - memory.total().0);
         }
+        memory
     }
 
     /// A batch without a ray: what the cells do before the first one.
@@ -134,11 +163,12 @@ impl Workload {
             return Ok(());
         };
         let message = format!(
-            "the scene does not fit: cell {cell} needs {} (grid {}, slabs {}, planes and vertices {}, rays ahead {}) and has {memory}",
+            "the scene does not fit: cell {cell} needs {} (grid {}, slabs {}, planes and vertices {}, program {}, rays ahead {}) and has {memory}",
             need.total(),
             need.grid.0,
             need.slabs.0,
             need.polygons.0,
+            need.program.0,
             need.rays.0,
         );
         Err(InputError::new(message).help("use more cells, a smaller grid coefficient, or more memory_words"))

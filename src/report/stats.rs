@@ -19,6 +19,8 @@ pub struct Configuration {
     pub polygons: usize,
     /// The array program, as its file would have it.
     pub program: ArrayProgram,
+    /// What the cells run: `timings` or `programs`.
+    pub cells_run: &'static str,
     /// Words that each cell's memory holds.
     pub memory: Vec<MemoryWords>,
     /// The machine, as its file would have it.
@@ -33,6 +35,7 @@ impl Configuration {
             scene: scene.name.clone(),
             polygons: workload.polygons().len(),
             program: program.clone(),
+            cells_run: if workload.runs_programs() { "programs" } else { "timings" },
             memory: (0..workload.cells()).map(|cell| workload.memory_of(cell).into()).collect(),
             machine: machine.clone(),
         }
@@ -45,6 +48,7 @@ pub struct MemoryWords {
     grid: u64,
     slabs: u64,
     polygons: u64,
+    program: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     rays: Option<u64>,
     total: u64,
@@ -52,11 +56,13 @@ pub struct MemoryWords {
 
 impl From<CellMemory> for MemoryWords {
     fn from(memory: CellMemory) -> MemoryWords {
+        let CellMemory { grid, slabs, polygons, program, rays } = memory;
         MemoryWords {
-            grid: memory.grid.0,
-            slabs: memory.slabs.0,
-            polygons: memory.polygons.0,
-            rays: Some(memory.rays.0).filter(|&words| words > 0),
+            grid: grid.0,
+            slabs: slabs.0,
+            polygons: polygons.0,
+            program: program.0,
+            rays: Some(rays.0).filter(|&words| words > 0),
             total: memory.total().0,
         }
     }

@@ -11,6 +11,7 @@ pub use trees::{ByKind, KindCounts};
 
 use crate::error::InputError;
 use crate::geometry::{Hit, Ray};
+use crate::isa::Fault;
 use crate::machine::{Array, Cycles, MachineSpec, Observed, OpBatch, RunStats, Stuck, Unfinished};
 use crate::program::{Counts, Tracer, Workload};
 
@@ -36,6 +37,8 @@ pub struct TracedBatch {
     pub hits: Vec<Hit>,
     /// What was counted on them.
     pub counts: Counts,
+    /// The first fault of a cell's program on them.
+    pub fault: Option<Fault>,
 }
 
 /// Why a run failed.
@@ -44,6 +47,9 @@ pub enum RunError<E> {
     /// The array can go no further.
     #[error(transparent)]
     Stuck(#[from] Stuck),
+    /// A cell's program cannot go on.
+    #[error(transparent)]
+    Fault(#[from] Fault),
     /// The array program does not go with what is to be run.
     #[error(transparent)]
     Unfit(#[from] InputError),
@@ -76,6 +82,7 @@ pub fn run_in<E>(
     let mut counts = Counts::default();
     let mut hits = Vec::with_capacity(rays.len());
     trace(workload, rays, threads, |mut batch| {
+        batch.fault.take().map_or(Ok(()), Err)?;
         observe(&batch, &array).map_err(RunError::Observer)?;
         counts += batch.counts;
         hits.append(&mut batch.hits);
@@ -149,6 +156,7 @@ pub fn trace<E>(
             batch.hits.push(tracer.trace(id, rays.len(), ray, &mut batch.ops));
         }
         batch.counts = std::mem::take(&mut tracer.counts);
+        batch.fault = tracer.fault.take();
         batch
     };
     ahead::in_order(rays.len().div_ceil(per_batch), threads, || Tracer::new(workload), make, take)

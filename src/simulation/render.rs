@@ -170,7 +170,8 @@ impl Canvas {
         let make =
             |grower: &mut Grower<'_>, index: usize, batch: TreeBatch| grower.grow(pass, samples(index), cells, batch);
         let (mut index, mut sum) = (0, DVec3::ZERO);
-        ahead::in_order(pass.len().div_ceil(per_batch), threads, worker, make, |batch| {
+        ahead::in_order(pass.len().div_ceil(per_batch), threads, worker, make, |mut batch| {
+            batch.traced.fault.take().map_or(Ok(()), Err)?;
             let range = samples(index);
             self.counts += batch.traced.counts;
             self.kinds.iter_mut().zip(batch.kinds).for_each(|(all, new)| *all += new);

@@ -83,6 +83,7 @@ impl Grower<'_> {
             self.tree(Branch::primary(self.view.ray(x, y)), &mut batch);
         }
         batch.traced.counts = std::mem::take(&mut self.tracer.counts);
+        batch.traced.fault = self.tracer.fault.take();
         batch
     }
 

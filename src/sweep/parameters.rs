@@ -58,6 +58,7 @@ parameters! {
     mailbox: "truth", Truth, "mailbox in the grid";
     stop_words: "whole", Whole, "voxels ahead of the stop words";
     forward_ahead: "whole", Whole, "rays passed on ahead";
+    cells_run: "text", Text, "what the cells run";
     machine: "text", Text, "machine";
     clock_ns: "number", Number, "length of a cycle (ns)";
     word_bytes: "whole", Whole, "size of a word (bytes)";

@@ -70,7 +70,8 @@ impl Finished {
     }
 }
 
-fn run_in(folder: &Path, args: &str) -> Finished {
+/// Runs the command in any folder.
+pub fn run_in(folder: &Path, args: &str) -> Finished {
     let command =
         Command::new(env!("CARGO_BIN_EXE_pcs-sim")).args(args.split_whitespace()).current_dir(folder).output();
     let Output { status, stdout, stderr } = command.unwrap();

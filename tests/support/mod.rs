@@ -11,6 +11,7 @@ use std::convert::Infallible;
 use pcs_sim::geometry::{Hit, Ray};
 use pcs_sim::host::camera::{ImageSize, primary_rays};
 use pcs_sim::machine::OpBatch;
+use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::{ArrayProgram, Machine, MachineFile, Workload};
 use pcs_sim::scene::{Mesh, Scene, builtin};
 use pcs_sim::simulation::{self, TracedBatch};
@@ -45,6 +46,18 @@ pub fn bits(hit: &Hit) -> [u32; 4] {
 pub fn hits(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray], threads: usize) -> Vec<[u32; 4]> {
     let workload = workload(mesh, program, rays);
     let outcome = simulation::run(&workload, &machine().spec, rays, threads, |_| Ok::<_, Infallible>(())).unwrap();
+    outcome.hits.iter().map(bits).collect()
+}
+
+/// Standard programs for the cells.
+pub fn cell_options() -> CellOptions {
+    CellOptions { cycles: machine().instructions.unwrap(), folder: None, cycle_limit: 1 << 40 }
+}
+
+/// The hits of a whole run of cells that run programs.
+pub fn program_hits(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> Vec<[u32; 4]> {
+    let workload = workload(mesh, program, rays).with_programs(&cell_options()).unwrap();
+    let outcome = simulation::run(&workload, &machine().spec, rays, 1, |_| Ok::<_, Infallible>(())).unwrap();
     outcome.hits.iter().map(bits).collect()
 }
 

@@ -105,7 +105,8 @@ fn run_same_work(stage: &Stage, points: &[&Point], done: &(impl Fn(usize, Result
         (Ok(workload), [(index, setting)]) => done(*index, setting.run(&workload, stage.rays())),
         (Ok(workload), _) => {
             let recording = Recording::new(&workload, stage.rays());
-            points.par_iter().for_each(|(index, setting)| done(*index, recording.time(setting)));
+            let time = |setting| recording.as_ref().map_err(String::clone)?.time(setting);
+            points.par_iter().for_each(|(index, setting)| done(*index, time(setting)));
         }
     }
 }

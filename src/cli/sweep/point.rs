@@ -74,7 +74,8 @@ impl Setting {
 
     /// What its cells' ops depend on, beside the scene.
     pub fn work_key(&self) -> String {
-        format!("{:?} {:?}", self.program, self.machine.times)
+        let Setting { args, program, machine } = self;
+        format!("{program:?} {:?} {:?} {:?}", machine.times, args.cells, machine.instructions)
     }
 
     /// Its scene and rays.
@@ -87,7 +88,7 @@ impl Setting {
 
     /// The scene laid out for its program.
     pub fn workload(&self, stage: &Stage) -> Result<Workload, String> {
-        Workload::new(&stage.scene.mesh, &self.program, self.machine.times, &stage.rays).map_err(reason)
+        run::workload(&self.args.cells, &stage.scene, &self.program, &self.machine, &stage.rays).map_err(reason)
     }
 
     /// Runs it, on all cores.
@@ -122,14 +123,15 @@ pub struct Recording<'a> {
 
 impl Recording<'_> {
     /// Works the ops out, on all cores.
-    pub fn new<'a>(workload: &'a Workload, rays: &[Ray]) -> Recording<'a> {
+    pub fn new<'a>(workload: &'a Workload, rays: &[Ray]) -> Result<Recording<'a>, String> {
         let (mut batches, mut counts) = (Vec::new(), Counts::default());
-        let Ok(()) = simulation::trace(workload, rays, run::threads(None), |batch| {
+        simulation::trace(workload, rays, run::threads(None), |batch| {
+            batch.fault.map_or(Ok(()), |fault| Err(reason(fault)))?;
             counts += batch.counts;
             batches.push(batch.ops);
-            Ok::<_, Infallible>(TracedBatch::default())
-        });
-        Recording { workload, batches, counts }
+            Ok::<_, String>(TracedBatch::default())
+        })?;
+        Ok(Recording { workload, batches, counts })
     }
 
     /// Times the ops under a setting's machine.

@@ -1,0 +1,35 @@
+//! `pcs-sim calibrate`: what instructions cost, fitted to Figure 7.
+
+use std::io::Write;
+use std::path::Path;
+
+use pcs_sim::error::InputError;
+use pcs_sim::isa::Processor;
+use pcs_sim::program::MachineFile;
+use pcs_sim::program::cells::calibrate::calibrate as fit;
+use pcs_sim::program::cells::figure7::measure;
+use pcs_sim::program::cells::{CellOptions, machine_text};
+
+use super::args::CalibrateArgs;
+use super::{Failure, outputs, print};
+
+/// Writes the machine file with the costs that come nearest to Figure 7.
+pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
+    let output = outputs::open(args.output.as_deref(), args.force)?;
+    let path = args.machine.as_deref().unwrap_or(Path::new("pcs.ron"));
+    let text = match &args.machine {
+        Some(path) => std::fs::read_to_string(path).map_err(|error| InputError::unreadable(path, &error))?,
+        None => MachineFile::STANDARD_TEXT.to_owned(),
+    };
+    let machine = MachineFile::parse(path, &text)?.build()?;
+    let cycles = fit(&machine.spec, args.cell_programs.clone())?;
+    let options = CellOptions { cycles, folder: args.cell_programs.clone(), cycle_limit: Processor::CYCLE_LIMIT };
+    let numbers = measure(machine.times, Some(&options))?;
+    let text = machine_text(path, &text, &machine.spec, &cycles, &numbers)?;
+    if output.is_none() {
+        return print(&text);
+    }
+    let mut written = Vec::new();
+    outputs::finish(output, &mut written, |file| file.write_all(text.as_bytes()))?;
+    print(&outputs::list(&written))
+}

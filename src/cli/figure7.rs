@@ -1,0 +1,47 @@
+//! `pcs-sim figure7`: the six numbers of the paper's Figure 7, measured.
+
+use pcs_sim::isa::Processor;
+use pcs_sim::machine::MachineSpec;
+use pcs_sim::program::MachineFile;
+use pcs_sim::program::cells::CellOptions;
+use pcs_sim::program::cells::figure7::{NUMBERS, measure, us};
+use pcs_sim::report::summary::{aligned, table};
+
+use super::args::Figure7Args;
+use super::{Failure, print};
+
+/// Prints what the paper says, what each kind of cell takes, and the differences.
+pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
+    let machine = args.machine.as_deref().map_or_else(MachineFile::standard, MachineFile::read)?.build()?;
+    let timings = measure(machine.times, None)?;
+    let programs = match machine.instructions {
+        Some(cycles) => {
+            let options =
+                CellOptions { cycles, folder: args.cell_programs.clone(), cycle_limit: Processor::CYCLE_LIMIT };
+            Some(measure(machine.times, Some(&options))?)
+        }
+        None => {
+            eprintln!("note: the machine file does not say what instructions cost; `pcs-sim calibrate` adds it");
+            None
+        }
+    };
+    print(&rows(&machine.spec, &timings, programs.as_ref()))
+}
+
+fn rows(spec: &MachineSpec, timings: &[f64; 6], programs: Option<&[f64; 6]>) -> String {
+    let mut header = vec!["Figure 7", "paper", "timings cell", "difference"];
+    if programs.is_some() {
+        header.extend(["program cell", "difference"]);
+    }
+    let mut rows = table(&header);
+    for (index, number) in NUMBERS.iter().enumerate() {
+        let mut row = vec![number.name.to_owned(), format!("{} µs", number.paper_us)];
+        for simulated in std::iter::once(timings).chain(programs) {
+            let simulated = us(simulated[index], spec);
+            row.push(format!("{simulated:.2} µs"));
+            row.push(format!("{:+.1} %", 100.0 * (simulated / number.paper_us - 1.0)));
+        }
+        rows.add_row(row);
+    }
+    aligned(rows)
+}

@@ -1,0 +1,40 @@
+//! The cell as a processor: its instructions, their encoding, an assembler, and an interpreter.
+//!
+//! RR-0992 says of PCS's inside no more than that its cells are programmable and compute in floating point. What is here is
+//! chosen in the spirit of its contemporaries (CMU's Warp): a processor of 32-bit words that reads and writes two queues
+//! as operands of its instructions. It blocks on an empty queue and cannot ask whether one is empty, and nothing
+//! interrupts it: so what it does depends on the words that it reads, never on when they come.
+//!
+//! | here | is |
+//! | --- | --- |
+//! | [`table`] | the one table of instructions: mnemonic, code, format, class, effect |
+//! | [`encoding`] | the one layout of fields in a word; words to instructions and back |
+//! | [`assemble`] | source text to a [`Program`], with errors that point |
+//! | [`Executable`] | a program under given [`InstructionCycles`], ready to run |
+//! | [`Processor`] | a cell that runs one: words in, words and [ops](crate::machine::OpStream) out |
+//!
+//! A program is started on a *message* (a ray): at its first instruction, with all registers 0 and the data memory as
+//! it was loaded; `done` ends the message. So nothing passes from one message to the next. A program that never says
+//! `done`, as a filter on a stream, takes all words for one message.
+
+mod assembler;
+mod cycles;
+pub mod encoding;
+mod executable;
+mod fault;
+mod processor;
+mod program;
+mod queues;
+mod register;
+pub mod table;
+
+pub use assembler::{Sources, assemble};
+pub use cycles::InstructionCycles;
+pub use encoding::{Instruction, InvalidInstruction};
+pub use executable::Executable;
+pub use fault::{Fault, FaultKind, FaultLine};
+pub use processor::{Processor, Stop};
+pub use program::{Program, SourceFile, SourceLine};
+pub use queues::Queues;
+pub use register::{Queue, Register};
+pub use table::{Class, Format, Opcode, Operand};

@@ -1,0 +1,392 @@
+//! The interpreter: a cell that executes a program, without a clock.
+
+use super::encoding::Instruction;
+use super::executable::{Executable, RESULT_SLOT, Step, queue_slot};
+use super::fault::{Fault, FaultKind};
+use super::queues::Queues;
+use super::register::{Queue, Register};
+use super::table::Opcode;
+use crate::machine::{OpKind, OpStream, Work};
+
+/// Why a cell stands still.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// It is done with the message, and ready for the next.
+    Done,
+    /// It has halted.
+    Halted,
+    /// It reads a queue that has no word for it.
+    Waiting(Queue),
+}
+
+/// A cell that runs a program.
+#[derive(Clone, Debug)]
+pub struct Processor<'a> {
+    executable: &'a Executable,
+    /// The data memory as it was loaded.
+    loaded: &'a [u32],
+    /// The rest of the memory, behind the data: the scene, which programs can only read.
+    scene: &'a [u32],
+    data: Vec<u32>,
+    /// Addresses in the data memory that the message has changed.
+    changed: Vec<u32>,
+    registers: [u32; 64],
+    address: u32,
+    /// Why the instruction at its address has failed, until that is told.
+    failed: Option<FaultKind>,
+    /// It has executed the `done` or `halt` at its address.
+    ended: bool,
+    /// Cycles computed for the message, and how many of them have been put down as ops.
+    cycles: u64,
+    noted: u64,
+    work: Work,
+    cycle_limit: u64,
+    executed: u64,
+    counts: Vec<u64>,
+}
+
+/// The most words that may be written for one message.
+const WORD_LIMIT: u64 = 1 << 24;
+
+impl<'a> Processor<'a> {
+    /// Limit of cycles for one message, unless another is asked for: 50 s of PCS.
+    pub const CYCLE_LIMIT: u64 = 1_000_000_000;
+
+    /// A cell that has done nothing yet. `data` is its data memory, from address 0 on, and `scene` what follows.
+    pub fn new(executable: &'a Executable, data: &'a [u32], scene: &'a [u32], cycle_limit: u64) -> Processor<'a> {
+        Processor {
+            executable,
+            loaded: data,
+            scene,
+            data: data.to_vec(),
+            changed: Vec::new(),
+            registers: [0; 64],
+            address: 0,
+            failed: None,
+            ended: false,
+            cycles: 0,
+            noted: 0,
+            work: Work::Other,
+            cycle_limit,
+            executed: 0,
+            counts: vec![0; executable.counters().len()],
+        }
+    }
+
+    /// What a register holds.
+    pub fn register(&self, register: Register) -> u32 {
+        if register.queue().is_some() { 0 } else { self.registers[register.number() as usize] }
+    }
+
+    /// The address of the instruction that comes next, or of the `done` or `halt` that it stands at.
+    pub fn address(&self) -> u32 {
+        self.address
+    }
+
+    /// Cycles computed for the message so far, without those of the words moved.
+    pub fn cycles(&self) -> u64 {
+        self.cycles
+    }
+
+    /// Instructions executed since the cell was made.
+    pub fn executed(&self) -> u64 {
+        self.executed
+    }
+
+    /// How often an event has happened since it was asked for last, by its place in [`Executable::counters`].
+    pub fn take_count(&mut self, counter: usize) -> u64 {
+        self.counts.get_mut(counter).map_or(0, std::mem::take)
+    }
+
+    /// How often each event of [`Executable::counters`] has happened since they were taken.
+    pub fn counts(&self) -> &[u64] {
+        &self.counts
+    }
+
+    /// A word of memory.
+    #[inline(always)]
+    pub fn memory(&self, address: u32) -> Option<u32> {
+        let behind = address.wrapping_sub(self.data.len() as u32) as usize;
+        self.scene.get(behind).or_else(|| self.data.get(address as usize)).copied()
+    }
+
+    /// Runs until the message is done, the cell halts, or a word is missing. Adds what it does to `ops`.
+    pub fn run(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Stop, Fault> {
+        loop {
+            self.run_plain(u64::MAX, ops);
+            if let Some(stop) = self.not_plain(queues, ops)? {
+                return Ok(stop);
+            }
+        }
+    }
+
+    /// Executes one instruction, unless it has to wait; tells if the cell stands still then.
+    pub fn step(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, Fault> {
+        let before = self.executed;
+        self.run_plain(1, ops);
+        if self.executed > before && self.failed.is_none() {
+            return Ok(None);
+        }
+        self.not_plain(queues, ops)
+    }
+
+    /// Executes instructions that work between registers and memory, up to so many, as far as the next one is such.
+    fn run_plain(&mut self, most: u64, ops: &mut OpStream) {
+        let steps = self.executable.steps.as_slice();
+        let (mut address, mut cycles, mut executed) = (self.address, self.cycles, 0);
+        while executed < most {
+            let Some(step) = steps.get(address as usize).filter(|step| !step.special) else { break };
+            if step.work != self.work {
+                self.cycles = cycles;
+                self.note(ops);
+                self.work = step.work;
+            }
+            cycles += step.cycles as u64;
+            executed += 1;
+            match self.execute(step, address, cycles) {
+                FAILED => break,
+                next => address = next,
+            }
+        }
+        (self.address, self.cycles) = (address, cycles);
+        self.executed += executed;
+    }
+
+    /// What [`Processor::run_plain`] stops at.
+    fn not_plain(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, Fault> {
+        if let Some(kind) = self.failed.take() {
+            return Err(self.fault(kind));
+        }
+        let Some(&step) = self.executable.steps.get(self.address as usize) else {
+            let length = self.executable.steps.len() as u32;
+            return Err(self.fault(FaultKind::OutsideProgram { length }));
+        };
+        if !step.special {
+            return Ok(None);
+        }
+        self.special(step, queues, ops).map_err(|kind| self.fault(kind))
+    }
+
+    /// An instruction that moves words, is counted, ends the message, or is none.
+    fn special(&mut self, step: Step, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, FaultKind> {
+        let address = self.address;
+        let instruction = match self.executable.instructions[address as usize] {
+            Ok(instruction) => instruction,
+            Err(why) => return Err(FaultKind::Invalid(self.executable.program.code[address as usize], why)),
+        };
+        if self.ended {
+            return Ok(self.go_on(instruction.opcode));
+        }
+        if let Some(queue) = queues.missing(&instruction) {
+            self.note(ops);
+            return Ok(Some(Stop::Waiting(queue)));
+        }
+        for &(_, counter) in self.executable.counted.iter().filter(|(at, _)| *at == address) {
+            self.counts[counter] += 1;
+        }
+        if instruction.words() > 0 {
+            self.read_queues(&instruction, queues, ops);
+        }
+        self.charge(step, ops);
+        match instruction.opcode {
+            Opcode::Done | Opcode::Halt => {
+                self.note(ops);
+                self.ended = true;
+                return Ok(Some(if instruction.opcode == Opcode::Done { Stop::Done } else { Stop::Halted }));
+            }
+            _ => match self.execute(&step, address, self.cycles) {
+                FAILED => return Err(self.failed.take().unwrap_or(FaultKind::Halted)),
+                next => self.address = next,
+            },
+        }
+        self.write_queue(&instruction, queues, ops)?;
+        Ok(None)
+    }
+
+    fn read_queues(&mut self, instruction: &Instruction, queues: &mut Queues, ops: &mut OpStream) {
+        self.note(ops);
+        for field in instruction.reads() {
+            let Some(queue) = instruction.register(field).queue() else { continue };
+            let (word, op) = match queue {
+                Queue::X => (queues.next_x(), OpKind::ReadX),
+                Queue::PassX => (queues.next_x(), OpKind::PassX),
+                Queue::Y => (queues.next_y(), OpKind::ReadY),
+            };
+            if queue == Queue::PassX {
+                queues.x_out.push(word);
+            }
+            ops.push(op, 1);
+            self.registers[queue_slot(field)] = word;
+        }
+    }
+
+    fn write_queue(
+        &mut self,
+        instruction: &Instruction,
+        queues: &mut Queues,
+        ops: &mut OpStream,
+    ) -> Result<(), FaultKind> {
+        let Some(queue) = instruction.written().and_then(Register::queue) else { return Ok(()) };
+        let (out, op) = match queue {
+            Queue::X | Queue::PassX => (&mut queues.x_out, OpKind::WriteX),
+            Queue::Y => (&mut queues.y_out, OpKind::WriteY),
+        };
+        if out.len() as u64 >= WORD_LIMIT {
+            return Err(FaultKind::WordLimit(WORD_LIMIT));
+        }
+        out.push(self.registers[RESULT_SLOT as usize]);
+        self.note(ops);
+        ops.push(op, 1);
+        Ok(())
+    }
+
+    /// Adds an instruction's cycles, after putting those of another kernel down.
+    fn charge(&mut self, step: Step, ops: &mut OpStream) {
+        if step.work != self.work {
+            self.note(ops);
+            self.work = step.work;
+        }
+        self.cycles += step.cycles as u64;
+        self.executed += 1;
+    }
+
+    /// Puts the cycles computed so far down as an op.
+    fn note(&mut self, ops: &mut OpStream) {
+        if self.cycles > self.noted {
+            ops.push(OpKind::Compute(self.work), self.cycles - self.noted);
+            self.noted = self.cycles;
+        }
+    }
+
+    /// Behind `done`, puts the cell into the state in which every message finds it.
+    fn go_on(&mut self, opcode: Opcode) -> Option<Stop> {
+        if opcode == Opcode::Halt {
+            return Some(Stop::Halted);
+        }
+        self.ended = false;
+        self.registers = [0; 64];
+        self.address = 0;
+        (self.cycles, self.noted) = (0, 0);
+        for address in self.changed.drain(..) {
+            self.data[address as usize] = self.loaded[address as usize];
+        }
+        None
+    }
+
+    /// A fault of the instruction that the cell is at.
+    pub fn fault(&self, kind: FaultKind) -> Fault {
+        Fault::new(kind, self.address, &self.executable.program)
+    }
+
+    /// Does what an instruction does, between registers and memory, and gives the address of the next; or [`FAILED`], and
+    /// leaves in `failed` why. `cycles` are those of the message, the instruction's own among them.
+    #[inline(always)]
+    fn execute(&mut self, step: &Step, address: u32, cycles: u64) -> u32 {
+        let [first, second, third] = step.slots.map(|slot| self.registers[(slot & 63) as usize]);
+        let (a, b, i) = (second, third, step.constant as u32);
+        let (fa, fb) = (f32::from_bits(a), f32::from_bits(b));
+        let next = address + 1;
+        let value = match step.opcode {
+            Opcode::Mov => a,
+            Opcode::Li => i,
+            Opcode::Lw => match self.memory(a.wrapping_add(i)) {
+                Some(word) => word,
+                None => return self.fail_to_load(a.wrapping_add(i)),
+            },
+            Opcode::Sw => return if self.store(a.wrapping_add(i), first) { next } else { FAILED },
+            Opcode::Add => a.wrapping_add(b),
+            Opcode::Addi => a.wrapping_add(i),
+            Opcode::Sub => a.wrapping_sub(b),
+            Opcode::Mul => a.wrapping_mul(b),
+            Opcode::Div | Opcode::Rem if b == 0 => return self.fail(FaultKind::DivisionByZero),
+            Opcode::Div => (a as i32).wrapping_div(b as i32) as u32,
+            Opcode::Rem => (a as i32).wrapping_rem(b as i32) as u32,
+            Opcode::Min => (a as i32).min(b as i32) as u32,
+            Opcode::Max => (a as i32).max(b as i32) as u32,
+            Opcode::And => a & b,
+            Opcode::Or => a | b,
+            Opcode::Xor => a ^ b,
+            Opcode::Andi => a & i,
+            Opcode::Shl => a << (i & 31),
+            Opcode::Shr => a >> (i & 31),
+            Opcode::Sar => ((a as i32) >> (i & 31)) as u32,
+            Opcode::Seq => (a == b) as u32,
+            Opcode::Slt => ((a as i32) < b as i32) as u32,
+            Opcode::Sltu => (a < b) as u32,
+            Opcode::Fadd => (fa + fb).to_bits(),
+            Opcode::Fsub => (fa - fb).to_bits(),
+            Opcode::Fmul => (fa * fb).to_bits(),
+            Opcode::Fdiv => (fa / fb).to_bits(),
+            Opcode::Fmin => (if fa < fb { fa } else { fb }).to_bits(),
+            Opcode::Fmax => (if fa > fb { fa } else { fb }).to_bits(),
+            Opcode::Fabs => a & !SIGN,
+            Opcode::Fneg => a ^ SIGN,
+            // Rust's `as` is just what the instruction is to do.
+            Opcode::Ftoi => fa as i32 as u32,
+            Opcode::Itof => (a as i32 as f32).to_bits(),
+            Opcode::Feq => (fa == fb) as u32,
+            Opcode::Flt => (fa < fb) as u32,
+            Opcode::Fle => (fa <= fb) as u32,
+            Opcode::Beq => return self.branch(first == second, i, next, cycles),
+            Opcode::Bne => return self.branch(first != second, i, next, cycles),
+            Opcode::Blt => return self.branch((first as i32) < second as i32, i, next, cycles),
+            Opcode::Bge => return self.branch(first as i32 >= second as i32, i, next, cycles),
+            Opcode::Bltu => return self.branch(first < second, i, next, cycles),
+            Opcode::Bgeu => return self.branch(first >= second, i, next, cycles),
+            Opcode::Fblt => return self.branch(f32::from_bits(first) < f32::from_bits(second), i, next, cycles),
+            Opcode::Fble => return self.branch(f32::from_bits(first) <= f32::from_bits(second), i, next, cycles),
+            Opcode::Jmp => return self.branch(true, i, next, cycles),
+            Opcode::Jr => return self.branch(true, first, next, cycles),
+            Opcode::Call => {
+                self.registers[(step.slots[0] & 63) as usize] = next;
+                return self.branch(true, i, next, cycles);
+            }
+            Opcode::Done | Opcode::Halt => return next,
+        };
+        self.registers[(step.slots[0] & 63) as usize] = value;
+        next
+    }
+
+    /// The address behind a branch. Every loop has one that is taken, so the limit is held here.
+    #[inline(always)]
+    fn branch(&mut self, taken: bool, to: u32, next: u32, cycles: u64) -> u32 {
+        if !taken {
+            next
+        } else if cycles <= self.cycle_limit {
+            // Beyond all programs in any case, and not to be taken for a failure.
+            to.min(FAILED - 1)
+        } else {
+            self.fail(FaultKind::CycleLimit(self.cycle_limit))
+        }
+    }
+
+    #[inline(always)]
+    fn store(&mut self, address: u32, value: u32) -> bool {
+        let words = self.data.len() as u32;
+        match self.data.get_mut(address as usize) {
+            Some(word) => {
+                *word = value;
+                self.changed.push(address);
+                true
+            }
+            None => self.fail(FaultKind::Store { address, words }) != FAILED,
+        }
+    }
+
+    #[cold]
+    fn fail_to_load(&mut self, address: u32) -> u32 {
+        let words = (self.data.len() + self.scene.len()) as u32;
+        self.fail(FaultKind::Load { address, words })
+    }
+
+    #[cold]
+    fn fail(&mut self, kind: FaultKind) -> u32 {
+        self.failed = Some(kind);
+        FAILED
+    }
+}
+
+/// The address that stands for none: the instruction has failed.
+const FAILED: u32 = u32::MAX;
+
+const SIGN: u32 = 1 << 31;

@@ -1,0 +1,106 @@
+//! Cells that run programs: which program each cell runs, and the memory that the host's loader lays out for it.
+//!
+//! The programs are those of `pcs-programs/cells`, one for each set of kernels that a cell can have. They find hits by the
+//! same 32-bit operations in the same order as [`crate::geometry`], so they find the same bits.
+
+pub mod calibrate;
+mod calibrated_text;
+pub mod figure7;
+mod loader;
+mod standard;
+mod trace;
+
+use std::path::{Path, PathBuf};
+
+use crate::error::InputError;
+use crate::isa::{Executable, InstructionCycles, Program, assemble};
+use crate::machine::Words;
+
+use super::array_program::Kernel;
+use super::workload::Workload;
+
+pub use calibrated_text::machine_text;
+pub use standard::STANDARD;
+pub(super) use trace::ProgramTracer;
+
+/// How the cells of an array run programs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellOptions {
+    /// What instructions cost.
+    pub cycles: InstructionCycles,
+    /// The folder of the programs; `None` for the standard ones.
+    pub folder: Option<PathBuf>,
+    /// The most cycles that a cell may compute for one ray.
+    pub cycle_limit: u64,
+}
+
+/// The programs of all cells, loaded.
+#[derive(Clone, Debug)]
+pub(super) struct CellPrograms {
+    executables: Vec<Executable>,
+    cells: Vec<LoadedCell>,
+    cycle_limit: u64,
+}
+
+/// A cell's program and memory.
+#[derive(Clone, Debug)]
+struct LoadedCell {
+    /// Which of the executables.
+    executable: usize,
+    /// The data memory: the program's own data, filled in, and room that the loader adds.
+    data: Vec<u32>,
+    /// The memory behind it: the cell's part of the scene.
+    scene: Vec<u32>,
+}
+
+/// The file of the program for a cell that runs some kernels.
+pub fn program_name(kernels: &[Kernel]) -> &'static str {
+    match kernels {
+        [Kernel::Grid] => "grid.pcs",
+        [Kernel::Slabs] => "slabs.pcs",
+        [Kernel::Intersection] => "intersection.pcs",
+        [Kernel::Grid, Kernel::Slabs] => "grid-slabs.pcs",
+        [Kernel::Slabs, Kernel::Intersection] => "slabs-intersection.pcs",
+        [Kernel::Grid, Kernel::Intersection] => "grid-intersection.pcs",
+        _ => "broadcast.pcs",
+    }
+}
+
+impl CellPrograms {
+    /// Assembles the programs that the stages need and loads every cell's memory.
+    pub fn new(workload: &Workload, options: &CellOptions) -> Result<CellPrograms, InputError> {
+        let stages = workload.stages.count();
+        // The first group's cells have no earlier group's hit to read.
+        let variants = workload.groups().min(2);
+        let mut executables = Vec::new();
+        for earlier in 0..variants {
+            for stage in 0..stages {
+                let program = open(workload, workload.kernels_of(stage), earlier, options)?;
+                executables.push(Executable::new(program, &options.cycles));
+            }
+        }
+        let load = |cell: usize| {
+            let executable = (cell / stages).min(variants - 1) * stages + cell % stages;
+            let (data, scene) = loader::load(workload, cell, executables[executable].program())?;
+            Ok(LoadedCell { executable, data, scene })
+        };
+        let cells = (0..workload.cells()).map(load).collect::<Result<_, InputError>>()?;
+        Ok(CellPrograms { executables, cells, cycle_limit: options.cycle_limit })
+    }
+
+    /// Words that a cell's program, data and part of the scene take.
+    pub fn words(&self, cell: usize) -> Words {
+        let cell = &self.cells[cell];
+        let code = self.executables[cell.executable].program().code.len();
+        Words((code + cell.data.len() + cell.scene.len()) as u64)
+    }
+}
+
+fn open(workload: &Workload, kernels: &[Kernel], earlier: usize, options: &CellOptions) -> Result<Program, InputError> {
+    let name = program_name(kernels);
+    let set = [("EARLIER", earlier as i64), ("MAILBOX", workload.mailbox as i64)];
+    match &options.folder {
+        Some(folder) => assemble(&folder.join(name), crate::isa::Sources::Files, &set),
+        None => assemble(Path::new(name), STANDARD, &set),
+    }
+}
