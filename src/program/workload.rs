@@ -95,6 +95,11 @@ impl Workload {
         &self.polygons
     }
 
+    /// How many polygons the groups hold together: one that reaches into several sub-volumes is held in each.
+    pub fn placed_polygons(&self) -> usize {
+        self.groups.iter().map(|group| group.members.len()).sum()
+    }
+
     /// Each group's grid.
     pub fn grids(&self) -> impl ExactSizeIterator<Item = &Grid> {
         self.groups.iter().map(|group| &group.grid)

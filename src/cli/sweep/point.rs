@@ -1,10 +1,11 @@
 //! One point of a sweep, and what it shares with others.
 
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::fmt::Display;
 
 use pcs_sim::geometry::Ray;
-use pcs_sim::machine::{Array, OpBatch, RunStats};
+use pcs_sim::machine::{Array, CellStats, Cycles, FifoStats, OpBatch, RunStats, Work};
 use pcs_sim::program::{ArrayProgram, Counts, Machine, Workload};
 use pcs_sim::report::table::{Column, Kind};
 use pcs_sim::scene::Scene;
@@ -13,21 +14,32 @@ use pcs_sim::simulation::{self, TracedBatch};
 use crate::cli::args::RunArgs;
 use crate::cli::run;
 
-/// What the table tells of a point, behind its parameters.
-pub const COLUMNS: [Column; 17] = [
+/// What the table tells of a point, behind its parameters. `grid_us` to `idle_us` are what all cells together spend on a
+/// ray in each state; they add up to `array_cells` times `us_per_ray`.
+pub const COLUMNS: [Column; 27] = [
     column("array_cells", Kind::Whole, "cells of the array"),
     column("polygons", Kind::Whole, "polygons of the scene"),
+    column("placed_polygons", Kind::Whole, "polygons of all sub-volumes together"),
     column("ray_count", Kind::Whole, "rays"),
     column("cycles", Kind::Whole, "simulated time (cycles)"),
     column("seconds", Kind::Number, "simulated time (s)"),
     column("rays_per_second", Kind::Number, "rays a second of simulated time"),
+    column("us_per_ray", Kind::Number, "simulated time (µs a ray)"),
     column("hits", Kind::Whole, "rays that hit"),
     column("voxels", Kind::Whole, "voxels visited"),
     column("slab_tests", Kind::Whole, "slabs tests"),
     column("intersection_tests", Kind::Whole, "intersection tests"),
+    column("grid_us", Kind::Number, "time of all cells on the grid (µs a ray)"),
+    column("slabs_us", Kind::Number, "time of all cells on slabs tests (µs a ray)"),
+    column("intersection_us", Kind::Number, "time of all cells on intersection tests (µs a ray)"),
+    column("moving_us", Kind::Number, "time of all cells moving words (µs a ray)"),
+    column("waiting_us", Kind::Number, "time of all cells waiting for words (µs a ray)"),
+    column("blocked_us", Kind::Number, "time of all cells blocked (µs a ray)"),
+    column("idle_us", Kind::Number, "time of all cells with nothing left to do (µs a ray)"),
     column("mean_works", Kind::Number, "share of the time that a cell works, mean of all cells"),
     column("busiest_cell", Kind::Whole, "number of the busiest cell"),
     column("busiest_cell_works", Kind::Number, "share of the time that the busiest cell works"),
+    column("busiest_link_words", Kind::Whole, "words through the busiest link"),
     column("fullest_fifo", Kind::Text, "fullest FIFO"),
     column("fullest_fifo_words", Kind::Whole, "most that a FIFO held (words)"),
     column("fullest_memory_words", Kind::Whole, "most that a cell's memory holds (words)"),
@@ -57,6 +69,7 @@ pub struct Outcome {
     counts: Counts,
     seconds: f64,
     polygons: usize,
+    placed_polygons: usize,
     memory_words: u64,
 }
 
@@ -104,7 +117,8 @@ impl Setting {
         let seconds = self.machine.spec.seconds(stats.cycles);
         let memory = (0..workload.cells()).map(|cell| workload.memory_of(cell).total().0).max();
         let (polygons, memory_words) = (workload.polygons().len(), memory.unwrap_or(0));
-        Outcome { stats, counts, seconds, polygons, memory_words }
+        let placed_polygons = workload.placed_polygons();
+        Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words }
     }
 }
 
@@ -157,37 +171,70 @@ fn reason(error: impl Display) -> String {
 
 /// The results of a point that is done, or that failed.
 pub fn results(result: Result<Outcome, String>) -> Vec<String> {
-    let Outcome { stats, counts, seconds, polygons, memory_words } = match result {
-        Ok(outcome) => outcome,
+    match result {
+        Ok(outcome) => outcome.results(),
         Err(reason) => {
             let mut row = vec![String::new(); COLUMNS.len() - 1];
             row.push(reason);
-            return row;
+            row
         }
-    };
-    let work = |cell: usize| (stats.cells[cell].busy.total() + stats.cells[cell].moving).0;
-    let busiest = (0..stats.cells.len()).max_by_key(|&cell| (work(cell), std::cmp::Reverse(cell))).unwrap_or(0);
-    let fullest = stats.fifos.iter().rev().max_by_key(|fifo| fifo.max);
-    let cycles = stats.cycles.0.max(1) as f64;
-    let all_work: u64 = (0..stats.cells.len()).map(work).sum();
-    let rate = if seconds > 0.0 { stats.rays as f64 / seconds } else { 0.0 };
-    vec![
-        stats.cells.len().to_string(),
-        polygons.to_string(),
-        stats.rays.to_string(),
-        stats.cycles.0.to_string(),
-        seconds.to_string(),
-        rate.to_string(),
-        counts.hits.to_string(),
-        counts.voxels.to_string(),
-        counts.slab_tests.to_string(),
-        counts.intersection_tests.to_string(),
-        (all_work as f64 / cycles / stats.cells.len() as f64).to_string(),
-        busiest.to_string(),
-        (work(busiest) as f64 / cycles).to_string(),
-        fullest.map(|fifo| fifo.name.clone()).unwrap_or_default(),
-        fullest.map(|fifo| fifo.max.0.to_string()).unwrap_or_default(),
-        memory_words.to_string(),
-        String::new(),
-    ]
+    }
+}
+
+impl Outcome {
+    fn results(&self) -> Vec<String> {
+        let Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words } = self;
+        let work = |cell: usize| (stats.cells[cell].busy.total() + stats.cells[cell].moving).0;
+        let busiest = (0..stats.cells.len()).max_by_key(|&cell| (work(cell), std::cmp::Reverse(cell))).unwrap_or(0);
+        let fullest = stats.fifos.iter().rev().max_by_key(|fifo| fifo.max);
+        let cycles = stats.cycles.0.max(1) as f64;
+        let all_work: u64 = (0..stats.cells.len()).map(work).sum();
+        let rate = if *seconds > 0.0 { stats.rays as f64 / seconds } else { 0.0 };
+        let spent = |state: fn(&CellStats) -> Cycles| self.us_a_ray(stats.cells.iter().map(state).sum());
+        vec![
+            stats.cells.len().to_string(),
+            polygons.to_string(),
+            placed_polygons.to_string(),
+            stats.rays.to_string(),
+            stats.cycles.0.to_string(),
+            seconds.to_string(),
+            rate.to_string(),
+            self.us_a_ray(stats.cycles),
+            counts.hits.to_string(),
+            counts.voxels.to_string(),
+            counts.slab_tests.to_string(),
+            counts.intersection_tests.to_string(),
+            spent(|cell| cell.busy.of(Work::Grid)),
+            spent(|cell| cell.busy.of(Work::Slabs)),
+            spent(|cell| cell.busy.of(Work::Intersection)),
+            spent(|cell| cell.moving),
+            spent(|cell| cell.waiting_x + cell.waiting_y),
+            spent(|cell| cell.blocked_x + cell.blocked_y),
+            spent(|cell| cell.idle),
+            (all_work as f64 / cycles / stats.cells.len() as f64).to_string(),
+            busiest.to_string(),
+            (work(busiest) as f64 / cycles).to_string(),
+            busiest_link_words(stats).to_string(),
+            fullest.map(|fifo| fifo.name.clone()).unwrap_or_default(),
+            fullest.map(|fifo| fifo.max.0.to_string()).unwrap_or_default(),
+            memory_words.to_string(),
+            String::new(),
+        ]
+    }
+
+    /// Cycles as µs a ray, to a tenth of a nanosecond.
+    fn us_a_ray(&self, cycles: Cycles) -> String {
+        let us = 1e6 * self.seconds * cycles.0 as f64 / self.stats.cycles.0.max(1) as f64;
+        let rounded = (1e4 * us / self.stats.rays.max(1) as f64).round() / 1e4;
+        rounded.to_string()
+    }
+}
+
+/// Words through the link between two neighbours, host included, through which most go: both channels together.
+fn busiest_link_words(stats: &RunStats) -> u64 {
+    let mut words = BTreeMap::new();
+    for FifoStats { name, words: through, .. } in &stats.fifos {
+        *words.entry(name.trim_start_matches(['X', 'Y'])).or_insert(0) += through.0;
+    }
+    words.into_values().max().unwrap_or(0)
 }
