@@ -30,6 +30,8 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
     Model(Box<ModelArgs>),
+    /// Draws one column of a table over another.
+    Plot(PlotArgs),
     /// Tells in what two statistics files differ, and by how much.
     Compare(CompareArgs),
     /// Measures Figure 7's six numbers on both kinds of cell, and holds them against the paper.
@@ -433,6 +435,25 @@ pub struct ModelArgs {
     /// Threads to use [default: all cores]. The results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// A table: CSV with a heading, such as a sweep's.
+    #[arg(value_name = "TABLE.csv")]
+    pub table: PathBuf,
+    /// The columns to draw, with a line for each value of the third. COLUMN=VALUE takes just the rows with that value.
+    #[arg(required = true, value_names = ["x=COLUMN", "y=COLUMN", "by=COLUMN", "COLUMN=VALUE"], num_args = 2..)]
+    pub columns: Vec<String>,
+    /// The picture's name: NAME.svg and NAME.png.
+    #[arg(short, long, value_name = "NAME")]
+    pub output: PathBuf,
+    /// What the picture shows, in a line above it.
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub title: String,
+    /// Replace pictures that exist.
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Debug, Args)]

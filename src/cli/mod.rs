@@ -9,6 +9,7 @@ mod image;
 mod interrupt;
 mod model;
 mod outputs;
+mod plot;
 mod progress;
 mod replay;
 mod run;
@@ -83,6 +84,7 @@ fn command(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Replay(args)) => replay::replay(args),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Model(args)) => model::model(args),
+        Some(Command::Plot(args)) => plot::plot(args),
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Figure7(args)) => figure7::figure7(args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(args),

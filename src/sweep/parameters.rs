@@ -12,7 +12,7 @@ use crate::report::table::{Column, Kind};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameter {
     /// Its column in the table, named like the command's flag, but with underscores.
-    pub column: Column,
+    pub column: Column<'static>,
     /// Its values, as the flag takes them.
     pub values: Vec<String>,
 }

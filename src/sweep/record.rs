@@ -19,7 +19,7 @@ use crate::report::table::{self, Column, Table};
 #[derive(Debug)]
 pub struct Record {
     places: Places,
-    columns: Vec<Column>,
+    columns: Vec<Column<'static>>,
     journal: Journal,
     /// When the table may be written next: writing it takes a small share of the time, however long it is.
     due: Instant,
@@ -43,7 +43,7 @@ impl Record {
     /// the sweep's parameters.
     ///
     /// Fails if there are such files of something else and `force` was not asked for, and if another process has it open.
-    pub fn open(sweep: &Sweep, columns: &[Column], path: &Path, force: bool) -> Result<Record, InputError> {
+    pub fn open(sweep: &Sweep, columns: &[Column<'static>], path: &Path, force: bool) -> Result<Record, InputError> {
         let places = Places::new(path)?;
         let begun = std::fs::metadata(&places.journal).is_ok_and(|journal| journal.len() > 0);
         if !force && !begun {

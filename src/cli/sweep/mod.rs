@@ -50,7 +50,7 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
 }
 
 /// The columns of the table: the parameters, then the results.
-fn columns(sweep: &Sweep) -> Vec<Column> {
+fn columns(sweep: &Sweep) -> Vec<Column<'static>> {
     sweep.parameters.iter().map(|parameter| parameter.column).chain(point::COLUMNS).collect()
 }
 

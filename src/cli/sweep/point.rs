@@ -16,7 +16,7 @@ use crate::cli::run;
 
 /// What the table tells of a point, behind its parameters. `grid_us` to `idle_us` are what all cells together spend on a
 /// ray in each state; they add up to `array_cells` times `us_per_ray`.
-pub const COLUMNS: [Column; 27] = [
+pub const COLUMNS: [Column<'static>; 27] = [
     column("array_cells", Kind::Whole, "cells of the array"),
     column("polygons", Kind::Whole, "polygons of the scene"),
     column("placed_polygons", Kind::Whole, "polygons of all sub-volumes together"),
@@ -46,7 +46,7 @@ pub const COLUMNS: [Column; 27] = [
     column("error", Kind::Text, "why the point failed"),
 ];
 
-const fn column(name: &'static str, kind: Kind, label: &'static str) -> Column {
+const fn column(name: &'static str, kind: Kind, label: &'static str) -> Column<'static> {
     Column { name, kind, label }
 }
 

@@ -1,10 +1,12 @@
 //! Tables of many runs: a row a run, a column a parameter or a figure.
 
 mod parquet;
+mod read;
 
 use std::io::Write;
 
 pub use self::parquet::{ParquetError, write_parquet};
+pub use self::read::CsvTable;
 
 /// What the cells of a column hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,20 +23,20 @@ pub enum Kind {
 
 /// A column of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Column {
+pub struct Column<'a> {
     /// Its heading.
-    pub name: &'static str,
+    pub name: &'a str,
     /// What its cells hold.
     pub kind: Kind,
     /// What it tells, with its unit: the name of an axis.
-    pub label: &'static str,
+    pub label: &'a str,
 }
 
 /// A table. A cell is text as CSV has it, whatever the column's kind; an empty one has no value.
 #[derive(Clone, Debug)]
 pub struct Table<'a> {
     /// The columns.
-    pub columns: &'a [Column],
+    pub columns: &'a [Column<'a>],
     /// The rows, each as long as there are columns.
     pub rows: Vec<&'a [String]>,
 }

@@ -22,7 +22,7 @@ pub enum ParquetError {
     #[error("column {column} cannot hold '{cell}'")]
     Cell {
         /// The column's name.
-        column: &'static str,
+        column: String,
         /// The cell.
         cell: String,
     },
@@ -79,7 +79,8 @@ fn write_cells<T: DataType>(
     value: impl Fn(&str) -> Option<T::T>,
 ) -> Result<(), ParquetError> {
     let name = table.columns[index].name;
-    let typed = |cell: &str| value(cell).ok_or_else(|| ParquetError::Cell { column: name, cell: cell.to_owned() });
+    let typed =
+        |cell: &str| value(cell).ok_or_else(|| ParquetError::Cell { column: name.to_owned(), cell: cell.to_owned() });
     let values: Vec<T::T> = table.column(index).filter(|cell| !cell.is_empty()).map(typed).collect::<Result<_, _>>()?;
     // 1 where there is a value, 0 where there is none.
     let levels: Vec<i16> = table.column(index).map(|cell| !cell.is_empty() as i16).collect();

@@ -34,11 +34,11 @@ pub struct Chart<'a> {
     y: Scale,
     labels: [String; 2],
     /// What the lines differ in.
-    by: Option<&'static str>,
+    by: Option<&'a str>,
 }
 
 impl<'a> Chart<'a> {
-    pub fn new(columns: &[Column], axes: &Axes, curves: &'a Curves, what_ran: &str) -> Chart<'a> {
+    pub fn new(columns: &[Column<'a>], axes: &Axes, curves: &'a Curves, what_ran: &str) -> Chart<'a> {
         let x = Scale::of_positions(&curves.x);
         let y = Scale::of_values(curves.spots().flat_map(|spot| [spot.low, spot.high]));
         let label = |column: usize, scale: &Scale| {

@@ -20,15 +20,18 @@ pub struct Axes {
     by: Option<usize>,
 }
 
+/// The number of the column with a name. Fails if there is none.
+pub fn find(columns: &[Column], name: &str) -> Result<usize, InputError> {
+    columns.iter().position(|column| column.name == name).ok_or_else(|| {
+        let known: Vec<&str> = columns.iter().map(|column| column.name).collect();
+        suggest(InputError::new(format!("the table has no column '{name}'")), name, &known, "columns")
+    })
+}
+
 impl Axes {
     /// Finds the columns by their names. Fails if there are no such columns, or if `y` holds no numbers.
     pub fn new(columns: &[Column], x: &str, y: &str, by: Option<&str>) -> Result<Axes, InputError> {
-        let find = |name: &str| {
-            columns.iter().position(|column| column.name == name).ok_or_else(|| {
-                let known: Vec<&str> = columns.iter().map(|column| column.name).collect();
-                suggest(InputError::new(format!("the table has no column '{name}'")), name, &known, "columns")
-            })
-        };
+        let find = |name: &str| find(columns, name);
         let axes = Axes { x: find(x)?, y: find(y)?, by: by.map(find).transpose()? };
         if !columns[axes.y].is_number() {
             let numbers: Vec<&str> = columns.iter().filter(|column| column.is_number()).map(|c| c.name).collect();
@@ -45,7 +48,7 @@ impl Axes {
     }
 }
 
-impl Column {
+impl Column<'_> {
     fn is_number(&self) -> bool {
         matches!(self.kind, Kind::Whole | Kind::Number)
     }

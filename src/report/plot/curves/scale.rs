@@ -43,7 +43,7 @@ impl Scale {
         }
     }
 
-    /// The scale of values from 0 or more up, which may span several powers of ten.
+    /// The scale of values from 0 up, or down; those above 0 may span several powers of ten.
     pub fn of_values(values: impl Iterator<Item = f64> + Clone) -> Scale {
         let low = values.clone().fold(f64::INFINITY, f64::min);
         let high = values.fold(f64::NEG_INFINITY, f64::max);
@@ -51,7 +51,9 @@ impl Scale {
             let air = (high / low).powf(0.05);
             Scale::logarithmic(low / air, high * air)
         } else {
-            Scale::linear(0.0, if high > 0.0 { 1.08 * high } else { 1.0 })
+            let beyond = |end: f64| if end == 0.0 { 0.0 } else { 1.08 * end };
+            let (low, high) = (beyond(low.min(0.0)), beyond(high.max(0.0)));
+            Scale::linear(low, if high > low { high } else { 1.0 })
         }
     }
 

@@ -1,6 +1,6 @@
 //! From a table to lines of points.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use super::Axes;
 use crate::report::palette;
@@ -56,8 +56,8 @@ impl Curves {
         let mut lines = Words::default();
         let mut found: Vec<Vec<(f64, f64)>> = Vec::new();
         for row in &table.rows {
-            let (x, y) = (&row[axes.x], row[axes.y].parse::<f64>());
-            let (Ok(y), false) = (y, x.is_empty()) else { continue };
+            let (x, y) = (&row[axes.x], row[axes.y].parse::<f64>().ok().filter(|y| y.is_finite()));
+            let (Some(y), false) = (y, x.is_empty()) else { continue };
             let x = if in_numbers { x.parse().unwrap_or(0.0) } else { words.number_of(x) as f64 };
             let line = lines.number_of(axes.by.map_or("", |by| row[by].as_str()));
             found.resize_with(found.len().max(line + 1), Vec::new);
@@ -115,10 +115,10 @@ fn spots(mut rows: Vec<(f64, f64)>) -> Vec<Spot> {
 
 /// All x, rising, each once.
 fn numbers(lines: &[Line]) -> Vec<f64> {
-    let all = lines.iter().flat_map(|line| &line.spots).map(|spot| spot.x);
-    // Bits of numbers that are not negative rise as the numbers do; the table has no others.
-    let distinct: BTreeMap<u64, f64> = all.map(|x| (x.to_bits(), x)).collect();
-    distinct.into_values().collect()
+    let mut all: Vec<f64> = lines.iter().flat_map(|line| &line.spots).map(|spot| spot.x).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
 }
 
 #[cfg(test)]
