@@ -1,0 +1,12 @@
+#!/bin/sh
+# Remakes all reports: ./remake.sh, or ./remake.sh NAME... for some. The times that a report measures are this machine's;
+# everything else comes out as the same bytes. reference-image takes its measurements and is remade only by its name.
+set -eu
+cd "$(dirname "$0")"
+cargo build --release --quiet
+pcs_sim=${CARGO_TARGET_DIR:-$PWD/../target}/release/pcs-sim
+[ $# -gt 0 ] || set -- figure-7 macro-pipeline slabs broadcast hybrid links traffic teapot beyond polygon-count
+for report; do
+    echo "$report"
+    (cd "$report" && sh ./run.sh "$pcs_sim")
+done

@@ -1,0 +1,22 @@
+# What the experiments' run.sh share; each begins with: . ../sweeps.sh
+set -eu
+pcs_sim=${1:-pcs-sim}
+
+# sweep NAME: runs NAME.ron and leaves its table, NAME.csv.
+sweep() {
+    rm -f "$1.csv" "$1.parquet" "$1.journal"
+    $pcs_sim sweep "$1.ron" -o "$1.csv" > /dev/null
+    rm "$1.parquet" "$1.journal"
+}
+
+# table NAME RULES TABLES...: makes NAME.csv of other tables by awk's rules, which print its heading in BEGIN.
+table() {
+    name=$1; rules=$2; shift 2
+    awk -f ../columns.awk -f "$rules" "$@" > "$name.csv"
+}
+
+# plot TABLE NAME TITLE COLUMNS...: draws columns of TABLE.csv as NAME.svg and NAME.png.
+plot() {
+    from=$1; name=$2; title=$3; shift 3
+    $pcs_sim plot "$from.csv" "$@" -o "$name" --title "$title" --force > /dev/null
+}
