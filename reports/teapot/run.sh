@@ -16,13 +16,14 @@ image() {
 for grid in 10 50; do
     image "PCS broadcast" - $grid 1 --mode broadcast --cells 1
     image "PCS macro-pipeline" - $grid 3 --mode pipeline
-    for partition in regular work; do
-        for cells in 2 4 8 16 32 64; do
-            image "PCS broadcast" $partition $grid $cells --mode broadcast --cells $cells --partition $partition
-        done
-        for cells in 6 12 24 48 63; do
-            image "PCS groups of three" $partition $grid $cells --program hybrid-3 --cells $cells --partition $partition
-        done
+done
+image "the same behind a SUN3" - 10 3 --mode pipeline --machine ../../pcs-programs/pcs-sun3.ron
+for partition in regular work; do
+    for cells in 2 4 8 16 32 64; do
+        image "PCS broadcast" $partition 10 $cells --mode broadcast --cells $cells --partition $partition
+    done
+    for cells in 6 12 24 48 63; do
+        image "PCS groups of three" $partition 10 $cells --program hybrid-3 --cells $cells --partition $partition
     done
 done
 rm stats.json
