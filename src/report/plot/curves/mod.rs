@@ -59,6 +59,7 @@ impl Column<'_> {
 /// Where several rows have the same x on the same line, the line goes through their mean, and a bar spans them. Rows
 /// without a value are left out. Fails if nothing is left, or if there are more lines than can be told apart.
 pub fn render(table: &Table<'_>, axes: &Axes, what_ran: &str) -> Result<Rendered, PlotError> {
+    render::bring_font()?;
     let series = series::Curves::new(table, axes).map_err(PlotError::new)?;
     render::render(&draw::Chart::new(table.columns, axes, &series, what_ran))
 }
