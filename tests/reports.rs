@@ -48,7 +48,8 @@ fn cells(line: &str) -> Vec<String> {
 /// The tables on a page: the heading and the rows of each.
 fn page_tables(page: &str) -> Vec<Vec<Vec<String>>> {
     let lines: Vec<&str> = page.lines().collect();
-    let blocks = lines.chunk_by(|a, b| a.starts_with('|') == b.starts_with('|')).filter(|block| block[0].starts_with('|'));
+    let blocks =
+        lines.chunk_by(|a, b| a.starts_with('|') == b.starts_with('|')).filter(|block| block[0].starts_with('|'));
     blocks.map(|block| [&block[..1], &block[2..]].concat().into_iter().map(cells).collect()).collect()
 }
 
@@ -92,7 +93,8 @@ fn tables_on_pages_are_slices_of_the_folders_tables() {
 
 /// The figures of a page's sentences: numbers with a fraction, and percentages as shares.
 fn figures(page: &str) -> BTreeSet<(String, bool)> {
-    let prose: Vec<&str> = page.lines().filter(|line| !line.starts_with(['|', '!']) && !line.starts_with("    ")).collect();
+    let prose: Vec<&str> =
+        page.lines().filter(|line| !line.starts_with(['|', '!']) && !line.starts_with("    ")).collect();
     let prose = prose.join(" ");
     let words: Vec<&str> = prose.split_whitespace().collect();
     let number = |word: &str| {
