@@ -31,14 +31,14 @@ fn hits_and_counts(outcome: &Outcome) -> (Vec<[u32; 4]>, Counts) {
     (outcome.hits.iter().map(bits).collect(), outcome.counts)
 }
 
-/// All built-in scenes in every mode: the same hits as brute force finds, by the same candidates.
+/// All built-in scenes, cut into groups: the same hits as brute force finds, by the same candidates.
 #[test]
 fn on_full_built_in_scenes() {
     for builtin in builtin::all() {
         let (scene, rays) = scene(builtin.name, builtin.default_size, 6);
         let polygons = Polygons::new(&scene.mesh);
         let expected: Vec<[u32; 4]> = rays.iter().map(|ray| bits(&brute_force(&polygons, ray))).collect();
-        for (mode, groups) in [("pipeline", 1), ("broadcast", 7), ("hybrid", 3)] {
+        for (mode, groups) in [("broadcast", 7), ("hybrid", 3)] {
             let what = format!("{}, {mode} in {groups} groups", builtin.name);
             let [timings, programs] = both(&scene.mesh, &program(mode, groups), &rays);
             assert_eq!(hits_and_counts(&programs).0, expected, "{what}");
@@ -85,13 +85,14 @@ fn on_any_number_of_threads() {
     }
 }
 
-/// Total cycles within 15 % of those of Figure 7's times, on every built-in scene.
+/// Total cycles within 15 % of those of Figure 7's times, on every built-in scene, for the same hits and candidates.
 #[test]
 fn in_about_the_same_time() {
     for builtin in builtin::all() {
-        let (scene, rays) = scene(builtin.name, builtin.default_size, 24);
+        let (scene, rays) = scene(builtin.name, builtin.default_size, 16);
         for (mode, groups) in [("pipeline", 1), ("broadcast", 8)] {
             let [timings, programs] = both(&scene.mesh, &program(mode, groups), &rays);
+            assert_eq!(hits_and_counts(&programs), hits_and_counts(&timings), "{}, {mode}", builtin.name);
             let ratio = programs.stats.cycles.0 as f64 / timings.stats.cycles.0 as f64;
             assert!((ratio - 1.0).abs() < 0.15, "{}, {mode}: {ratio:.3} times the cycles", builtin.name);
             // Every kernel is at work in both, and moving takes just as long: the words are the same.
