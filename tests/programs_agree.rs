@@ -205,6 +205,8 @@ fn everything_behind_the_seam_serves_them() {
         assert_eq!(run[part], replay[part], "{part}");
     }
     assert_eq!(run["configuration"]["cells_run"], "programs");
+    assert_eq!(run["configuration"]["cell_programs"], "standard");
+    assert!(run["configuration"]["cycle_limit"].is_u64());
     for kind in ["timings", "programs"] {
         folder.run(&format!("image tetra --size-factor 3 --size 16x16 --cells-run {kind} -o {kind}.png")).success();
     }

@@ -311,7 +311,7 @@ pub fn memory_line(workload: &Workload) -> String {
     let largest = (0..workload.cells()).map(|cell| (workload.memory_of(cell).total(), std::cmp::Reverse(cell))).max();
     let (words, std::cmp::Reverse(cell)) = largest.unwrap_or_default();
     let line = format!("memory: {} words in the fullest cell, {cell}", grouped(words.0));
-    if !workload.runs_programs() {
+    if workload.cell_options().is_none() {
         return line;
     }
     let memory = workload.memory_of(cell);

@@ -70,9 +70,9 @@ impl Workload {
         Ok(Workload { programs: Some(programs), ..self })
     }
 
-    /// Whether the cells run programs.
-    pub fn runs_programs(&self) -> bool {
-        self.programs.is_some()
+    /// How the cells run programs, if they do.
+    pub fn cell_options(&self) -> Option<&CellOptions> {
+        self.programs.as_ref().map(|programs| &programs.options)
     }
 
     /// What the host spends.

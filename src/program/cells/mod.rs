@@ -39,7 +39,7 @@ pub struct CellOptions {
 pub(super) struct CellPrograms {
     executables: Vec<Executable>,
     cells: Vec<LoadedCell>,
-    cycle_limit: u64,
+    pub options: CellOptions,
 }
 
 /// A cell's program and memory.
@@ -85,7 +85,7 @@ impl CellPrograms {
             Ok(LoadedCell { executable, data, scene })
         };
         let cells = (0..workload.cells()).map(load).collect::<Result<_, InputError>>()?;
-        Ok(CellPrograms { executables, cells, cycle_limit: options.cycle_limit })
+        Ok(CellPrograms { executables, cells, options: options.clone() })
     }
 
     /// Words that a cell's program, data and part of the scene take.

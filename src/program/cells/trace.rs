@@ -45,7 +45,7 @@ impl<'a> ProgramTracer<'a> {
         let executable = |index: usize| &programs.executables[programs.cells[index].executable];
         let processor = |index: usize| {
             let cell = &programs.cells[index];
-            Processor::new(executable(index), &cell.data, &cell.scene, programs.cycle_limit)
+            Processor::new(executable(index), &cell.data, &cell.scene, programs.options.cycle_limit)
         };
         let events = |index| executable(index).counters().iter().map(|name| Event::named(name)).collect();
         let cells = 0..programs.cells.len();
