@@ -38,6 +38,12 @@ pub enum Command {
     Figure7(Figure7Args),
     /// Fits what instructions cost to Figure 7, and writes a machine file.
     Calibrate(CalibrateArgs),
+    /// Assembles a cell's program to an object file, and lists it with its cycles.
+    Asm(AsmArgs),
+    /// Turns an object file back into source text.
+    Disasm(DisasmArgs),
+    /// Runs a cell's program step by step, on words of your own.
+    Step(StepArgs),
     /// Lists the built-in scenes.
     Scenes,
 }
@@ -223,6 +229,54 @@ pub struct Figure7Args {
     /// A folder of programs for the cells in place of the standard ones.
     #[arg(long, value_name = "DIR")]
     pub cell_programs: Option<PathBuf>,
+}
+
+/// `pcs-sim asm`.
+#[derive(Debug, Args)]
+pub struct AsmArgs {
+    /// The source text, as pcs-programs/cells has them.
+    pub file: PathBuf,
+    /// Where the object file goes [default: stdout, if no listing is asked for].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Lists addresses, words, source lines, and cycles of instructions and loops [default: to stdout].
+    #[arg(long, value_name = "FILE", num_args = 0..=1)]
+    pub listing: Option<Option<PathBuf>>,
+    /// A machine file of your own, which says what instructions cost [default: PCS].
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `pcs-sim disasm`.
+#[derive(Debug, Args)]
+pub struct DisasmArgs {
+    /// The object file, as `pcs-sim asm` wrote it.
+    pub file: PathBuf,
+}
+
+/// `pcs-sim step`.
+#[derive(Debug, Args)]
+pub struct StepArgs {
+    /// The program: source text or an object file.
+    pub file: PathBuf,
+    /// Words that come on X: integers, 0x and hexadecimal digits, floating-point numbers; `-` for stdin.
+    #[arg(long, value_name = "FILE")]
+    pub x: Option<PathBuf>,
+    /// Words that come on Y.
+    #[arg(long, value_name = "FILE")]
+    pub y: Option<PathBuf>,
+    /// Commands, one a line [default: from stdin]; `help` among them lists them.
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
+    /// A machine file of your own, which says what instructions cost [default: PCS].
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// The most cycles that the program may compute for one message [default: 1000000000].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub cycle_limit: Option<u64>,
 }
 
 /// `pcs-sim calibrate`.
