@@ -176,9 +176,11 @@ impl<'a> Session<'a> {
     }
 }
 
-/// A word's bits, and what it is as an integer and as a floating-point number.
+/// A word's bits, the integer that it is, and the floating-point number if it is likely to be one.
 fn forms(word: u32) -> String {
-    format!("{word:#010x}  {:>11}  {:?}", word as i32, f32::from_bits(word))
+    let (integer, likely) = (word as i32, likely(word));
+    let float = if likely.contains(['.', 'e', 'i']) { likely.as_str() } else { "" };
+    format!("{word:#010x}  {integer:>11}  {float}").trim_end().to_owned()
 }
 
 fn name(queue: Queue) -> &'static str {
