@@ -61,7 +61,7 @@ fn session(program: &str, x: &str, script: &str) -> support::command::Finished {
 fn a_session() {
     let script = "break tap\nbreak\nrun\nrun\nregisters\nbreak tap\nbreak @11\nrun\nqueues\nmemory taps 3\nbreak 27\nrun\n\
                   list\nstep 2 ; comment\nbreak 27\nbreak @11\nrun\nqueues\nquit\nrun\n";
-    insta::assert_snapshot!(session(FIR, "1, 0 0x0\n2.5 ; the end", script).success());
+    insta::assert_snapshot!(session(FIR, "1.0, 0 0x0\n-2.5 ; the end", script).success());
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn messages_done_and_begun_again() {
 
 #[test]
 fn a_session_whose_program_faults_fails() {
-    let finished = session("li r1, 1\ndiv r1, r1, r0\n", "", "run\nregisters\nmemory 0\n");
+    let finished = session("li r1, 1\ndiv r1, r1, r0\n", "", "run\nregisters\nmemory 0\nrun\n");
     insta::assert_snapshot!(finished.stdout.clone());
     insta::assert_snapshot!(finished.failed());
 }

@@ -52,7 +52,12 @@ impl<'a> Session<'a> {
 
     /// The instruction that comes next.
     pub fn here(&self) -> String {
-        row(self.executable, if self.done { 0 } else { self.processor.address() })
+        row(self.executable, self.address())
+    }
+
+    /// Behind `done`, the next message begins at address 0.
+    fn address(&self) -> u32 {
+        if self.done { 0 } else { self.processor.address() }
     }
 
     /// Does what is asked, and tells what there is to see.
@@ -69,7 +74,7 @@ impl<'a> Session<'a> {
             }
             Command::Breakpoints => self.breakpoints.iter().map(|&address| row(self.executable, address)).collect(),
             Command::List => {
-                let address = self.processor.address();
+                let address = self.address();
                 rows(self.executable, address..address.saturating_add(LISTED))
             }
             Command::Registers => self.registers(),
@@ -91,6 +96,9 @@ impl<'a> Session<'a> {
     }
 
     fn until_stopped(&mut self, most: u64) -> String {
+        if let Some(fault) = &self.fault {
+            return format!(": it can go no further: {}", fault.kind);
+        }
         let last = self.processor.executed().saturating_add(most);
         while self.processor.executed() < last {
             match self.step() {
