@@ -111,6 +111,30 @@ refusals! {
     word_that_is_none: "1, 2\n3, x ; x", "run\n";
 }
 
+/// As a person types them: what cannot be is said, and the session goes on.
+#[test]
+fn commands_come_from_stdin() {
+    let folder = Folder::new();
+    let program = folder.file("fir.pcs", FIR);
+    let script = folder.file("script.txt", "step\nstpe\n\nregisters\n");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_pcs-sim"));
+    command.args([Path::new("step"), &program]).stdin(std::fs::File::open(script).unwrap());
+    let output = command.output().unwrap();
+    assert!(output.status.success());
+    insta::assert_snapshot!(String::from_utf8(output.stdout).unwrap());
+    insta::assert_snapshot!(String::from_utf8(output.stderr).unwrap());
+}
+
+#[test]
+fn a_word_that_is_no_instruction_is_shown_and_faults() {
+    let folder = Folder::new();
+    folder.file("bad.obj", "pcs object\ncode\n01f00000\nff000000\n");
+    folder.file("script.txt", "run\nlist\nqueues\n");
+    let source = folder.run("disasm bad.obj").success();
+    let session = folder.run("step bad.obj --script script.txt");
+    insta::assert_snapshot!(format!("{source}\n{}\n{}", session.stdout.clone(), session.failed()));
+}
+
 #[test]
 fn stdin_is_one_thing_at_a_time() {
     let folder = Folder::new();
