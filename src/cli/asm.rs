@@ -7,7 +7,7 @@ use pcs_sim::error::InputError;
 use pcs_sim::isa::{Executable, Program, Sources, assemble, listing, object};
 use pcs_sim::program::MachineFile;
 
-use super::args::AsmArgs;
+use super::cell_args::AsmArgs;
 use super::run::instruction_cycles;
 use super::{Failure, outputs, print};
 

@@ -2,7 +2,7 @@
 
 use pcs_sim::isa::{listing, object};
 
-use super::args::DisasmArgs;
+use super::cell_args::DisasmArgs;
 use super::{Failure, print};
 
 /// Prints source text that assembles to the same words.

@@ -3,6 +3,7 @@
 mod args;
 mod asm;
 mod calibrate;
+mod cell_args;
 mod compare;
 mod diagnostics;
 mod disasm;

@@ -11,8 +11,8 @@ use pcs_sim::isa::{Processor, Program, Queues, object, words};
 
 use self::command::Command;
 use self::session::Session;
-use super::args::StepArgs;
 use super::asm::executable;
+use super::cell_args::StepArgs;
 use super::{Failure, print};
 
 /// Runs a session of commands, from a script or from stdin. If the program has faulted in it, so has the command.
