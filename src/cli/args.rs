@@ -8,6 +8,8 @@ use pcs_sim::geometry::Partition;
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::machine::{Cycles, RateCounts};
 
+use super::cell_args::{AsmArgs, CalibrateArgs, DisasmArgs, Figure7Args, StepArgs};
+
 /// Simulates ray tracing on a linear array of PCS processors (INRIA RR-0992, 1989), exact to the cycle.
 ///
 /// Without a command it traces a scene: `pcs-sim --mode broadcast --cells 8 --scene reference`.
@@ -38,6 +40,12 @@ pub enum Command {
     Figure7(Figure7Args),
     /// Fits what instructions cost to Figure 7, and writes a machine file.
     Calibrate(CalibrateArgs),
+    /// Assembles a cell's program to an object file, and lists it with its cycles.
+    Asm(AsmArgs),
+    /// Turns an object file back into source text.
+    Disasm(DisasmArgs),
+    /// Runs a cell's program step by step, on words of your own.
+    Step(StepArgs),
     /// Lists the built-in scenes.
     Scenes,
 }
@@ -212,34 +220,6 @@ pub enum CellsRun {
     Timings,
     /// Programs of instructions.
     Programs,
-}
-
-/// `pcs-sim figure7`.
-#[derive(Debug, Args)]
-pub struct Figure7Args {
-    /// A machine file of your own [default: PCS].
-    #[arg(long, value_name = "FILE")]
-    pub machine: Option<PathBuf>,
-    /// A folder of programs for the cells in place of the standard ones.
-    #[arg(long, value_name = "DIR")]
-    pub cell_programs: Option<PathBuf>,
-}
-
-/// `pcs-sim calibrate`.
-#[derive(Debug, Args)]
-pub struct CalibrateArgs {
-    /// The machine file to which the costs are added, or in which they are replaced [default: PCS].
-    #[arg(long, value_name = "FILE")]
-    pub machine: Option<PathBuf>,
-    /// A folder of programs for the cells in place of the standard ones.
-    #[arg(long, value_name = "DIR")]
-    pub cell_programs: Option<PathBuf>,
-    /// Where the new machine file goes [default: stdout].
-    #[arg(short, long, value_name = "FILE")]
-    pub output: Option<PathBuf>,
-    /// Replace a file that exists.
-    #[arg(long)]
-    pub force: bool,
 }
 
 /// The paper's two organisations of the array, and both together.

@@ -10,7 +10,7 @@ use pcs_sim::program::cells::calibrate::calibrate as fit;
 use pcs_sim::program::cells::figure7::measure;
 use pcs_sim::program::cells::{CellOptions, machine_text};
 
-use super::args::CalibrateArgs;
+use super::cell_args::CalibrateArgs;
 use super::{Failure, outputs, print};
 
 /// Writes the machine file with the costs that come nearest to Figure 7.

@@ -7,7 +7,7 @@ use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::cells::figure7::{NUMBERS, measure, us};
 use pcs_sim::report::summary::{aligned, table};
 
-use super::args::Figure7Args;
+use super::cell_args::Figure7Args;
 use super::{Failure, print};
 
 /// Prints what the paper says, what each kind of cell takes, and the differences.

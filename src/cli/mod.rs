@@ -1,9 +1,12 @@
 //! The command line: one file a command; each parses, calls the library, prints.
 
 mod args;
+mod asm;
 mod calibrate;
+mod cell_args;
 mod compare;
 mod diagnostics;
+mod disasm;
 mod figure7;
 mod image;
 mod interrupt;
@@ -14,6 +17,7 @@ mod progress;
 mod replay;
 mod run;
 mod scenes;
+mod step;
 mod sweep;
 mod unread;
 mod views;
@@ -88,6 +92,9 @@ fn command(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Figure7(args)) => figure7::figure7(args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(args),
+        Some(Command::Asm(args)) => asm::asm(args),
+        Some(Command::Disasm(args)) => disasm::disasm(args),
+        Some(Command::Step(args)) => step::step(args),
         Some(Command::Scenes) => scenes::scenes(),
     }
 }

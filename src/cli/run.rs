@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::{camera, image, ray_file};
-use pcs_sim::isa::Processor;
+use pcs_sim::isa::{InstructionCycles, Processor};
 use pcs_sim::machine::{Array, MachineSpec};
 use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
@@ -160,6 +160,15 @@ fn cell_options(args: &CellArgs, machine: &Machine) -> Result<CellOptions, Input
     })?;
     let cycle_limit = args.cycle_limit.unwrap_or(Processor::CYCLE_LIMIT);
     Ok(CellOptions { cycles, folder: args.cell_programs.clone(), cycle_limit })
+}
+
+/// What instructions cost, which a machine file need not say.
+pub fn instruction_cycles(machine: &Machine) -> Result<InstructionCycles, InputError> {
+    machine.instructions.ok_or_else(|| {
+        let error =
+            InputError::new("the machine file does not say what instructions cost: instruction_cycles is missing");
+        error.help("`pcs-sim calibrate --machine FILE` adds it")
+    })
 }
 
 /// A built-in scene or a file's.

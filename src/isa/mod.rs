@@ -10,6 +10,7 @@
 //! | [`table`] | the one table of instructions: mnemonic, code, format, class, effect |
 //! | [`encoding`] | the one layout of fields in a word; words to instructions and back |
 //! | [`assemble`] | source text to a [`Program`], with errors that point |
+//! | [`object`], [`listing`], [`words`] | programs as object files and listings; words as people write them |
 //! | [`Executable`] | a program under given [`InstructionCycles`], ready to run |
 //! | [`Processor`] | a cell that runs one: words in, words and [ops](crate::machine::OpStream) out |
 //!
@@ -22,11 +23,14 @@ mod cycles;
 pub mod encoding;
 mod executable;
 mod fault;
+pub mod listing;
+pub mod object;
 mod processor;
 mod program;
 mod queues;
 mod register;
 pub mod table;
+pub mod words;
 
 pub use assembler::{Sources, assemble};
 pub use cycles::InstructionCycles;

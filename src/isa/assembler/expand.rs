@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::expression::{Reader, Wrong};
 use super::line::{Kind, Line, Token};
-use super::{Assembler, Macro, Pending, Word};
+use super::{Assembler, Macro, Pending, Sources, Word};
 use crate::error::InputError;
 use crate::input::text::nearest;
 use crate::isa::program::{SourceFile, SourceLine};
@@ -306,7 +306,7 @@ impl Assembler {
         };
         reader.take();
         reader.expect_end().map_err(|wrong| self.error(line, wrong))?;
-        let path = self.sources.place(self.path(line), name.text.trim_matches('"'));
+        let path = Sources::place(self.path(line), name.text.trim_matches('"'));
         self.deeper(line, name.span(), |this| {
             // A file that cannot be read is a mistake of the line that names it.
             if let Err(error) = this.sources.open(&path) {

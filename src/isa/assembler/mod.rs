@@ -42,10 +42,10 @@ use crate::error::InputError;
 use crate::input::fields;
 use crate::input::text::nearest;
 
-/// Where `.include` finds files.
+/// Where `.include` finds files, whose names count from the folder of the including file on.
 #[derive(Clone, Copy, Debug)]
 pub enum Sources {
-    /// In the file system, from the folder of the including file on.
+    /// In the file system.
     Files,
     /// Among texts with names.
     BuiltIn(&'static [(&'static str, &'static str)]),
@@ -65,11 +65,8 @@ impl Sources {
     }
 
     /// Where a file lies that another one includes.
-    fn place(self, from: &Path, name: &str) -> PathBuf {
-        match self {
-            Sources::Files => from.parent().unwrap_or(Path::new("")).join(name),
-            Sources::BuiltIn(_) => PathBuf::from(name),
-        }
+    fn place(from: &Path, name: &str) -> PathBuf {
+        from.parent().unwrap_or(Path::new("")).join(name)
     }
 }
 
