@@ -75,20 +75,17 @@ impl Views {
     pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
         let &Seen { caption, spec, stats, cell_names, configuration, image, .. } = run;
         if let Some(profile) = &run.observed.profile {
-            if let Some(folder) = &self.plot {
-                let pictures = plot::pictures(profile, spec, caption, cell_names);
-                write_plots(
-                    folder,
-                    self.force,
-                    pictures.map_err(|error| Failure::Output(error.to_string()))?,
-                    written,
-                )?;
-            }
             let page = Page { caption, spec, stats, profile, cell_names, configuration, image };
-            outputs::finish(self.page, written, |file| {
-                let html = page::html(&page).map_err(std::io::Error::other)?;
-                file.write_all(html.as_bytes())
-            })?;
+            let (pictures, html) = rayon::join(
+                || self.plot.as_ref().map(|_| plot::pictures(profile, spec, caption, cell_names)).transpose(),
+                || self.page.as_ref().map(|_| page::html(&page)).transpose(),
+            );
+            let pictures = pictures.map_err(|error| Failure::Output(error.to_string()))?;
+            if let (Some(folder), Some(pictures)) = (&self.plot, pictures) {
+                write_plots(folder, self.force, pictures, written)?;
+            }
+            let html = html.map_err(|error| Failure::Output(error.to_string()))?;
+            outputs::finish(self.page, written, |file| file.write_all(html.unwrap_or_default().as_bytes()))?;
         }
         let (Some((file, format)), Some(recording)) = (self.trace, &run.observed.recording) else { return Ok(()) };
         let trace = Trace { caption, spec, cell_names, recording };
