@@ -15,6 +15,7 @@ pub struct FifoLane {
     place: Place,
     write_run: Run,
     read_run: Run,
+    both_run: Run,
 }
 
 /// What has been entered.
@@ -66,32 +67,50 @@ impl FifoLane {
             place: Place::default(),
             write_run: Run { usual: 1 },
             read_run: Run { usual: 1 },
+            both_run: Run { usual: 1 },
         }
     }
 
     /// Goes on as far as both sequences are known. To be called after every stretch of reads and after every stretch of
     /// writes, before the FIFO forgets their times.
     pub fn follow(&mut self, fifo: &Fifo) {
-        let FifoLane { seen, write_run, read_run, .. } = self;
-        let (write_time, read_time) = (|word| fifo.write_time(word), |word| fifo.read_time(word));
+        let FifoLane { seen, write_run, read_run, both_run, .. } = self;
         let (written, read) = (fifo.words_written(), fifo.words_read());
         let mut place = self.place;
         while place.writes < written && place.reads < read {
-            if place.exchange(seen, fifo, write_run.usual) {
-                continue;
-            }
-            let (write, read_in) = (write_time(place.writes), read_time(place.reads));
+            let (write, read_in) = (fifo.write_time(place.writes), fifo.read_time(place.reads));
             let (writes, reads) = (written - place.writes, read - place.reads);
+            // As times rise, words come one a cycle if the last of them comes as many cycles later.
+            let Place { writes: first_in, reads: first_out, .. } = place;
+            let writes_on = |count| fifo.write_time(first_in + count - 1) == write + count - 1;
+            let reads_on = |count| fifo.read_time(first_out + count - 1) == read_in + count - 1;
             if write < read_in {
-                let count = write_run.length(place.writes, writes.min(read_in - write), write_time);
+                let count = write_run.usual;
+                let passes = count < writes && count <= reads && writes_on(count) && reads_on(count);
+                if passes && fifo.write_time(place.writes + count) >= read_in + count {
+                    let apart = count.min(read_in - write);
+                    if place.swing(seen, (write, apart), read_in.max(write + count), place.level() + apart) {
+                        place.skip(count);
+                        continue;
+                    }
+                }
+                let count = write_run.length(writes, writes_on).min(read_in - write);
                 place.rise(seen, write, count);
             } else if read_in < write {
-                let count = read_run.length(place.reads, reads.min(write - read_in), read_time);
+                let count = read_run.usual;
+                let passes = count < reads && count <= writes && writes_on(count) && reads_on(count);
+                if passes && fifo.read_time(place.reads + count) >= write + count {
+                    let apart = count.min(write - read_in);
+                    if place.swing(seen, (read_in, apart), write.max(read_in + count), place.level() - apart) {
+                        place.skip(count);
+                        continue;
+                    }
+                }
+                let count = read_run.length(reads, reads_on).min(write - read_in);
                 place.fall(seen, read_in, count);
             } else {
                 // A word comes and a word goes: nothing changes, for as long as both go on.
-                let count = write_run.length(place.writes, writes.min(reads), write_time);
-                place.skip(read_run.length(place.reads, count, read_time));
+                place.skip(both_run.length(writes.min(reads), |count| writes_on(count) && reads_on(count)));
             }
         }
         self.place = place;
@@ -115,34 +134,20 @@ impl FifoLane {
 }
 
 impl Place {
-    /// Follows the next `count` words in and the next `count` words out together, if on each side they come one a cycle and
-    /// the side that begins brings no more words until the other is through. So most messages pass, each in the place of
-    /// another or of itself.
+    fn level(&self) -> u64 {
+        self.writes - self.reads
+    }
+
+    /// A message comes in and one goes out, one word a cycle: the occupancy goes to `far` by one a cycle, for `apart` cycles
+    /// from `start` on, and back likewise from `turn` on. This is the way of nearly all words. False, and nothing is
+    /// done, if it must be followed step by step.
     #[inline(always)]
-    fn exchange(&mut self, seen: &mut Seen, fifo: &Fifo, count: u64) -> bool {
-        let (next_write, next_read) = (self.writes + count, self.reads + count);
-        if next_write >= fifo.words_written() || next_read >= fifo.words_read() {
-            return false;
+    fn swing(&mut self, seen: &mut Seen, (start, apart): (u64, u64), turn: u64, far: u64) -> bool {
+        let done = self.since < start && seen.swing((self.level(), far), self.since, (start, apart), turn);
+        if done {
+            self.since = turn + apart - 1;
         }
-        let (write, read_in) = (fifo.write_time(self.writes), fifo.read_time(self.reads));
-        let (written, read) = (write + count, read_in + count);
-        if fifo.write_time(next_write - 1) + 1 != written || fifo.read_time(next_read - 1) + 1 != read {
-            return false;
-        }
-        // Where one side runs while the other does, nothing changes.
-        let apart = write.abs_diff(read_in).min(count);
-        if write < read_in && fifo.write_time(next_write) >= read {
-            self.rise(seen, write, apart);
-            self.skip(count - apart);
-            self.fall(seen, written.max(read_in), apart);
-        } else if read_in < write && fifo.read_time(next_read) >= written {
-            self.fall(seen, read_in, apart);
-            self.skip(count - apart);
-            self.rise(seen, read.max(write), apart);
-        } else {
-            return false;
-        }
-        true
+        done
     }
 
     /// So many words come and as many go, each in the same cycle.
@@ -175,7 +180,7 @@ impl Place {
     /// The occupancy stays as it is up to, and without, cycle `until`. Returns it.
     #[inline(always)]
     fn hold_until(&mut self, seen: &mut Seen, until: u64) -> u64 {
-        let occupancy = self.writes - self.reads;
+        let occupancy = self.level();
         let from = std::mem::replace(&mut self.since, until);
         if from < until {
             seen.hold(occupancy, from, until);
@@ -217,13 +222,36 @@ impl Seen {
         }
     }
 
+    /// See [`Place::swing`]: the occupancy was `near` from cycle `since` on. False if that spans bins.
+    #[inline(always)]
+    fn swing(&mut self, (near, far): (u64, u64), since: u64, (start, apart): (u64, u64), turn: u64) -> bool {
+        let there = start + apart - 1;
+        let Some(bin) = self.timeline.within(turn + apart - 1) else { return false };
+        self.held[near as usize] += start - since;
+        self.held[far as usize] += turn - there;
+        bin.hold(near, start - since, near == self.capacity);
+        bin.hold(far, turn - there, far == self.capacity);
+        if apart > 1 {
+            // On the way and on the way back.
+            bin.word_cycles += (near + far) * (apart - 1);
+            self.pass(near.min(far) + 1, apart - 1, 2);
+        }
+        true
+    }
+
+    /// `count` occupancies from the lowest on were passed, so many times.
+    #[inline(always)]
+    fn pass(&mut self, lowest: u64, count: u64, times: u64) {
+        let past = (lowest + count) as usize;
+        self.passed[lowest as usize] = self.passed[lowest as usize].wrapping_add(times);
+        self.passed[past] = self.passed[past].wrapping_sub(times);
+    }
+
     /// Another one in each of the cycles `from..until`; see [`Place::slope`].
     #[inline(always)]
     fn slope(&mut self, lowest: u64, from: u64, until: u64, level: impl Fn(u64) -> u64) {
         let count = until - from;
-        let past = (lowest + count) as usize;
-        self.passed[lowest as usize] = self.passed[lowest as usize].wrapping_add(1);
-        self.passed[past] = self.passed[past].wrapping_sub(1);
+        self.pass(lowest, count, 1);
         match self.timeline.within(until) {
             Some(bin) => bin.pass(level(0), level(count - 1), count),
             None => self.timeline.cut(from, until, |bin, start, end| {
@@ -259,12 +287,10 @@ struct Run {
 }
 
 impl Run {
-    /// The number of words from `first` on, at most `most`, that come one a cycle; `time` tells each word's. As times rise,
-    /// words do so if the last of them comes as many cycles later.
+    /// For how many words, at most `most`, `steady` holds: that so many come one a cycle.
     #[inline(always)]
-    fn length(&mut self, first: u64, most: u64, time: impl Fn(u64) -> u64) -> u64 {
-        let start = time(first);
-        let steady = |count: u64| count <= most && time(first + count - 1) == start + count - 1;
+    fn length(&mut self, most: u64, steady: impl Fn(u64) -> bool) -> u64 {
+        let steady = |count: u64| count <= most && steady(count);
         if steady(self.usual) && !steady(self.usual + 1) {
             return self.usual;
         }
