@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::machine::{Array, Cycles, MachineSpec, Observed, Recording, RunStats};
-use pcs_sim::report::files::OutputFile;
+use pcs_sim::report::files::{OutputFile, OutputFolder};
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
@@ -17,7 +17,7 @@ use super::{Failure, outputs};
 
 /// The views that are asked for, their places found fit before the run.
 pub struct Views {
-    plot: Option<PathBuf>,
+    plot: Option<OutputFolder>,
     page: Option<OutputFile>,
     trace: Option<(OutputFile, Format)>,
     window: Range<Cycles>,
@@ -43,15 +43,12 @@ pub struct Seen<'a> {
 impl Views {
     /// Opens the files, and makes the folder.
     pub fn open(args: &ViewArgs, force: bool) -> Result<Views, InputError> {
-        if let Some(folder) = &args.plot {
-            prepare_folder(folder, force)?;
-        }
         let trace = |path: &PathBuf| {
             let format = Format::of(path)?;
             Ok((OutputFile::create(path, force)?, format))
         };
         Ok(Views {
-            plot: args.plot.clone(),
+            plot: args.plot.as_ref().map(|folder| prepare_folder(folder, force)).transpose()?,
             page: outputs::open(args.page.as_deref(), force)?,
             trace: args.trace.as_ref().map(trace).transpose()?,
             window: args.trace_window.clone().unwrap_or(Cycles(0)..Cycles(u64::MAX)),
@@ -82,7 +79,7 @@ impl Views {
             );
             let pictures = pictures.map_err(|error| Failure::Output(error.to_string()))?;
             if let (Some(folder), Some(pictures)) = (&self.plot, pictures) {
-                write_plots(folder, self.force, pictures, written)?;
+                write_plots(folder.path(), self.force, pictures, written)?;
             }
             let html = html.map_err(|error| Failure::Output(error.to_string()))?;
             outputs::finish(self.page, written, |file| file.write_all(html.unwrap_or_default().as_bytes()))?;
@@ -95,12 +92,12 @@ impl Views {
     }
 }
 
-fn prepare_folder(folder: &Path, force: bool) -> Result<(), InputError> {
+fn prepare_folder(folder: &Path, force: bool) -> Result<OutputFolder, InputError> {
     let failed = |error: std::io::Error| InputError::in_file(folder, format!("cannot be written: {}", error.kind()));
-    std::fs::create_dir_all(folder).map_err(failed)?;
+    let prepared = OutputFolder::create(folder).map_err(failed)?;
     let empty = std::fs::read_dir(folder).map_err(failed)?.next().is_none();
     if empty || force {
-        return Ok(());
+        return Ok(prepared);
     }
     Err(InputError::in_file(folder, "is not empty").help("name a new folder, or --force to replace the plots in it"))
 }

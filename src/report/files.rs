@@ -35,26 +35,39 @@ struct Part {
     number: u64,
 }
 
+/// A folder for result files. Those that had to be made for it are removed again if they are still empty when it is
+/// dropped.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    /// From the innermost outwards.
+    made: Vec<PathBuf>,
+}
+
 /// The result files of this process. A thread that is told to stop everything must be able to remove them, whoever
 /// writes them.
 struct Desk {
     /// The files that are not finished; a path that is dropped is removed.
     parts: BTreeMap<u64, TempPath>,
     opened: u64,
+    /// The folders that were made for result files, each after those in it.
+    folders: Vec<PathBuf>,
     finished: Vec<PathBuf>,
 }
 
-static DESK: Mutex<Desk> = Mutex::new(Desk { parts: BTreeMap::new(), opened: 0, finished: Vec::new() });
+static DESK: Mutex<Desk> =
+    Mutex::new(Desk { parts: BTreeMap::new(), opened: 0, folders: Vec::new(), finished: Vec::new() });
 
 fn desk() -> MutexGuard<'static, Desk> {
     DESK.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all files that are not finished, and lets no file be opened or finished any more: who tries is kept waiting,
+/// Removes all files that are not finished and the folders that were made for nothing, and lets no file be opened or finished any more: who tries is kept waiting,
 /// for the process is about to end. Returns the files that this process has finished.
 pub fn abandon() -> Vec<PathBuf> {
     let mut desk = desk();
     desk.parts.clear();
+    remove_empty(&desk.folders);
     let finished = std::mem::take(&mut desk.finished);
     std::mem::forget(desk);
     finished
@@ -85,6 +98,37 @@ impl OutputFile {
         done.map_err(|error| error.error)?;
         desk.finished.push(self.path.clone());
         Ok(self.path)
+    }
+}
+
+impl OutputFolder {
+    /// Makes the folder, unless it is there.
+    pub fn create(path: &Path) -> std::io::Result<OutputFolder> {
+        let mut desk = desk();
+        let missing = path.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+        let made: Vec<PathBuf> = missing.map(Path::to_owned).collect();
+        desk.folders.extend_from_slice(&made);
+        std::fs::create_dir_all(path)?;
+        Ok(OutputFolder { path: path.to_owned(), made })
+    }
+
+    /// Where it is, as the user named it.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        remove_empty(&self.made);
+    }
+}
+
+/// Removes those of the folders that have nothing in them.
+fn remove_empty(folders: &[PathBuf]) {
+    for folder in folders {
+        // One with files in it is not removed, as it should be.
+        let _ = std::fs::remove_dir(folder);
     }
 }
 

@@ -85,6 +85,7 @@ impl FifoLane {
             let writes_on = |count| fifo.write_time(first_in + count - 1) == write + count - 1;
             let reads_on = |count| fifo.read_time(first_out + count - 1) == read_in + count - 1;
             if write < read_in {
+                // Mostly a message comes in, and one goes out before the next comes in.
                 let count = write_run.usual;
                 let passes = count < writes && count <= reads && writes_on(count) && reads_on(count);
                 if passes && fifo.write_time(place.writes + count) >= read_in + count {

@@ -62,7 +62,7 @@ function addChart(title, station, data, series, options, describe) {
       { ...axis, size: 24, values: (chart, ticks) => ticks.map((tick) => `${+tick.toPrecision(8)} ${run.unit}`) },
       { ...axis, size: 58, label: options.label, labelSize: 18, ...options.axis },
     ],
-    series: [{}, ...series],
+    series: [{}, ...series.map((one) => ({ ...one, points: { show: false } }))],
     bands: options.bands,
     hooks: {
       setScale: [(chart, key) => {
