@@ -49,7 +49,7 @@ fn silent_pipe(folder: &Folder, name: &str) {
 #[test]
 fn a_run_that_traces() {
     let folder = Folder::new();
-    let run = "--scene teapot --size 2000x2000 --ops a.ops --stats s.json --hits h.csv --image i.png";
+    let run = "--scene teapot --size 2000x2000 --ops a.ops --stats s.json --hits h.csv --image i.png --plot new/plots";
     let (told, left) = interrupted(&folder, run, growing);
     assert!(told.starts_with("stopped after "), "{told}");
     assert!(told.ends_with(" of 4 000 000 rays; nothing was written\n"), "{told}");
