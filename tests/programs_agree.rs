@@ -151,14 +151,19 @@ fn folder_with(name: &str, text: &str) -> Folder {
 
 /// The fault of a pipeline whose slabs cell runs this.
 fn fault_of(text: &str) -> FaultKind {
-    let folder = folder_with("slabs.pcs", text);
+    fault_in("pipeline", "slabs.pcs", text, 1)
+}
+
+/// The fault of an array of one group of which a cell runs this.
+fn fault_in(array: &str, file: &str, text: &str, cell: usize) -> FaultKind {
+    let folder = folder_with(file, text);
     let (scene, rays) = scene("tetra", 3, 12);
     let options = CellOptions { folder: Some(folder.path("cells")), cycle_limit: 1_000_000, ..cell_options() };
-    let workload = Workload::new(&scene.mesh, &program("pipeline", 1), machine().times, &rays).unwrap();
+    let workload = Workload::new(&scene.mesh, &program(array, 1), machine().times, &rays).unwrap();
     let workload = workload.with_programs(&options).unwrap();
     match simulation::run(&workload, &machine().spec, &rays, 2, |_| Ok::<_, Infallible>(())) {
         Err(RunError::Fault(fault)) => {
-            assert_eq!((fault.cell, fault.message), (1, 0));
+            assert_eq!((fault.cell, fault.message), (cell, 0));
             fault.kind
         }
         other => panic!("{other:?}"),
@@ -177,6 +182,18 @@ fn programs_that_go_wrong_end_in_a_fault() {
     assert!(matches!(fault_of(&format!("{ray} li r1, 1000\n sw r1, [r1]")), FaultKind::Store { .. }));
     assert!(matches!(fault_of(&format!("{ray} halt")), FaultKind::Halted));
     assert!(matches!(fault_of(ray), FaultKind::OutsideProgram { .. }));
+    assert_eq!(
+        fault_of(&format!("{ray} next: mov r1, y\n addi r1, r1, 1\n bne r1, r0, next\n done")),
+        FaultKind::LateWork
+    );
+}
+
+/// A cell that still reads when the host has read its HIT would be at work after the run's end.
+#[test]
+fn nothing_comes_after_the_answer() {
+    let hit = "mov y, r1\n li r3, -1\n mov y, r3\n mov y, r3\n mov y, r3\n mov y, r3\n";
+    let text = format!("{}{hit}{}done", "mov r1, x\n".repeat(3), "mov r2, x\n".repeat(5));
+    assert_eq!(fault_in("broadcast", "broadcast.pcs", &text, 0), FaultKind::LateWork);
 }
 
 /// The command ends with status 1 on a fault, and with 2 on a mistake in a program; both show the line.

@@ -76,7 +76,7 @@ pub enum FaultKind {
     },
     /// The answer names a polygon that there is not.
     AnswerPolygon(u32),
-    /// It computes after the last word that it moves for the message: nobody could wait for that.
+    /// It goes on with the message after its last word to Y: nobody could wait for that.
     LateWork,
     /// The cell has stopped for good, and there are more messages.
     Halted,
@@ -119,7 +119,7 @@ impl fmt::Display for FaultKind {
                 write!(f, "the last cell wrote {words} words on Y for the message, an answer has {expected}")
             }
             FaultKind::AnswerPolygon(polygon) => write!(f, "the answer names polygon {polygon}, which there is not"),
-            FaultKind::LateWork => f.write_str("the cell computes after the last word that it moves for the message"),
+            FaultKind::LateWork => f.write_str("the cell goes on with the message after its last word to Y"),
             FaultKind::Halted => f.write_str("the cell has halted, but there are more messages"),
         }
     }

@@ -86,7 +86,8 @@ impl<'a> ProgramTracer<'a> {
         if let Some((queue, words)) = self.queues.unread() {
             return Err(cell.fault(FaultKind::Unread(queue, words)));
         }
-        if matches!(ops.ops().last().map(|op| op.kind()), Some(OpKind::Compute(_))) {
+        // Else a cell could be at work when the host has read its last word, with which the statistics end.
+        if ops.ops().last().map(|op| op.kind()) != Some(OpKind::WriteY) {
             return Err(cell.fault(FaultKind::LateWork));
         }
         for (counter, event) in self.events[index].iter().enumerate() {
