@@ -5,7 +5,6 @@ use std::io::Write;
 
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
-use pcs_sim::host::{camera, ray_file};
 use pcs_sim::model::Survey;
 use pcs_sim::program::{ArrayProgram, Machine, Workload};
 use pcs_sim::report::summary::grouped;
@@ -25,7 +24,7 @@ pub fn model(args: &ModelArgs) -> Result<(), Failure> {
     let stats = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let spinner = progress::waiting("surveying the scene");
     let scene = run::scene(&args.scene, &args.shape)?;
-    let rays = rays(args, &scene)?;
+    let rays = run::rays(args.rays.as_deref(), &args.shape, &scene)?;
     let array = prediction::array_model(&program, &machine);
     let (polygons, sub_volumes) = Workload::sub_volumes(&scene.mesh, &program, machine.times, &rays)?;
     let survey = Survey::new(&polygons, &sub_volumes, &rays);
@@ -69,13 +68,6 @@ fn check_outputs(args: &ModelArgs) -> Result<(), InputError> {
         args.machine.machine.as_deref(),
     ];
     outputs::check_distinct(&[args.results.stats.as_ref()], &inputs)
-}
-
-fn rays(args: &ModelArgs, scene: &Scene) -> Result<Vec<Ray>, InputError> {
-    match &args.rays {
-        Some(path) => ray_file::read(path),
-        None => Ok(camera::primary_rays(&scene.camera, args.shape.size)),
-    }
 }
 
 /// The run that the model is held against.

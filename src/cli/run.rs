@@ -18,7 +18,7 @@ use pcs_sim::report::{activity, bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
-use super::args::{CellArgs, CellsRun, MachineArgs, Mode, ProgramArgs, RunArgs, SceneArgs, ShapeArgs};
+use super::args::{CellArgs, CellsRun, MachineArgs, Mode, ProgramArgs, RunArgs, ShapeArgs};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
@@ -51,7 +51,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut files = open_outputs(args)?;
     let spinner = progress::waiting("preparing the scene");
     let scene = scene(&args.scene.scene, &args.scene.shape)?;
-    let rays = rays(&args.scene, &scene)?;
+    let rays = rays(args.scene.rays.as_deref(), &args.scene.shape, &scene)?;
     let workload = workload(&args.cells, &scene, &program, &machine, &rays)?;
     workload.check_memory(machine.spec.memory_words)?;
     workload.check_fifos(machine.spec.fifo_words)?;
@@ -191,10 +191,10 @@ pub fn is_builtin(scene: &str) -> bool {
 }
 
 /// The rays: the camera's, or a file's.
-pub fn rays(args: &SceneArgs, scene: &Scene) -> Result<Vec<Ray>, InputError> {
-    match &args.rays {
+pub fn rays(file: Option<&Path>, shape: &ShapeArgs, scene: &Scene) -> Result<Vec<Ray>, InputError> {
+    match file {
         Some(path) => ray_file::read(path),
-        None => Ok(camera::primary_rays(&scene.camera, args.shape.size)),
+        None => Ok(camera::primary_rays(&scene.camera, shape.size)),
     }
 }
 

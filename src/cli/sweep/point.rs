@@ -95,7 +95,7 @@ impl Setting {
     pub fn stage(&self) -> Result<Stage, String> {
         let args = &self.args.scene;
         let scene = run::scene(&args.scene, &args.shape).map_err(reason)?;
-        let rays = run::rays(args, &scene).map_err(reason)?;
+        let rays = run::rays(args.rays.as_deref(), &args.shape, &scene).map_err(reason)?;
         Ok(Stage { scene, rays })
     }
 
