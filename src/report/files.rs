@@ -62,8 +62,9 @@ fn desk() -> MutexGuard<'static, Desk> {
     DESK.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all files that are not finished and the folders that were made for nothing, and lets no file be opened or finished any more: who tries is kept waiting,
-/// for the process is about to end. Returns the files that this process has finished.
+/// Removes all files that are not finished and the folders that were made for nothing, and lets no file be opened or
+/// finished any more: who tries is kept waiting, for the process is about to end. Returns the files that this process has
+/// finished.
 pub fn abandon() -> Vec<PathBuf> {
     let mut desk = desk();
     desk.parts.clear();

@@ -15,7 +15,7 @@ use crate::cli::args::RunArgs;
 use crate::cli::run;
 
 /// What the table tells of a point, behind its parameters. `grid_us` to `idle_us` are what all cells together spend on a
-/// ray in each state; they add up to `array_cells` times `us_per_ray`.
+/// ray in each state; they add up to `array_cells` times `us_per_ray`, but for what the cells' programs do beside the kernels.
 pub const COLUMNS: [Column<'static>; 27] = [
     column("array_cells", Kind::Whole, "cells of the array"),
     column("polygons", Kind::Whole, "polygons of the scene"),
@@ -208,8 +208,8 @@ impl Outcome {
             spent(|cell| cell.busy.of(Work::Slabs)),
             spent(|cell| cell.busy.of(Work::Intersection)),
             spent(|cell| cell.moving),
-            spent(|cell| cell.waiting_x + cell.waiting_y),
-            spent(|cell| cell.blocked_x + cell.blocked_y),
+            spent(|cell| cell.waiting_x + cell.waiting_y + cell.waiting_z),
+            spent(|cell| cell.blocked_x + cell.blocked_y + cell.blocked_z),
             spent(|cell| cell.idle),
             (all_work as f64 / cycles / stats.cells.len() as f64).to_string(),
             busiest.to_string(),
