@@ -58,19 +58,34 @@ fn a_point_accounts_for_all_of_its_cells_time_and_words() {
     folder.run("sweep sweep.ron --table t.csv").success();
     let rows = rows(&folder.read("t.csv"));
     let number = |row: usize, name: &str| column(&rows, name)[row].parse::<f64>().unwrap();
-    for row in 0..3 {
-        let states = ["grid", "slabs", "intersection", "moving", "waiting", "blocked", "idle"];
-        let spent: f64 = states.iter().map(|state| number(row, &format!("{state}_us"))).sum();
-        let all = number(row, "array_cells") * number(row, "us_per_ray");
-        assert!((spent - all).abs() < 0.01, "{spent} of {all} us");
-        let us = 1e6 * number(row, "seconds") / number(row, "ray_count");
-        assert!((us - number(row, "us_per_ray")).abs() < 1e-4);
-    }
+    assert_all_time_is_there(&rows);
     // A ray of 8 words and a hit of 5 go through every link of a broadcast.
     assert_eq!(number(1, "busiest_link_words"), 13.0 * 120.0);
     assert!(number(0, "busiest_link_words") > 13.0 * 120.0, "a pipeline's links carry candidates, too");
     assert_eq!(number(0, "placed_polygons"), number(0, "polygons"));
     assert!(number(1, "placed_polygons") > number(1, "polygons"), "polygons on cuts are in both parts");
+}
+
+#[test]
+fn a_point_with_stop_words_does_so_too() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", r#"(scene: "room", size: "12x10", program: ["pipeline", "hybrid"], stop_words: [1, 4])"#);
+    folder.run("sweep sweep.ron --table t.csv").success();
+    assert_all_time_is_there(&rows(&folder.read("t.csv")));
+}
+
+/// The states of all cells add up to the cells' time.
+fn assert_all_time_is_there(rows: &[Vec<String>]) {
+    assert!(rows.len() > 1);
+    for row in 0..rows.len() - 1 {
+        let number = |name: &str| column(rows, name)[row].parse::<f64>().unwrap();
+        let states = ["grid", "slabs", "intersection", "moving", "waiting", "blocked", "idle"];
+        let spent: f64 = states.iter().map(|state| number(&format!("{state}_us"))).sum();
+        let all = number("array_cells") * number("us_per_ray");
+        assert!((spent - all).abs() < 0.01, "{spent} of {all} us");
+        let us = 1e6 * number("seconds") / number("ray_count");
+        assert!((us - number("us_per_ray")).abs() < 1e-4);
+    }
 }
 
 #[test]
