@@ -1,0 +1,59 @@
+//! The sentence names what really limits the machine: making just that faster must make the whole faster.
+
+use crate::support::command::Folder;
+
+/// The bottleneck sentence and the cycles of a replay.
+fn replay(trace: &str, flags: &str) -> (String, u64) {
+    let folder = Folder::new();
+    folder.file("a.ops", trace);
+    folder.run(&format!("replay a.ops --stats s.json {flags}")).success();
+    let stats: serde_json::Value = serde_json::from_str(&folder.read("s.json")).unwrap();
+    (stats["bottleneck"].as_str().unwrap().to_owned(), stats["cycles"].as_u64().unwrap())
+}
+
+fn rays(count: u32, line: impl Fn(u32) -> String) -> String {
+    (0..count).map(line).collect()
+}
+
+#[test]
+fn a_slow_cell() {
+    let trace = rays(50, |ray| format!("{ray} host w8\n{ray} 0 x8 g100 o1\n{ray} 1 x8 i1 n900 o5\n"));
+    let (sentence, cycles) = replay(&trace, "");
+    insta::assert_snapshot!(sentence);
+    assert!(replay(&trace.replace("n900", "n450"), "").1 < cycles * 6 / 10);
+}
+
+#[test]
+fn a_slow_link() {
+    let trace = rays(50, |ray| format!("{ray} host w8\n{ray} 0 x8 g10 o9\n{ray} 1 x8 i9 n10 o5\n"));
+    let (sentence, cycles) = replay(&trace, "--link-mb-s 8");
+    insta::assert_snapshot!(sentence);
+    assert!(replay(&trace, "--link-mb-s 16").1 < cycles * 6 / 10);
+}
+
+#[test]
+fn a_slow_host() {
+    let trace = rays(50, |ray| format!("{ray} host c5000 w8\n{ray} 0 x8 g1000 o5\n"));
+    insta::assert_snapshot!(replay(&trace, "").0);
+}
+
+#[test]
+fn shallow_fifos() {
+    // Two cells that take turns at being slow, for longer than the FIFOs can bridge.
+    let slow = |ray: u32, first: bool| if (ray / 40).is_multiple_of(2) == first { 900 } else { 60 };
+    let trace = rays(400, |ray| {
+        let (first, second) = (slow(ray, true), slow(ray, false));
+        format!("{ray} host w8\n{ray} 0 x8 g{first} o5\n{ray} 1 x8 g{second} i5 o5\n")
+    });
+    let (sentence, cycles) = replay(&trace, "--fifo-words 32");
+    insta::assert_snapshot!(sentence);
+    assert!(replay(&trace, "--fifo-words 4096").1 < cycles * 8 / 10);
+}
+
+#[test]
+fn uneven_work() {
+    let trace =
+        rays(40, |ray| format!("{ray} host a{} w8\n{ray} 0 x8 g300 o1\n{ray} 1 x8 i1 n300 o5\n", ray.max(1) - 1));
+    let trace = trace.replacen("a0 ", "", 1);
+    insta::assert_snapshot!(replay(&trace, "").0);
+}

@@ -1,0 +1,142 @@
+//! The main job as a user types it: what it prints, what it writes, and that threads change nothing.
+
+use crate::support::command::Folder;
+
+#[test]
+fn the_summary_tells_what_ran_and_what_limits_it() {
+    let folder = Folder::new();
+    let summary = folder.run("--mode pipeline --scene room --size 8x6").success();
+    insta::assert_snapshot!(summary);
+    let summary = folder.run("--mode broadcast --cells 3 --scene room --size 8x6 --link-mb-s 20").success();
+    insta::assert_snapshot!(summary);
+}
+
+#[test]
+fn scenes_are_listed() {
+    insta::assert_snapshot!(Folder::new().run("scenes").success());
+}
+
+#[test]
+fn results_are_files_and_the_last_lines_name_them() {
+    let folder = Folder::new();
+    let all = "--scene room --size 8x6 --stats s.json --hits h.csv --ops a.ops --image i.png";
+    let stdout = folder.run(all).success();
+    assert!(stdout.ends_with("wrote s.json\nwrote h.csv\nwrote a.ops\nwrote i.png\n"), "{stdout}");
+    assert_eq!(folder.names(), ["a.ops", "h.csv", "i.png", "s.json"]);
+    insta::assert_snapshot!("stats", folder.read("s.json"));
+    let hits = folder.read("h.csv");
+    assert_eq!(hits.lines().count(), 49);
+    insta::assert_snapshot!("first hits", hits.lines().take(5).collect::<Vec<_>>().join("\n"));
+    insta::assert_snapshot!("first ops", folder.read("a.ops").lines().take(9).collect::<Vec<_>>().join("\n"));
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path("i.png")).unwrap()));
+    let reader = decoder.read_info().unwrap();
+    assert_eq!((reader.info().width, reader.info().height), (8, 6));
+}
+
+#[test]
+fn every_mode_gives_the_same_hits_file() {
+    let folder = Folder::new();
+    let common = "--scene teapot --size-factor 4 --size 16x12 --force --hits";
+    folder.run(&format!("--mode pipeline {common} pipeline.csv")).success();
+    for other in
+        ["--mode broadcast --cells 5", "--mode hybrid --groups 3 --partition work", "--program hybrid-3 --mailbox"]
+    {
+        folder.run(&format!("{other} {common} other.csv")).success();
+        assert_eq!(folder.read("other.csv"), folder.read("pipeline.csv"), "{other}");
+    }
+}
+
+#[test]
+fn threads_change_no_byte() {
+    let folder = Folder::new();
+    for threads in [1, 2, 5] {
+        let files =
+            format!("--stats s{threads}.json --hits h{threads}.csv --ops a{threads}.ops --image i{threads}.png");
+        let run = "--mode broadcast --cells 4 --partition work --scene teapot --size-factor 3 --size 70x50";
+        folder.run(&format!("{run} --threads {threads} {files}")).success();
+    }
+    for (file, end) in [("s", "json"), ("h", "csv"), ("a", "ops"), ("i", "png")] {
+        let bytes = |threads: u32| std::fs::read(folder.path(&format!("{file}{threads}.{end}"))).unwrap();
+        assert!(bytes(1) == bytes(2) && bytes(1) == bytes(5), "{file} differs");
+    }
+}
+
+#[test]
+fn rays_from_a_file_take_the_place_of_the_camera() {
+    let folder = Folder::new();
+    folder.file("rays.csv", "ox,oy,oz,dx,dy,dz,tmax\n0.5,0.25,-1,0,0,2,inf\n0.5,0.25,-1,0,0,2,0.25\n7,7,7,1,0,0,9\n");
+    folder.file("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    folder.run("--scene square.obj --rays rays.csv --hits h.csv").success();
+    assert_eq!(folder.read("h.csv"), "ray,t,polygon,alpha,beta\n0,0.5,0,0.25,0.25\n1,inf,,,\n2,inf,,,\n");
+}
+
+#[test]
+fn files_that_exist_are_kept_unless_asked() {
+    let folder = Folder::new();
+    folder.file("s.json", "precious");
+    let error = folder.run("--scene room --size 4x4 --stats s.json").refused();
+    insta::assert_snapshot!(error);
+    assert_eq!(folder.read("s.json"), "precious");
+    folder.run("--scene room --size 4x4 --stats s.json --force").success();
+    assert!(folder.read("s.json").starts_with("{\n  \"cycles\": "));
+}
+
+/// A camera far off, and a scene far from the origin of coordinates, cost the array about what they cost nearby.
+#[test]
+fn distance_makes_rays_no_dearer() {
+    let folder = Folder::new();
+    let voxels = |translate: u32, distance: u32| {
+        let scene = format!(
+            "Scene(camera: Camera(from: ({x}, -{distance}, 10), at: ({x}, 0, 1), up: (0, 0, 1), angle: {}), \
+             meshes: [Mesh(shape: Builtin(name: \"teapot\"), transform: [Translate({translate}, 0, 0)])])",
+            600.0 / distance as f64,
+            x = translate,
+        );
+        folder.file("far.ron", scene);
+        folder.run("--scene far.ron --size 32x32 --stats s.json --force").success();
+        let stats: serde_json::Value = serde_json::from_str(&folder.read("s.json")).unwrap();
+        stats["counts"]["voxels"].as_u64().unwrap() + stats["counts"]["slab_tests"].as_u64().unwrap()
+    };
+    let near = voxels(0, 100);
+    for (translate, distance) in [(0, 1000), (0, 5000), (1000, 100)] {
+        let far = voxels(translate, distance);
+        assert!(far < 2 * near, "{far} voxels and tests, not {near}, with {translate} and {distance}");
+    }
+}
+
+/// A device is written to, not replaced, and so is the file that a link leads to.
+#[cfg(unix)]
+#[test]
+fn devices_and_links_are_written_through() {
+    let folder = Folder::new();
+    folder.run("--scene room --size 4x4 --stats /dev/null --hits /dev/null").success();
+    folder.file("target.json", "old");
+    std::os::unix::fs::symlink(folder.path("target.json"), folder.path("link.json")).unwrap();
+    folder.run("--scene room --size 4x4 --stats link.json --force").success();
+    assert!(folder.path("link.json").is_symlink());
+    assert!(folder.read("target.json").starts_with('{'));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    use std::process::{Command, Stdio};
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pcs-sim"))
+        .args(["--scene", "room", "--size", "4x4"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
+}
+
+/// The README's sample is what the command prints.
+#[test]
+fn the_readme_shows_a_real_run() {
+    let readme = include_str!("../../README.md");
+    let command = "$ pcs-sim --mode pipeline --scene reference --size 512x512\n";
+    let shown = readme.split(command).nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert_eq!(Folder::new().run(command["$ pcs-sim ".len()..].trim()).success(), shown);
+}

@@ -1,0 +1,41 @@
+//! The tests from outside, in one binary: the command line, real scenes, the properties; a file for each subject.
+
+mod support;
+
+mod assembly;
+mod bad_input;
+mod bad_scene_files;
+mod beyond_the_paper;
+mod bottleneck;
+mod builtin_scenes;
+mod command_line;
+mod cost_model;
+mod cost_model_bounds;
+mod deadlock;
+mod figure7;
+mod hits_are_right;
+mod images;
+mod instructions;
+mod interrupt;
+mod isa;
+mod killed_sweeps;
+mod manual;
+mod model_command;
+mod modes_agree;
+mod objects;
+mod plots_of_tables;
+mod polygons;
+mod profile_is_exact;
+mod programs_agree;
+mod recording_is_exact;
+mod replay;
+mod reports;
+mod scene_files;
+mod step;
+mod sweep;
+mod sweep_plots;
+mod timing_is_exact;
+mod traces;
+mod vertex_colors;
+mod views;
+mod watch;

@@ -1,0 +1,55 @@
+//! `pcs-sim model` as a user types it.
+
+use crate::support::command::Folder;
+
+#[test]
+fn predictions_stand_beside_what_is_counted_and_measured() {
+    let folder = Folder::new();
+    insta::assert_snapshot!(folder.run("model room --mode hybrid --groups 2 --size 32x24").success());
+    insta::assert_snapshot!(
+        folder.run("model room --mode pipeline --size 32x24 --predict-only --link-mb-s 0.2").success()
+    );
+    insta::assert_snapshot!(folder.run("model room --predict-only --size 32x24 --host-ray-us 5000").success());
+}
+
+#[test]
+fn the_documentation_shows_a_real_prediction() {
+    let page = include_str!("../../docs/cost-model.md");
+    let command = "$ pcs-sim model teapot --mode pipeline\n";
+    let shown = page.split(command).nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert_eq!(Folder::new().run(command["$ pcs-sim ".len()..].trim()).success(), shown);
+}
+
+#[test]
+fn the_table_is_a_file_as_well() {
+    let folder = Folder::new();
+    let run = "model room --mode broadcast --cells 3 --size 24x18 --stats m.json";
+    assert!(folder.run(run).success().ends_with("wrote m.json\n"));
+    let json: serde_json::Value = serde_json::from_str(&folder.read("m.json")).unwrap();
+    let rows = json["quantities"].as_array().unwrap();
+    assert!(rows.iter().any(|row| row["quantity"] == "rays a second, at most" && row["measured"].is_number()));
+    assert!(json["best_grid_coefficient"].is_number() && json["limit"].is_string());
+    assert!(folder.run(run).refused().contains("m.json"), "an existing file is kept");
+}
+
+#[test]
+fn threads_change_no_byte() {
+    let folder = Folder::new();
+    let run = |threads| folder.run(&format!("model teapot --size-factor 3 --size 40x30 --threads {threads}")).success();
+    assert_eq!(run(1), run(5));
+}
+
+#[test]
+fn what_it_would_not_look_at_is_refused() {
+    let refused = |args: &str| Folder::new().run(&format!("model room --size 8x8 {args}")).refused();
+    assert!(refused("--mailbox").contains("knows no mailbox"));
+    assert!(refused("--mode pipeline --stop-words 2").contains("knows neither stop words"));
+    assert!(refused("--forward-ahead 1").contains("nor rays forwarded ahead"));
+    assert!(refused("--predict-only --fifo-words 64").contains("--fifo-words is about the simulation"));
+}
+
+#[test]
+fn impossible_grids_are_refused() {
+    let error = Folder::new().run("model reference --grid-coefficient 1000000 --predict-only --size 8x8").refused();
+    assert!(error.contains("smaller grid coefficient"), "{error}");
+}

@@ -1,0 +1,289 @@
+//! Sweeps and comparisons: the table in both formats, points that fail alone, files that are kept.
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::support::command::Folder;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
+
+const SWEEP: &str = r#"(
+    scene: "room",
+    size: "12x10",
+    mode: ["pipeline", "broadcast"],
+    fifo_words: (from: 2, to: 32, times: 4),
+    link_mb_s: [80.0, 13],
+)"#;
+
+/// The rows of a table, the heading first.
+fn rows(table: &str) -> Vec<Vec<String>> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(table.as_bytes());
+    reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect()
+}
+
+fn column(rows: &[Vec<String>], name: &str) -> Vec<String> {
+    let index = rows[0].iter().position(|heading| heading == name).unwrap();
+    rows[1..].iter().map(|row| row[index].clone()).collect()
+}
+
+#[test]
+fn a_point_is_what_a_run_with_its_flags_is() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", SWEEP);
+    let stdout = folder.run("sweep sweep.ron --table t.csv").success();
+    assert_eq!(stdout, "12 points, 12 of them done now\nwrote t.csv\nwrote t.parquet\n");
+    assert_eq!(folder.names(), ["s.json", "sweep.ron", "t.csv", "t.journal", "t.parquet"][1..]);
+    let rows = rows(&folder.read("t.csv"));
+    assert_eq!(rows[0][..5], ["scene", "size", "mode", "fifo_words", "link_mb_s"]);
+    assert_eq!(column(&rows, "fifo_words")[..6], ["2", "2", "8", "8", "32", "32"]);
+    for (index, cycles) in column(&rows, "cycles").iter().enumerate() {
+        let row = &rows[index + 1];
+        let flags =
+            format!("--scene room --size 12x10 --mode {} --fifo-words {} --link-mb-s {}", row[2], row[3], row[4]);
+        folder.run(&format!("{flags} --stats s.json --force")).success();
+        let stats: serde_json::Value = serde_json::from_str(&folder.read("s.json")).unwrap();
+        assert_eq!(stats["cycles"].to_string(), *cycles, "{flags}");
+        let rate = format!("\"rays_per_second\": {},", column(&rows, "rays_per_second")[index]);
+        assert!(folder.read("s.json").contains(&rate), "{flags}: {rate}");
+        assert_eq!(stats["counts"]["hits"].to_string(), column(&rows, "hits")[index]);
+    }
+}
+
+#[test]
+fn a_point_accounts_for_all_of_its_cells_time_and_words() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", r#"(scene: "room", size: "12x10", program: ["pipeline", "broadcast", "hybrid"])"#);
+    folder.run("sweep sweep.ron --table t.csv").success();
+    let rows = rows(&folder.read("t.csv"));
+    let number = |row: usize, name: &str| column(&rows, name)[row].parse::<f64>().unwrap();
+    assert_all_time_is_there(&rows);
+    // A ray of 8 words and a hit of 5 go through every link of a broadcast.
+    assert_eq!(number(1, "busiest_link_words"), 13.0 * 120.0);
+    assert!(number(0, "busiest_link_words") > 13.0 * 120.0, "a pipeline's links carry candidates, too");
+    assert_eq!(number(0, "placed_polygons"), number(0, "polygons"));
+    assert!(number(1, "placed_polygons") > number(1, "polygons"), "polygons on cuts are in both parts");
+}
+
+#[test]
+fn a_point_with_stop_words_does_so_too() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", r#"(scene: "room", size: "12x10", program: ["pipeline", "hybrid"], stop_words: [1, 4])"#);
+    folder.run("sweep sweep.ron --table t.csv").success();
+    assert_all_time_is_there(&rows(&folder.read("t.csv")));
+}
+
+/// The states of all cells add up to the cells' time.
+fn assert_all_time_is_there(rows: &[Vec<String>]) {
+    assert!(rows.len() > 1);
+    for row in 0..rows.len() - 1 {
+        let number = |name: &str| column(rows, name)[row].parse::<f64>().unwrap();
+        let states = ["grid", "slabs", "intersection", "moving", "waiting", "blocked", "idle"];
+        let spent: f64 = states.iter().map(|state| number(&format!("{state}_us"))).sum();
+        let all = number("array_cells") * number("us_per_ray");
+        assert!((spent - all).abs() < 0.01, "{spent} of {all} us");
+        let us = 1e6 * number("seconds") / number("ray_count");
+        assert!((us - number("us_per_ray")).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn points_fail_alone_with_their_reason() {
+    let folder = Folder::new();
+    folder.file(
+        "sweep.ron",
+        r#"(scene: ["room", "atlantis"], size: 4, fifo_words: [0, 4], mode: ["pipeline", "sideways"])"#,
+    );
+    folder.run("sweep sweep.ron --table t.csv").success();
+    let rows = rows(&folder.read("t.csv"));
+    let errors = column(&rows, "error");
+    assert!(errors[0].contains("fifo_words is 0"), "{errors:?}");
+    assert_eq!(errors[1], "");
+    assert!(errors[2].contains("invalid value 'sideways'"), "{errors:?}");
+    assert!(errors[3..].iter().all(|error| !error.is_empty()), "{errors:?}");
+    assert!(errors[5].contains("atlantis"), "{errors:?}");
+    assert_eq!(column(&rows, "ray_count"), ["", "16", "", "", "", "", "", ""]);
+    assert_eq!(in_parquet(&folder, "t.parquet"), rows);
+}
+
+#[test]
+fn mistakes_in_the_file_are_told() {
+    let folder = Folder::new();
+    folder.file("unknown.ron", "(fifo_word: [1, 2])");
+    let error = folder.run("sweep unknown.ron --table t.csv").refused();
+    assert!(error.contains("fifo_word") && error.contains("unknown.ron:1"), "{error}");
+    folder.file("range.ron", "(fifo_words: (from: 1, to: 9))");
+    let error = folder.run("sweep range.ron --table t.csv").refused();
+    assert!(error.contains("a step above 0 or times above 1"), "{error}");
+    folder.file("kind.ron", "(\n    fifo_words: [1, \"many\"],\n)");
+    let error = folder.run("sweep kind.ron --table t.csv").refused();
+    assert!(error.contains("expected a whole number") && error.contains("kind.ron:2:"), "{error}");
+    folder.file("half.ron", "(cells: (from: 1, to: 3, step: 0.5))");
+    let error = folder.run("sweep half.ron --table t.csv").refused();
+    assert!(error.contains("1.5") && error.contains("expected a whole number"), "{error}");
+    folder.file("sweep.ron", SWEEP);
+    let error = folder.run("sweep sweep.ron --table t.xls").refused();
+    assert!(error.contains("must end in .csv or .parquet"), "{error}");
+    assert_eq!(folder.names(), ["half.ron", "kind.ron", "range.ron", "sweep.ron", "unknown.ron"]);
+}
+
+#[test]
+fn parquet_and_csv_have_the_same_cells() {
+    let folder = Folder::new();
+    let sweep = r#"(scene: "room", size: ["6x4", "4x6"], mailbox: [true, false], grid_coefficient: [0.5, 50],
+                    fifo_words: (from: 2, to: 8, step: 6), link_mb_s: [80, 0.1, 13.5])"#;
+    folder.file("sweep.ron", sweep);
+    folder.run("sweep sweep.ron -o t.parquet").success();
+    let rows = rows(&folder.read("t.csv"));
+    assert_eq!(rows.len(), 49);
+    assert_eq!(in_parquet(&folder, "t.parquet"), rows);
+    let file = SerializedFileReader::new(std::fs::File::open(folder.path("t.parquet")).unwrap()).unwrap();
+    let schema = file.metadata().file_metadata().schema();
+    let kind = |name: &str| {
+        let field = schema.get_fields().iter().find(|field| field.name() == name).unwrap();
+        format!("{} {:?}", field.get_physical_type(), field.get_basic_info().logical_type_ref())
+    };
+    assert_eq!(kind("mailbox"), "BOOLEAN None");
+    assert_eq!(kind("fifo_words"), "INT64 None");
+    assert_eq!(kind("link_mb_s"), "DOUBLE None");
+    assert_eq!(kind("size"), "BYTE_ARRAY Some(String)");
+}
+
+/// All cells of a Parquet file as CSV would have them, the heading first.
+fn in_parquet(folder: &Folder, name: &str) -> Vec<Vec<String>> {
+    let file = SerializedFileReader::new(std::fs::File::open(folder.path(name)).unwrap()).unwrap();
+    let fields = file.metadata().file_metadata().schema().get_fields();
+    let mut rows: Vec<Vec<String>> = vec![fields.iter().map(|field| field.name().to_owned()).collect()];
+    let cell = |field: &Field| match field {
+        Field::Null => String::new(),
+        Field::Bool(value) => value.to_string(),
+        Field::Long(value) => value.to_string(),
+        Field::Double(value) => value.to_string(),
+        Field::Str(value) => value.clone(),
+        other => panic!("no column holds {other:?}"),
+    };
+    let cells = |row: parquet::record::Row| row.get_column_iter().map(|(_, field)| cell(field)).collect();
+    rows.extend(file.get_row_iter(None).unwrap().map(|row| cells(row.unwrap())));
+    rows
+}
+
+#[test]
+fn a_finished_sweep_is_not_run_again() {
+    let folder = Folder::new();
+    folder.file("room.obj", OBJ);
+    folder.file("sweep.ron", r#"(scene: "room.obj", size: 8, fifo_words: [4, 8])"#);
+    folder.run("sweep sweep.ron -o t.csv").success();
+    let before = folder.read("t.csv");
+    let again = folder.run("sweep sweep.ron -o t.csv").success();
+    assert!(again.starts_with("2 points, 0 of them done now\n"), "{again}");
+    assert_eq!(folder.read("t.csv"), before);
+    // The scene is part of the sweep: another one needs another table.
+    folder.file("room.obj", OBJ.replace("v 0 1 0", "v 0 2 0"));
+    let error = folder.run("sweep sweep.ron -o t.csv").refused();
+    assert!(error.contains("journal of another sweep, or the files of this one changed"), "{error}");
+    assert_eq!(folder.read("t.csv"), before);
+    folder.run("sweep sweep.ron -o t.csv --force").success();
+    assert_ne!(folder.read("t.csv"), before);
+}
+
+const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nf 1 2 3\nf 2 3 4\nf 1 3 4\n";
+
+#[test]
+fn files_of_others_are_kept_unless_asked() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", SWEEP);
+    for name in ["t.csv", "t.parquet"] {
+        folder.file(name, "precious");
+        let error = folder.run("sweep sweep.ron --table t.csv").refused();
+        assert!(error.contains("exists already") && error.contains(name), "{error}");
+        assert_eq!(folder.names(), ["sweep.ron", name]);
+        assert_eq!(folder.read(name), "precious");
+        std::fs::remove_file(folder.path(name)).unwrap();
+    }
+    for (journal, complaint) in
+        [("\"another\"\n", "journal of another sweep"), ("my thoughts\n", "is no journal: line 1")]
+    {
+        folder.file("t.journal", journal);
+        let error = folder.run("sweep sweep.ron --table t.csv").refused();
+        assert!(error.contains(complaint), "{error}");
+        assert_eq!(folder.read("t.journal"), journal);
+    }
+    folder.run("sweep sweep.ron --table t.csv --force").success();
+    assert_eq!(rows(&folder.read("t.csv")).len(), 13);
+}
+
+/// A sweep that reads its scene from a named pipe waits there, with its journal open.
+#[cfg(unix)]
+struct Waiting(std::process::Child);
+
+#[cfg(unix)]
+impl Waiting {
+    fn start(folder: &Folder) -> Waiting {
+        assert!(Command::new("mkfifo").arg(folder.path("pipe.obj")).status().unwrap().success());
+        let sweep = r#"(scene: "pipe.obj", size: 8, mode: ["pipeline", "broadcast"], cells: [3], fifo_words: [4, 8],
+                        grid_voxel: [7.8, 10])"#;
+        folder.file("sweep.ron", sweep);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pcs-sim"));
+        command.args(["sweep", "sweep.ron", "-o", "t.csv"]).current_dir(folder.path(".")).stdout(Stdio::null());
+        let child = command.spawn().unwrap();
+        let start = Instant::now();
+        while std::fs::metadata(folder.path("t.journal")).map_or(0, |journal| journal.len()) == 0 {
+            assert!(start.elapsed() < Duration::from_secs(30), "it starts");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        Waiting(child)
+    }
+}
+
+#[cfg(unix)]
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_second_process_is_told_that_there_is_a_first() {
+    let folder = Folder::new();
+    let first = Waiting::start(&folder);
+    for flags in ["", "--force"] {
+        let error = folder.run(&format!("sweep sweep.ron -o t.csv {flags}")).refused();
+        assert!(error.contains("another process is running this sweep") && error.contains("t.journal"), "{error}");
+    }
+    drop(first);
+    folder.file("other.ron", SWEEP);
+    folder.run("sweep other.ron -o t.csv --force").success();
+}
+
+/// What goes into a pipe can be read once; a second reader would wait for ever.
+#[cfg(unix)]
+#[test]
+fn a_scene_is_read_once() {
+    let folder = Folder::new();
+    let mut sweep = Waiting::start(&folder);
+    std::fs::write(folder.path("pipe.obj"), OBJ).unwrap();
+    let start = Instant::now();
+    while sweep.0.try_wait().unwrap().is_none() {
+        assert!(start.elapsed() < Duration::from_secs(30), "it waits for its scene again");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let rows = rows(&folder.read("t.csv"));
+    assert_eq!(column(&rows, "error"), [""; 8]);
+}
+
+#[test]
+fn two_runs_are_compared() {
+    let folder = Folder::new();
+    folder.run("--scene room --size 8x6 --stats a.json").success();
+    folder.run("--scene room --size 8x6 --fifo-words 4 --stats b.json").success();
+    let same = folder.run("compare a.json a.json").success();
+    assert!(same.contains("values are the same"), "{same}");
+    let text = folder.run("compare a.json b.json").success();
+    let line = text.lines().find(|line| line.starts_with("configuration.machine.fifo_words")).unwrap();
+    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["512", "4", "-508", "-99.22", "%"]);
+    assert!(text.lines().any(|line| line.starts_with("cycles ")), "{text}");
+    folder.file("c.json", "{}");
+    let error = folder.run("compare a.json c.json").refused();
+    assert!(error.contains("it has no cycles"), "{error}");
+}

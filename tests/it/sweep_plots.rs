@@ -1,0 +1,80 @@
+//! Plots of a sweep's table, as files.
+
+use crate::support::command::Folder;
+
+const SWEEP: &str = r#"(
+    scene: "room",
+    size: 8,
+    mode: ["pipeline", "broadcast"],
+    fifo_words: (from: 4, to: 64, times: 2),
+    link_mb_s: [80, 20],
+)"#;
+
+#[test]
+fn columns_are_plotted_over_each_other() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", SWEEP);
+    let plots = "--plot x=fifo_words y=rays_per_second by=mode --plot x=mode y=cycles";
+    let stdout = folder.run(&format!("sweep sweep.ron -o t.csv {plots}")).success();
+    for name in ["t-rays_per_second-over-fifo_words-by-mode", "t-cycles-over-mode"] {
+        assert!(stdout.contains(&format!("wrote {name}.svg\nwrote {name}.png\n")), "{stdout}");
+        let svg = folder.read(&format!("{name}.svg"));
+        let caption = "sweep of 20 points: scene room; size 8x8; mode pipeline, broadcast; fifo_words 4 to 64";
+        assert!(svg.contains(caption), "{name} tells what ran");
+        let png = std::io::BufReader::new(std::fs::File::open(folder.path(&format!("{name}.png"))).unwrap());
+        let mut reader = png::Decoder::new(png).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        // Blue is the first line's, vermilion the second's.
+        let has = |color: [u8; 3]| pixels.chunks(3).any(|pixel| pixel == color);
+        assert!(has([0, 114, 178]), "{name}");
+        assert_eq!(has([213, 94, 0]), name.ends_with("by-mode"), "{name}");
+    }
+    let svg = folder.read("t-rays_per_second-over-fifo_words-by-mode.svg");
+    let text = |text: &str| svg.contains(&format!("\n{text}\n"));
+    assert!(["4", "8", "16", "32", "64", "pipeline", "broadcast"].iter().all(|tick| text(tick)), "{svg}");
+    assert!(text("depth of each FIFO (words), logarithmic") && text("rays a second of simulated time"), "{svg}");
+}
+
+#[test]
+fn a_finished_table_is_plotted_without_running_again() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", SWEEP);
+    folder.run("sweep sweep.ron -o t.csv").success();
+    let stdout = folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works").success();
+    assert!(stdout.starts_with("20 points, 0 of them done now\n"), "{stdout}");
+    assert!(folder.read("t-mean_works-over-link_mb_s.svg").contains("bars go from the least to the most"));
+    let error = folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works").refused();
+    assert!(error.contains("exists already") && error.contains("t-mean_works-over-link_mb_s.svg"), "{error}");
+    folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works --force").success();
+}
+
+#[test]
+fn plots_that_cannot_be_are_refused_before_anything_runs() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", SWEEP);
+    for (plot, complaint) in [
+        ("x=fifo_word y=cycles", "did you mean `fifo_words`?"),
+        ("x=fifo_words y=seconds by=modes", "did you mean `mode`?"),
+        ("x=fifo_words y=mode", "column 'mode' holds no numbers"),
+        ("x=fifo_words by=mode", "takes x=COLUMN y=COLUMN and optionally by=COLUMN"),
+        ("x=fifo_words y=cycles z=mode", "not 'z=mode'"),
+        ("x=fifo_words y=cycles y=seconds", "not 'y=seconds'"),
+    ] {
+        let error = folder.run(&format!("sweep sweep.ron -o t.csv --plot {plot}")).refused();
+        assert!(error.contains(complaint), "{plot}: {error}");
+        assert_eq!(folder.names(), ["sweep.ron"], "{plot}");
+    }
+}
+
+#[test]
+fn points_that_failed_are_left_out_and_counted() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", r#"(scene: "room", size: 8, fifo_words: [0, 4, 8])"#);
+    folder.run("sweep sweep.ron -o t.csv --plot x=fifo_words y=cycles").success();
+    assert!(folder.read("t-cycles-over-fifo_words.svg").contains("1 point that failed is left out"));
+    folder.file("none.ron", r#"(scene: "room", size: 8, fifo_words: [0])"#);
+    let error = folder.run("sweep none.ron -o none.csv --plot x=fifo_words y=cycles").failed();
+    assert!(error.contains("nothing to draw"), "{error}");
+    assert_eq!(folder.names()[..3], ["none.csv", "none.journal", "none.parquet"], "the table is there");
+}

@@ -1,0 +1,403 @@
+//! Traces for viewers, read back: Perfetto's by its message numbers alone, VCD and FST by a waveform library.
+
+use std::collections::{BTreeMap, HashMap};
+
+use crate::support::command::Folder;
+use pcs_sim::machine::{Activity, Array, CellState, Cycles, MachineSpec, Recording, RunStats, Words};
+use pcs_sim::report::plot::Caption;
+use pcs_sim::report::trace::{Format, Trace};
+use prost::Message;
+
+/// A run of a hybrid of four cells.
+struct Run {
+    spec: MachineSpec,
+    stats: RunStats,
+    recording: Recording,
+}
+
+const NAMES: [&str; 4] = ["grid+slabs", "intersection", "grid+slabs", "intersection"];
+
+fn run(clock_ns: f64) -> Run {
+    let (scene, rays) = crate::support::scene("room", 1, 6);
+    let workload = crate::support::workload(&scene.mesh, &crate::support::program("hybrid", 2), &rays);
+    let spec = MachineSpec { clock_ns, link_mb_s: 4e3 / clock_ns, fifo_words: Words(20), ..MachineSpec::default() };
+    let mut array = Array::new(&spec, 4).recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
+    for batch in crate::support::ops(&workload, &rays) {
+        array.feed(batch);
+        array.run().unwrap();
+    }
+    let (stats, observed) = array.finish_observed().unwrap();
+    Run { spec, stats, recording: observed.recording.unwrap() }
+}
+
+impl Run {
+    /// The trace's bytes and its notes.
+    fn trace(&self, format: Format) -> (Vec<u8>, Vec<String>) {
+        let caption = &Caption { title: "a run".to_owned(), machine: "a machine".to_owned() };
+        let cell_names = &NAMES.map(str::to_owned);
+        let trace = Trace { caption, spec: &self.spec, cell_names, recording: &self.recording };
+        let mut bytes = Vec::new();
+        trace.write(format, &mut bytes).unwrap();
+        (bytes, trace.notes(format))
+    }
+
+    /// All that a trace shows of the array, by its name: the host, the cells, the FIFOs.
+    fn activities(&self) -> Vec<(String, &Activity)> {
+        let cells = self.recording.cells.iter().zip(NAMES).enumerate();
+        let named = cells.map(|(index, (activity, name))| (format!("cell {index} {name}"), activity));
+        std::iter::once(("host sends".to_owned(), &self.recording.host)).chain(named).collect()
+    }
+}
+
+/// What is read of Perfetto's messages, by their numbers in its documentation.
+mod perfetto {
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct Trace {
+        #[prost(message, repeated, tag = "1")]
+        pub packet: Vec<TracePacket>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct TracePacket {
+        #[prost(uint64, tag = "8")]
+        pub timestamp: u64,
+        #[prost(uint32, tag = "10")]
+        pub trusted_packet_sequence_id: u32,
+        #[prost(message, optional, tag = "11")]
+        pub track_event: Option<TrackEvent>,
+        #[prost(message, optional, tag = "12")]
+        pub interned_data: Option<InternedData>,
+        #[prost(message, optional, tag = "60")]
+        pub track_descriptor: Option<TrackDescriptor>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct TrackDescriptor {
+        #[prost(uint64, tag = "1")]
+        pub uuid: u64,
+        #[prost(string, tag = "2")]
+        pub name: String,
+        #[prost(uint64, tag = "5")]
+        pub parent_uuid: u64,
+    }
+
+    /// Lists are not packed: a reader that expects one number must find it.
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct TrackEvent {
+        #[prost(uint64, tag = "3")]
+        pub category_iids: u64,
+        #[prost(message, repeated, tag = "4")]
+        pub debug_annotations: Vec<DebugAnnotation>,
+        #[prost(int32, tag = "9")]
+        pub r#type: i32,
+        #[prost(uint64, tag = "10")]
+        pub name_iid: u64,
+        #[prost(uint64, tag = "11")]
+        pub track_uuid: u64,
+        #[prost(string, tag = "23")]
+        pub name: String,
+        #[prost(int64, tag = "30")]
+        pub counter_value: i64,
+        #[prost(fixed64, tag = "47")]
+        pub flow_ids: u64,
+        #[prost(fixed64, tag = "48")]
+        pub terminating_flow_ids: u64,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct DebugAnnotation {
+        #[prost(uint64, tag = "1")]
+        pub name_iid: u64,
+        #[prost(uint64, tag = "3")]
+        pub uint_value: u64,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct InternedData {
+        #[prost(message, repeated, tag = "1")]
+        pub event_categories: Vec<Name>,
+        #[prost(message, repeated, tag = "2")]
+        pub event_names: Vec<Name>,
+        #[prost(message, repeated, tag = "3")]
+        pub debug_annotation_names: Vec<Name>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct Name {
+        #[prost(uint64, tag = "1")]
+        pub iid: u64,
+        #[prost(string, tag = "2")]
+        pub name: String,
+    }
+}
+
+/// A slice of a Perfetto trace, in ns.
+#[derive(Clone, Debug)]
+struct Slice {
+    track: String,
+    name: String,
+    depth: usize,
+    from: u64,
+    until: u64,
+    arguments: BTreeMap<String, u64>,
+    flow: Option<u64>,
+}
+
+/// The slices, in the order in which they begin in the file, and each counter's values.
+struct Read {
+    slices: Vec<Slice>,
+    counters: HashMap<String, Vec<(u64, i64)>>,
+}
+
+fn read_perfetto(bytes: &[u8]) -> Read {
+    let trace = perfetto::Trace::decode(bytes).unwrap();
+    assert!(trace.packet.iter().all(|packet| packet.trusted_packet_sequence_id == 1));
+    let tracks: HashMap<u64, String> =
+        trace.packet.iter().filter_map(|p| p.track_descriptor.as_ref()).map(|t| (t.uuid, t.name.clone())).collect();
+    let interned = trace.packet.iter().find_map(|packet| packet.interned_data.as_ref()).unwrap();
+    let named = |names: &[perfetto::Name], iid: u64| names.iter().find(|name| name.iid == iid).unwrap().name.clone();
+    let mut read = Read { slices: Vec::new(), counters: HashMap::new() };
+    let mut open: HashMap<u64, Vec<usize>> = HashMap::new();
+    let mut now: HashMap<u64, u64> = HashMap::new();
+    for packet in &trace.packet {
+        let Some(event) = &packet.track_event else { continue };
+        let track = tracks[&event.track_uuid].clone();
+        let stack = open.entry(event.track_uuid).or_default();
+        let at = packet.timestamp;
+        assert!(now.insert(event.track_uuid, at).is_none_or(|before| before <= at), "{track} goes back in time");
+        match event.r#type {
+            1 => {
+                let name = if event.name.is_empty() {
+                    named(&interned.event_names, event.name_iid)
+                } else {
+                    event.name.clone()
+                };
+                let arguments = event.debug_annotations.iter();
+                let arguments = arguments.map(|a| (named(&interned.debug_annotation_names, a.name_iid), a.uint_value));
+                let flow = Some(event.flow_ids.max(event.terminating_flow_ids)).filter(|&flow| flow > 0);
+                assert_eq!(event.terminating_flow_ids > 0, name.starts_with("HIT"));
+                if event.name.is_empty() {
+                    let category = named(&interned.event_categories, event.category_iids);
+                    let of_state = name.split(' ').next().unwrap();
+                    assert!(category == of_state || category == "busy", "{name} is {category}");
+                }
+                let arguments = arguments.collect();
+                stack.push(read.slices.len());
+                read.slices.push(Slice { track, name, depth: stack.len() - 1, from: at, until: 0, arguments, flow });
+            }
+            2 => read.slices[stack.pop().expect("a slice ends that has begun")].until = at,
+            4 => read.counters.entry(track).or_default().push((at, event.counter_value)),
+            other => panic!("no event is of type {other}"),
+        }
+    }
+    assert!(open.values().all(Vec::is_empty), "every slice ends");
+    read
+}
+
+#[test]
+fn perfetto_slices_are_the_cells_states_and_sum_up_to_the_statistics() {
+    let run = run(50.0);
+    let (bytes, notes) = run.trace(Format::Perfetto);
+    assert_eq!(notes, Vec::<String>::new());
+    let read = read_perfetto(&bytes);
+    for (cell, stats) in run.stats.cells.iter().enumerate() {
+        let on_track = || read.slices.iter().filter(|slice| slice.track == format!("cell {cell} {}", NAMES[cell]));
+        for state in CellState::ALL {
+            let slices = on_track().filter(|slice| slice.name == state.name());
+            assert_eq!(slices.map(|slice| slice.until - slice.from).sum::<u64>(), 50 * stats.of(state).0);
+        }
+        let visits: Vec<&Slice> = on_track().filter(|slice| slice.name.starts_with("ray ")).collect();
+        assert_eq!(visits.len() as u64, run.stats.rays);
+        for visit in visits {
+            assert_eq!(visit.depth, 0);
+            assert_eq!(visit.name, format!("ray {}", visit.arguments["ray"]));
+            assert_eq!(visit.from, 50 * visit.arguments["cycle"]);
+            assert_eq!(visit.until - visit.from, 50 * visit.arguments["cycles"]);
+            let inside = on_track().filter(|s| s.depth == 1 && visit.from <= s.from && s.until <= visit.until);
+            let inside = inside.inspect(|slice| assert_eq!(slice.arguments["ray"], visit.arguments["ray"]));
+            assert_eq!(inside.map(|slice| slice.until - slice.from).sum::<u64>(), visit.until - visit.from);
+        }
+    }
+    for (name, activity) in run.activities() {
+        let states = read.slices.iter().filter(|slice| slice.track == name && !slice.name.starts_with("ray "));
+        let states = states.map(|slice| (slice.name.as_str(), slice.from, slice.until));
+        let recorded = activity.states.iter().map(|s| (s.state.name(), 50 * s.from.0, 50 * s.until.0));
+        assert_eq!(states.collect::<Vec<_>>(), recorded.collect::<Vec<_>>(), "{name}");
+    }
+}
+
+#[test]
+fn perfetto_counters_are_the_fifos_levels() {
+    let run = run(50.0);
+    let read = read_perfetto(&run.trace(Format::Perfetto).0);
+    assert_eq!(read.counters.len(), 8);
+    for fifo in &run.recording.fifos {
+        let levels: Vec<_> = fifo.levels.iter().map(|(cycle, words)| (50 * cycle.0, words.0 as i64)).collect();
+        assert_eq!(read.counters[&format!("{} (of 20 words)", fifo.name)], levels);
+    }
+}
+
+#[test]
+fn perfetto_flows_lead_each_ray_from_the_host_through_every_cell_and_back() {
+    let run = run(50.0);
+    let read = read_perfetto(&run.trace(Format::Perfetto).0);
+    let mut flows: BTreeMap<u64, Vec<&Slice>> = BTreeMap::new();
+    for slice in read.slices.iter().filter(|slice| slice.depth == 0) {
+        slice.flow.into_iter().for_each(|flow| flows.entry(flow).or_default().push(slice));
+    }
+    assert_eq!(flows.len() as u64, run.stats.rays);
+    for mut steps in flows.into_values() {
+        steps.sort_by_key(|slice| slice.from);
+        assert!(steps.windows(2).all(|pair| pair[0].from < pair[1].from), "no two steps begin together: {steps:?}");
+        assert!(steps.iter().all(|step| step.arguments["ray"] == steps[0].arguments["ray"]));
+        let tracks: Vec<&str> = steps.iter().map(|step| step.track.as_str()).collect();
+        let cells = ["cell 0 grid+slabs", "cell 1 intersection", "cell 2 grid+slabs", "cell 3 intersection"];
+        assert_eq!(tracks, [&["host sends"], &cells[..], &["host reads HITs"]].concat());
+    }
+}
+
+/// Every change of every signal as text, numbers in decimal: by its name, in the order of time.
+fn read_waves(bytes: &[u8], ending: &str) -> BTreeMap<String, Vec<(u64, String)>> {
+    let folder = Folder::new();
+    let file = folder.file(&format!("trace.{ending}"), bytes);
+    let mut waves = wellen::simple::read(file).unwrap();
+    let variables: Vec<(String, wellen::SignalRef)> = {
+        let hierarchy = waves.hierarchy();
+        hierarchy.iter_vars().map(|variable| (variable.full_name(hierarchy), variable.signal_ref())).collect()
+    };
+    let signals: Vec<_> = variables.iter().map(|(_, signal)| *signal).collect();
+    waves.load_signals(&signals);
+    let times = waves.time_table();
+    let text = |value: wellen::SignalValue| match value {
+        wellen::SignalValue::String(text) => text.to_owned(),
+        other => {
+            let bits = other.to_bit_string().unwrap();
+            u64::from_str_radix(&bits, 2).map_or("none".to_owned(), |number| number.to_string())
+        }
+    };
+    let changes = |signal| {
+        let changes = waves.get_signal(signal).unwrap().iter_changes();
+        let mut changes: Vec<(u64, String)> =
+            changes.map(|(time, value)| (times[time as usize], text(value))).collect();
+        // What says no more than where the trace ends.
+        changes.dedup_by(|later, earlier| later.1 == earlier.1);
+        changes
+    };
+    variables.into_iter().map(|(name, signal)| (name, changes(signal))).collect()
+}
+
+#[test]
+fn waves_are_the_states_the_rays_and_the_levels() {
+    for (clock_ns, ticks) in [(50.0, 50), (33.25, 33_250)] {
+        let run = run(clock_ns);
+        let waves = read_waves(&run.trace(Format::Vcd).0, "vcd");
+        assert!(waves == read_waves(&run.trace(Format::Fst).0, "fst"), "both formats tell the same");
+        for (name, activity) in run.activities() {
+            let scope = format!("array.{}", name.replace([' ', '+'], "_"));
+            let mut states: Vec<_> = activity.states.iter().map(|s| (ticks * s.from.0, s.state.name())).collect();
+            states.dedup_by_key(|state| state.1);
+            let states: Vec<_> = states.into_iter().map(|(at, name)| (at, name.replace(' ', "_"))).collect();
+            assert_eq!(waves[&format!("{scope}.state")], states, "{scope}");
+            let mut rays = BTreeMap::from([(0, "none".to_owned())]);
+            for visit in &activity.visits {
+                rays.insert(ticks * visit.from.0, visit.ray.to_string());
+                rays.insert(ticks * visit.until.0, "none".to_owned());
+            }
+            assert_eq!(waves[&format!("{scope}.ray")], rays.into_iter().collect::<Vec<_>>(), "{scope}");
+        }
+        for fifo in &run.recording.fifos {
+            let levels: Vec<_> = fifo.levels.iter().map(|(at, words)| (ticks * at.0, words.0.to_string())).collect();
+            let (_, wave) = waves.iter().find(|(name, _)| name.ends_with(&format!(".{}", fifo.name))).unwrap();
+            assert_eq!(wave, &levels, "{}", fifo.name);
+        }
+        let hits = waves["array.host_reads.hit"].iter().filter(|(_, value)| value != "none");
+        assert_eq!(hits.count() as u64, run.stats.rays);
+    }
+}
+
+#[test]
+fn a_clock_that_no_unit_fits_is_said() {
+    let run = run(100.0 / 3.0);
+    assert!(run.trace(Format::Perfetto).1[0].contains("rounded to ns"));
+    assert!(run.trace(Format::Vcd).1[0].contains("rounded to fs"));
+    let read = read_perfetto(&run.trace(Format::Perfetto).0);
+    let end = read.slices.iter().map(|slice| slice.until).max().unwrap();
+    assert!((end as f64 - run.stats.cycles.0 as f64 * 100.0 / 3.0).abs() <= 0.5);
+}
+
+const RUN: &str = "--mode hybrid --cells 4 --scene room --size 12x10 --fifo-words 16";
+
+/// The changes of a VCD: what stands behind its declarations.
+fn changes(vcd: &str) -> &str {
+    &vcd[vcd.find("$enddefinitions").unwrap()..]
+}
+
+#[test]
+fn runs_replays_and_images_write_traces() {
+    let folder = Folder::new();
+    folder.run(&format!("{RUN} --threads 1 --trace run.vcd --ops a.ops")).success();
+    folder.run(&format!("{RUN} --threads 3 --trace threads.vcd")).success();
+    folder.run("replay a.ops --fifo-words 16 --trace replay.vcd").success();
+    assert_eq!(folder.read("run.vcd"), folder.read("threads.vcd"));
+    assert_eq!(changes(&folder.read("run.vcd")), changes(&folder.read("replay.vcd")));
+    let image = "image room --size 12x10 --fifo-words 16 -o image.png --force";
+    folder.run(&format!("{image} --ops b.ops --trace image.vcd")).success();
+    folder.run("replay b.ops --fifo-words 16 --trace again.vcd").success();
+    assert_eq!(changes(&folder.read("image.vcd")), changes(&folder.read("again.vcd")));
+    let stdout = folder.run(&format!("{RUN} --trace run.pftrace --page run.html")).success();
+    assert!(stdout.ends_with("wrote run.html\nwrote run.pftrace\n"), "{stdout}");
+}
+
+#[test]
+fn a_window_shows_its_cycles_and_no_others() {
+    let folder = Folder::new();
+    folder.run(&format!("{RUN} --trace all.vcd")).success();
+    folder.run(&format!("{RUN} --trace part.vcd --trace-window 20000..30000")).success();
+    let times = |name: &str| {
+        let vcd = folder.read(name);
+        let stamps = changes(&vcd).lines().filter_map(|line| line.strip_prefix('#'));
+        stamps.map(|stamp| stamp.parse::<u64>().unwrap()).collect::<Vec<_>>()
+    };
+    let inside: Vec<u64> = times("all.vcd").into_iter().filter(|at| (1_000_000..1_500_000).contains(at)).collect();
+    let part = times("part.vcd");
+    assert_eq!((part.first(), part.last()), (Some(&1_000_000), Some(&1_500_000)));
+    let shown: Vec<u64> = part[..part.len() - 1].iter().copied().filter(|at| inside.contains(at)).collect();
+    assert_eq!(shown, inside);
+    let beyond = folder.run(&format!("{RUN} --trace late.fst --trace-window 99000000.."));
+    assert!(beyond.stderr.contains("note: the trace is empty: the run ended before its window"), "{}", beyond.stderr);
+    assert!(folder.names().contains(&"late.fst".to_owned()));
+}
+
+#[test]
+fn a_long_run_is_cut_and_says_where_to_go_on() {
+    let folder = Folder::new();
+    let run = "--mode pipeline --scene teapot --size 64x64";
+    let finished = folder.run(&format!("{run} --trace a.pftrace"));
+    let note = finished.stderr.lines().find(|line| line.contains("--trace-window")).unwrap().to_owned();
+    let window = note.split("--trace-window ").nth(1).unwrap().split(' ').next().unwrap();
+    let size = |name: &str| std::fs::metadata(folder.path(name)).unwrap().len();
+    assert!(size("a.pftrace") < 40_000_000, "{}", size("a.pftrace"));
+    // What comes next begins where this one ends.
+    folder.run(&format!("{run} --trace b.vcd --trace-window {window}")).success();
+    let next = folder.read("b.vcd");
+    let first = changes(&next).lines().find_map(|line| line.strip_prefix('#')).unwrap();
+    assert_eq!(window, format!("{}..", first.parse::<u64>().unwrap() / 50));
+}
+
+#[test]
+fn bad_flags_are_refused() {
+    let folder = Folder::new();
+    let error = folder.run("--scene room --trace a.json").refused();
+    assert!(
+        error.contains("a.json") && error.contains("is no name of a trace") && error.contains(".pftrace"),
+        "{error}"
+    );
+    for window in ["12", "9..9", "a..b", "5..4", "-1..3"] {
+        let error = folder.run(&format!("--scene room --trace a.vcd --trace-window={window}")).refused();
+        assert!(error.contains("--trace-window"), "{error}");
+    }
+    assert!(folder.run("--scene room --trace-window 1..2").refused().contains("--trace"));
+    let error = folder.run("image room -o a.png --timing off --trace a.vcd").refused();
+    assert!(error.contains("--trace is about the machine at work"), "{error}");
+    assert_eq!(folder.names(), Vec::<String>::new());
+}
