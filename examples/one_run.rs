@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for fifo_words in [512, 64, 8] {
         let spec = MachineSpec { fifo_words: Words(fifo_words), ..machine.spec.clone() };
         let outcome = simulation::run(&workload, &spec, &rays, 2, |_| Ok::<(), InputError>(()))?;
-        println!("{fifo_words:>4} words a FIFO: {}", summary::speed(&outcome.stats, &spec));
+        println!("{fifo_words:>4} words a FIFO: {}", summary::speed(&outcome.stats, spec.clock()));
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use pcs_sim::geometry::Partition;
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::machine::{Cycles, RateCounts};
+use pcs_sim::seam::activity_trace::Form;
 
 use super::cell_args::{AsmArgs, CalibrateArgs, DisasmArgs, Figure7Args, StepArgs};
 
@@ -109,9 +110,30 @@ pub struct TracingArgs {
     /// Write what the host and every cell did for every ray, for `pcs-sim replay`.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub ops: Option<PathBuf>,
+    /// What that file counts work in: units, which any machine prices, or the cycles of this one (priced).
+    #[arg(long, value_name = "FORM", value_enum, default_value_t = OpsForm::Units, help_heading = "Results", requires = "ops")]
+    pub ops_form: OpsForm,
     /// Threads to use [default: all cores]. The results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+}
+
+/// What an activity trace counts work in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum OpsForm {
+    /// Units of work.
+    Units,
+    /// Cycles.
+    Priced,
+}
+
+impl From<OpsForm> for Form {
+    fn from(form: OpsForm) -> Form {
+        match form {
+            OpsForm::Units => Form::Units,
+            OpsForm::Priced => Form::Cycles,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -208,9 +230,9 @@ pub struct CellArgs {
     /// A folder of programs for the cells (grid.pcs, broadcast.pcs, ...) in place of the standard ones.
     #[arg(long, value_name = "DIR")]
     pub cell_programs: Option<PathBuf>,
-    /// The most cycles that a program may compute for one ray [default: 1000000000].
+    /// The most instructions that a program may execute for one ray [default: 200000000].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub cycle_limit: Option<u64>,
+    pub instruction_limit: Option<u64>,
 }
 
 /// What a cell runs.

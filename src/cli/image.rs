@@ -15,8 +15,9 @@ use pcs_sim::report::kinds::{self, RaysByKind};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{activity, bottleneck, hits};
+use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::scene::Scene;
+use pcs_sim::seam::activity_trace::TraceWriter;
 use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, RunError, Seen};
 
 use super::args::{ImageArgs, PolicyName, Switch};
@@ -128,15 +129,17 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
         sampling: Sampling { side: args.light.samples, adaptive: args.light.adaptive },
         limits: Limits { depth: args.light.depth, contribution: args.light.min_contribution },
     };
+    let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let timing = (args.host.timing == Switch::On).then(|| {
-        let array = Array::new(&setup.machine.spec, setup.workload.cells());
+        let array = Array::new(&setup.machine.spec, costs, cells);
         (files.views.fit(array), rules(args))
     });
     let unwritable = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
-    if let Some(file) = &mut files.ops {
-        activity::write_header(file, setup.workload.cells()).map_err(unwritable)?;
-    }
-    let watch = || Watch::new(&setup.machine.spec, cell_names(&setup.workload));
+    let form = args.tracing.ops_form.into();
+    let writer = files.ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
+    let mut writer = writer.transpose().map_err(unwritable)?;
+    let keeps_hits = files.hits.is_some();
+    let watch = || Watch::new(setup.machine.spec.clock(), cell_names(&setup.workload));
     let mut live = Live::new(progress::samples(), args.results.watch.then(watch));
     let result = simulation::render(&picture, timing, threads(args.tracing.threads), |seen| match seen {
         Seen::Samples { done, of, array } => {
@@ -145,8 +148,8 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
             Ok(())
         }
         Seen::Sent(ops, hit) => {
-            found.extend(files.hits.is_some().then_some(*hit));
-            files.ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, ops))
+            found.extend(keeps_hits.then_some(*hit));
+            writer.as_mut().map_or(Ok(()), |writer| writer.write(ops))
         }
     });
     live.finish();
@@ -154,6 +157,7 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
         RunError::Stuck(stuck) => stuck.into(),
         RunError::Fault(fault) => fault.into(),
         RunError::Unfit(error) => error.into(),
+        RunError::Batch(error) => error.into(),
         RunError::Observer(error) => unwritable(error),
     })
 }
@@ -181,12 +185,12 @@ fn report(setup: &Setup, rendered: &Rendered) -> String {
     [
         title,
         machine_line(spec),
-        summary::speed(stats, spec),
+        summary::speed(stats, spec.clock()),
         memory_line(&setup.workload),
-        format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec)))),
+        format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n", bottleneck::sentence(stats, spec)),
+        format!("{}\n", bottleneck::sentence(stats)),
     ]
     .join("\n")
 }
@@ -210,7 +214,7 @@ fn write_outputs(
         outputs::finish(files.stats, &mut written, |file| {
             let kinds = RaysByKind::new(&rendered.kinds, timing);
             let (spec, counts) = (&setup.machine.spec, &rendered.counts);
-            let json = stats::image_to_json(&timing.stats, spec, counts, &kinds, &configuration)?;
+            let json = stats::image_to_json(&timing.stats, spec.clock(), counts, &kinds, &configuration)?;
             file.write_all(json.as_bytes())
         })?;
         let spec = &setup.machine.spec;
@@ -221,7 +225,7 @@ fn write_outputs(
         }
         let seen = views::Seen {
             caption: &Caption { title: title(setup, rendered), machine: machine_line(spec) },
-            spec,
+            clock: spec.clock(),
             stats: &timing.stats,
             observed: &timing.observed,
             cell_names: &cell_names(&setup.workload),

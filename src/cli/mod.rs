@@ -33,6 +33,7 @@ use args::{Cli, Command};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
+use pcs_sim::seam::BatchError;
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -56,6 +57,12 @@ impl From<InputError> for Failure {
 impl From<Fault> for Failure {
     fn from(fault: Fault) -> Failure {
         Failure::Fault(Box::new(fault))
+    }
+}
+
+impl From<BatchError> for Failure {
+    fn from(error: BatchError) -> Failure {
+        Failure::Input(Box::new(InputError::new(error.to_string())))
     }
 }
 

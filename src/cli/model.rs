@@ -50,7 +50,7 @@ pub fn model(args: &ModelArgs) -> Result<(), Failure> {
         prediction::sentences(&predicted, &best, &array),
     ))?;
     if let Some((_, outcome)) = &outcome {
-        print(&format!("Measured: {}\n", bottleneck::sentence(&outcome.stats, &machine.spec)))?;
+        print(&format!("Measured: {}\n", bottleneck::sentence(&outcome.stats)))?;
     }
     let mut written = Vec::new();
     outputs::finish(stats, &mut written, |file| {
@@ -91,6 +91,7 @@ fn simulate(
         Err(RunError::Stuck(stuck)) => Err(Failure::Stuck(stuck)),
         Err(RunError::Fault(fault)) => Err(fault.into()),
         Err(RunError::Unfit(error)) => Err(error.into()),
+        Err(RunError::Batch(error)) => Err(error.into()),
         Err(RunError::Observer(never)) => match never {},
     }
 }

@@ -2,11 +2,15 @@
 
 use std::io::Write;
 
+use pcs_sim::error::InputError;
 use pcs_sim::machine::Array;
-use pcs_sim::report::activity::ActivityTrace;
+use pcs_sim::program::Machine;
+use pcs_sim::program::work;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, stats};
+use pcs_sim::seam::Costs;
+use pcs_sim::seam::activity_trace::{ActivityTrace, Form};
 use pcs_sim::simulation;
 
 use super::args::ReplayArgs;
@@ -18,43 +22,45 @@ use super::{Failure, outputs, print, progress, unread};
 /// Times the trace and reports as a run does, but for what only the scene tells.
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     unread::check_replay(args)?;
-    let machine = machine_file(&args.machine)?.build()?;
+    let file = machine_file(&args.machine)?;
+    let machine = file.build()?;
     let views = [args.views.page.as_ref(), args.views.trace.as_ref()];
     let inputs = [Some(args.ops.as_path()), args.machine.machine.as_deref()];
     outputs::check_distinct(&[args.results.stats.as_ref(), views[0], views[1]], &inputs)?;
     let stats_file = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let views = Views::open(&args.views, args.results.force)?;
     let spinner = progress::waiting("reading the trace");
-    let mut trace = ActivityTrace::open(&args.ops)?;
+    let mut trace = ActivityTrace::open(&args.ops, &work::cycles_vocabulary())?;
     let cells = trace.cells();
+    let costs = costs(args, &machine, &trace)?;
     spinner.set_message("timing the trace");
-    let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(&machine.spec, Vec::new())));
-    let array = |limit| views.fit(Array::until(&machine.spec, cells, limit));
+    let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(machine.spec.clock(), Vec::new())));
+    let array = |limit| views.fit(Array::until(&machine.spec, &costs, cells, limit));
     let feed = |take: &mut dyn FnMut(_) -> _| trace.for_each_batch::<Failure>(take);
     let (result, observed) = simulation::replay_in(array, feed, |array| live.show(array))?;
     live.finish();
     machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let caption = Caption {
-        title: format!("replay of {} on {cells} cells: {} rays", args.ops.display(), grouped(trace.rays())),
+        title: format!("replay of {} on {cells} cells: {} rays", args.ops.display(), grouped(trace.jobs())),
         machine: machine_line(&machine.spec),
     };
     print(&format!(
         "{}\n{}\n{}\n\n{}\n{}\n{}\n",
         caption.title,
         caption.machine,
-        summary::speed(&result, &machine.spec),
+        summary::speed(&result, machine.spec.clock()),
         summary::cells(&result, &[]),
         summary::fifos(&result),
-        bottleneck::sentence(&result, &machine.spec),
+        bottleneck::sentence(&result),
     ))?;
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {
-        let json = stats::to_json(&result, &machine.spec, None, None)?;
+        let json = stats::to_json(&result, machine.spec.clock(), None, None)?;
         file.write_all(json.as_bytes())
     })?;
     let seen = Seen {
         caption: &caption,
-        spec: &machine.spec,
+        clock: machine.spec.clock(),
         stats: &result,
         observed: &observed,
         cell_names: &[],
@@ -63,4 +69,19 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     };
     views.write(&seen, &mut written)?;
     print(&outputs::list(&written))
+}
+
+/// What the trace's units cost: what they did when it was recorded, but for what the machine's file and the flags say.
+fn costs(args: &ReplayArgs, machine: &Machine, trace: &ActivityTrace) -> Result<Costs, InputError> {
+    let recorded = trace.costs();
+    if trace.form() == Form::Cycles {
+        unread::check_replay_of_cycles(args)?;
+        return Ok(recorded.clone());
+    }
+    let asked = |name: &str| args.machine.machine.is_some() || unread::prices(&args.machine, name);
+    let price = |name: &str| work::price(name, &machine.times, machine.instructions.as_ref());
+    Ok(Costs::new(recorded.vocabulary().clone(), |unit| {
+        let name = recorded.vocabulary().unit(unit).map_or("", |unit| unit.name.as_str());
+        price(name).filter(|_| asked(name)).unwrap_or(recorded.of(unit))
+    }))
 }

@@ -14,8 +14,9 @@ use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{activity, bottleneck, hits, stats};
+use pcs_sim::report::{bottleneck, hits, stats};
 use pcs_sim::scene::{ReadOptions, Scene, builtin};
+use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::{CellArgs, CellsRun, MachineArgs, Mode, ProgramArgs, RunArgs, ShapeArgs};
@@ -58,7 +59,11 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     spinner.finish_and_clear();
     let setup = Setup { scene, program, machine_file, machine, rays, workload };
     notes(&setup);
-    let outcome = simulate(&setup, threads(args.tracing.threads), args.results.watch, &mut files)?;
+    let outcome = simulate(
+        &setup,
+        (threads(args.tracing.threads), args.results.watch, args.tracing.ops_form.into()),
+        &mut files,
+    )?;
     print(&report(&setup, &outcome))?;
     let written = write_outputs(args, &setup, &outcome, files)?;
     print(&outputs::list(&written))
@@ -158,8 +163,8 @@ fn cell_options(args: &CellArgs, machine: &Machine) -> Result<CellOptions, Input
             InputError::new("the machine file does not say what instructions cost: instruction_cycles is missing");
         error.help("`pcs-sim calibrate --machine FILE` adds it")
     })?;
-    let cycle_limit = args.cycle_limit.unwrap_or(Processor::CYCLE_LIMIT);
-    Ok(CellOptions { cycles, folder: args.cell_programs.clone(), cycle_limit })
+    let instruction_limit = args.instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
+    Ok(CellOptions { cycles, folder: args.cell_programs.clone(), instruction_limit })
 }
 
 /// What instructions cost, which a machine file need not say.
@@ -231,28 +236,33 @@ fn notes(setup: &Setup) {
     }
 }
 
-fn simulate(setup: &Setup, threads: usize, watch: bool, files: &mut Outputs) -> Result<Outcome, Failure> {
+fn simulate(
+    setup: &Setup,
+    (threads, watch, form): (usize, bool, Form),
+    files: &mut Outputs,
+) -> Result<Outcome, Failure> {
     let spec = &setup.machine.spec;
     let mut live = Live::new(
         progress::rays(setup.rays.len() as u64),
-        watch.then(|| Watch::new(spec, cell_names(&setup.workload))),
+        watch.then(|| Watch::new(spec.clock(), cell_names(&setup.workload))),
     );
     let failed = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
     let Outputs { ops, views, .. } = files;
-    if let Some(file) = ops {
-        activity::write_header(file, setup.workload.cells()).map_err(failed)?;
-    }
-    let array = views.fit(Array::new(spec, setup.workload.cells()));
+    let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
+    let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
+    let mut writer = writer.transpose().map_err(failed)?;
+    let array = views.fit(Array::new(spec, costs, cells));
     let outcome = simulation::run_in(array, &setup.workload, &setup.rays, threads, |batch, array| {
         live.inc(batch.hits.len() as u64);
         live.show(array);
-        ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, &batch.ops))
+        writer.as_mut().map_or(Ok(()), |writer| writer.write(&batch.ops))
     });
     live.finish();
     outcome.map_err(|error| match error {
         RunError::Stuck(stuck) => stuck.into(),
         RunError::Fault(fault) => fault.into(),
         RunError::Unfit(error) => error.into(),
+        RunError::Batch(error) => error.into(),
         RunError::Observer(error) => failed(error),
     })
 }
@@ -265,7 +275,7 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
     let mut lines = vec![
         title(setup),
         machine_line(spec),
-        summary::speed(&outcome.stats, spec),
+        summary::speed(&outcome.stats, spec.clock()),
         format!(
             "{} rays hit ({:.1} %); {} voxels, {} slabs tests and {} intersection tests a ray",
             grouped(hits),
@@ -281,7 +291,7 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
         lines.join("\n"),
         summary::cells(&outcome.stats, &names),
         summary::fifos(&outcome.stats),
-        bottleneck::sentence(&outcome.stats, spec),
+        bottleneck::sentence(&outcome.stats),
     )
 }
 
@@ -359,7 +369,7 @@ fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Output
     let configuration = Configuration::new(scene, workload, program, machine_file);
     outputs::finish(files.stats, &mut written, |file| {
         let spec = &setup.machine.spec;
-        let json = stats::to_json(&outcome.stats, spec, Some(&outcome.counts), Some(&configuration))?;
+        let json = stats::to_json(&outcome.stats, spec.clock(), Some(&outcome.counts), Some(&configuration))?;
         file.write_all(json.as_bytes())
     })?;
     outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;
@@ -386,7 +396,7 @@ fn write_views(
     let image = page_image(args, setup, outcome, &views)?;
     let seen = Seen {
         caption,
-        spec,
+        clock: spec.clock(),
         stats: &outcome.stats,
         observed: &outcome.observed,
         cell_names,

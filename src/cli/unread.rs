@@ -78,10 +78,20 @@ pub fn check_model(args: &ModelArgs, program: &ArrayProgram) -> Result<(), Input
 
 /// Refuses the flags that a replay would not look at.
 pub fn check_replay(args: &ReplayArgs) -> Result<(), InputError> {
-    let recorded = [&kernels(&args.machine)[..], &host(&args.machine)].concat();
-    refuse(&recorded, "is a time that the trace has recorded", "record a trace with another time to see what it does")?;
     let memory = [("--memory-words", args.machine.memory_words.is_some())];
     refuse(&memory, "is held against a scene, which a trace has not", "leave it out")
+}
+
+/// Refuses the flags that a replay of a trace in cycles would not look at.
+pub fn check_replay_of_cycles(args: &ReplayArgs) -> Result<(), InputError> {
+    let recorded = [&kernels(&args.machine)[..], &host(&args.machine)].concat();
+    refuse(&recorded, "is a time that the trace has recorded", "record a trace in units of work to see what it does")
+}
+
+/// Whether a flag gives the price of a unit of work.
+pub fn prices(args: &MachineArgs, unit: &str) -> bool {
+    let flag = |(flag, typed): &Flag| *typed && flag[2..].trim_end_matches("-us").replace('-', "_") == unit;
+    kernels(args).iter().chain(&host(args)).any(flag)
 }
 
 fn check_cells(typed: &CellArgs, machine: &MachineArgs) -> Result<(), InputError> {
@@ -89,7 +99,10 @@ fn check_cells(typed: &CellArgs, machine: &MachineArgs) -> Result<(), InputError
         let why = "is a time of Figure 7, which cells that run programs do not take";
         return refuse(&kernels(machine), why, "leave it out, or let the cells run timings");
     }
-    let flags = [("--cell-programs", typed.cell_programs.is_some()), ("--cycle-limit", typed.cycle_limit.is_some())];
+    let flags = [
+        ("--cell-programs", typed.cell_programs.is_some()),
+        ("--instruction-limit", typed.instruction_limit.is_some()),
+    ];
     refuse(&flags, "is about programs of the cells, which run none", "ask for --cells-run programs")
 }
 

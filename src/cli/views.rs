@@ -5,7 +5,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::machine::{Array, Cycles, MachineSpec, Observed, Recording, RunStats};
+use pcs_sim::machine::{Array, Observed};
+use pcs_sim::measure::{Clock, Measured, Recording};
+use pcs_sim::quantities::Cycles;
 use pcs_sim::report::files::{OutputFile, OutputFolder};
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
@@ -28,8 +30,8 @@ pub struct Views {
 pub struct Seen<'a> {
     /// What ran.
     pub caption: &'a Caption,
-    pub spec: &'a MachineSpec,
-    pub stats: &'a RunStats,
+    pub clock: Clock,
+    pub stats: &'a Measured,
     /// What the array saw that the views fitted.
     pub observed: &'a Observed,
     /// What each cell runs, as far as that is known.
@@ -70,11 +72,11 @@ impl Views {
 
     /// Writes the views of a run.
     pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
-        let &Seen { caption, spec, stats, cell_names, configuration, image, .. } = run;
+        let &Seen { caption, clock, stats, cell_names, configuration, image, .. } = run;
         if let Some(profile) = &run.observed.profile {
-            let page = Page { caption, spec, stats, profile, cell_names, configuration, image };
+            let page = Page { caption, clock, stats, profile, cell_names, configuration, image };
             let (pictures, html) = rayon::join(
-                || self.plot.as_ref().map(|_| plot::pictures(profile, spec, caption, cell_names)).transpose(),
+                || self.plot.as_ref().map(|_| plot::pictures(profile, clock, caption, cell_names)).transpose(),
                 || self.page.as_ref().map(|_| page::html(&page)).transpose(),
             );
             let pictures = pictures.map_err(|error| Failure::Output(error.to_string()))?;
@@ -85,7 +87,7 @@ impl Views {
             outputs::finish(self.page, written, |file| file.write_all(html.unwrap_or_default().as_bytes()))?;
         }
         let (Some((file, format)), Some(recording)) = (self.trace, &run.observed.recording) else { return Ok(()) };
-        let trace = Trace { caption, spec, cell_names, recording };
+        let trace = Trace { caption, clock, cell_names, recording };
         outputs::finish(Some(file), written, |file| trace.write(format, file))?;
         trace.notes(format).iter().for_each(|note| eprintln!("note: {note}"));
         Ok(())

@@ -1,6 +1,7 @@
 //! The machine's parameters, as data.
 
-use super::units::{Cycles, Words};
+use crate::measure::Clock;
+use crate::quantities::{Cycles, Words};
 
 /// An array's clock, links and FIFOs (§4.2, and the readings that the machine file explains).
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +80,12 @@ impl MachineSpec {
 
     /// A number of cycles in seconds of simulated time.
     pub fn seconds(&self, cycles: Cycles) -> f64 {
-        cycles.0 as f64 * self.clock_ns * 1e-9
+        self.clock().seconds(cycles)
+    }
+
+    /// The array's clock.
+    pub fn clock(&self) -> Clock {
+        Clock { cycle_ns: self.clock_ns }
     }
 
     /// Whether the link's rate is no whole number of cycles a word, and so had to be rounded.

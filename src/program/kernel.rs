@@ -1,9 +1,9 @@
 //! What the three kernels cost (Figure 7).
 
-use crate::machine::Cycles;
+use crate::quantities::Cycles;
 
 /// The times of one kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Times {
     /// Once a ray, when the kernel is entered.
     pub start: Cycles,
@@ -21,7 +21,7 @@ pub struct HostTimes {
 }
 
 /// The times of all kernels, and the host's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KernelTimes {
     /// The walk through the grid, a voxel.
     pub grid: Times,

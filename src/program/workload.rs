@@ -2,13 +2,15 @@
 
 use crate::error::InputError;
 use crate::geometry::{Grid, Polygons, Slabs, slabs};
-use crate::machine::{OpBatch, Words};
+use crate::quantities::Words;
+use crate::seam::{Costs, OpBatch};
 
 use super::array_program::{Kernel, Stages};
 use super::cells::{CellOptions, CellPrograms};
 use super::kernel::{HostTimes, KernelTimes};
+use super::messages::RAY_WORDS;
 use super::stop_words::StopWords;
-use super::trace::RAY_WORDS;
+use super::work;
 
 /// A scene's polygons with the grids and slabs that an array program gives its cells.
 #[derive(Clone, Debug)]
@@ -18,6 +20,8 @@ pub struct Workload {
     pub(super) groups: Vec<Group>,
     pub(super) stages: Stages,
     pub(super) times: KernelTimes,
+    /// What units of work cost on the machine that it was laid out for.
+    pub(super) costs: Costs,
     pub(super) mailbox: bool,
     pub(super) stop_words: Option<StopWords>,
     pub(super) forward_ahead: u32,
@@ -67,12 +71,18 @@ impl Workload {
             return Err(error.help("leave them out, or let the cells run timings"));
         }
         let programs = CellPrograms::new(&self, options)?;
-        Ok(Workload { programs: Some(programs), ..self })
+        let costs = work::costs(&work::vocabulary(true), &self.times, Some(&options.cycles));
+        Ok(Workload { programs: Some(programs), costs, ..self })
     }
 
     /// How the cells run programs, if they do.
     pub fn cell_options(&self) -> Option<&CellOptions> {
         self.programs.as_ref().map(|programs| &programs.options)
+    }
+
+    /// What units of work cost on the machine that it was laid out for. The ops do not depend on it.
+    pub fn costs(&self) -> &Costs {
+        &self.costs
     }
 
     /// What the host spends.

@@ -20,8 +20,10 @@ use std::collections::VecDeque;
 use super::trees::{ByKind, TreeBatch};
 use crate::geometry::Hit;
 use crate::host::shading::RayKind;
-use crate::machine::{Array, Cycles, OpBatch, OpKind, OpStream, Stuck, Work};
+use crate::machine::{Array, Cycles, Stuck};
+use crate::program::work::HOST_HIT;
 use crate::program::{HostTimes, Workload, send_ray};
+use crate::seam::{BatchError, OpBatch, OpKind, OpStream};
 
 /// What the host sends next when it can choose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -135,7 +137,7 @@ impl ClosedLoop {
 
     /// Gives the host the next samples, and lets it work as long as it need not know those after them. `observe` sees
     /// each ray that is sent: the ops, and the hit that it will find. Returns a batch that has been done, for its memory.
-    pub fn add<E: From<Stuck>>(
+    pub fn add<E: From<Stuck> + From<BatchError>>(
         &mut self,
         trees: TreeBatch,
         observe: &mut impl FnMut(&OpBatch, &Hit) -> Result<(), E>,
@@ -150,7 +152,7 @@ impl ClosedLoop {
     }
 
     /// Sends all rays that are left and waits for the last hit.
-    pub fn drain<E: From<Stuck>>(
+    pub fn drain<E: From<Stuck> + From<BatchError>>(
         &mut self,
         observe: &mut impl FnMut(&OpBatch, &Hit) -> Result<(), E>,
     ) -> Result<(), E> {
@@ -170,7 +172,10 @@ impl ClosedLoop {
         self.array
     }
 
-    fn step<E: From<Stuck>>(&mut self, observe: &mut impl FnMut(&OpBatch, &Hit) -> Result<(), E>) -> Result<(), E> {
+    fn step<E: From<Stuck> + From<BatchError>>(
+        &mut self,
+        observe: &mut impl FnMut(&OpBatch, &Hit) -> Result<(), E>,
+    ) -> Result<(), E> {
         self.take_returned();
         let may_send = self.rules.in_flight.is_none_or(|most| (self.in_flight.len() as u64) < most);
         match may_send.then(|| self.choose()).flatten() {
@@ -200,7 +205,7 @@ impl ClosedLoop {
             }
             if ray.shaded && self.times.hit.0 > 0 {
                 self.ops.push(OpKind::Await, message);
-                self.ops.push(OpKind::Compute(Work::Other), self.times.hit.0);
+                self.ops.push(OpKind::Work(HOST_HIT), 1);
                 self.clock += self.times.hit.0;
             }
             let by_generation = self.rules.policy == Policy::ByGeneration;
@@ -250,7 +255,7 @@ impl ClosedLoop {
         Some((RayPlace { batch, ray }, (decided_by > 0).then_some(self.last_known)))
     }
 
-    fn send<E: From<Stuck>>(
+    fn send<E: From<Stuck> + From<BatchError>>(
         &mut self,
         place: RayPlace,
         parent: Option<u64>,
@@ -262,14 +267,14 @@ impl ClosedLoop {
         // What cannot be waited for any more costs nothing; it ties the ray to its parent under other machines too.
         parent.into_iter().for_each(|message| self.ops.push(OpKind::Await, message));
         let id = self.sent as u32;
-        send_ray(&mut self.ops, id, self.times.ray);
+        send_ray(&mut self.ops, id);
         batch.host.push_line(id, self.ops.line(0));
         self.ops.clear();
         for (cell, traced) in batch.cells.iter_mut().zip(&trees.traced.ops.cells) {
             cell.push_line(id, traced.line(place.ray as usize));
         }
         observe(&batch, &trees.traced.hits[place.ray as usize])?;
-        self.array.feed(batch);
+        self.array.feed(batch)?;
         self.array.run()?;
         self.clock = self.array.host_clock().0;
         self.in_flight.push_back(InFlight { place, sent_in: self.clock - 1 });

@@ -12,14 +12,16 @@ pub use trees::{ByKind, KindCounts};
 use crate::error::InputError;
 use crate::geometry::{Hit, Ray};
 use crate::isa::Fault;
-use crate::machine::{Array, Cycles, MachineSpec, Observed, OpBatch, RunStats, Stuck, Unfinished};
+use crate::machine::{Array, Cycles, MachineSpec, Observed, Stuck, Unfinished};
+use crate::measure::Measured;
 use crate::program::{Counts, Tracer, Workload};
+use crate::seam::{BatchError, Costs, OpBatch};
 
 /// What a run gives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Where every cycle and word went.
-    pub stats: RunStats,
+    pub stats: Measured,
     /// How often the kernels did their work.
     pub counts: Counts,
     /// Each ray's first hit, in the order of the rays.
@@ -53,6 +55,9 @@ pub enum RunError<E> {
     /// The array program does not go with what is to be run.
     #[error(transparent)]
     Unfit(#[from] InputError),
+    /// The ops are none of such an array's.
+    #[error(transparent)]
+    Batch(#[from] BatchError),
     /// `observe` failed.
     #[error("{0}")]
     Observer(E),
@@ -68,7 +73,7 @@ pub fn run<E>(
     threads: usize,
     mut observe: impl FnMut(&TracedBatch) -> Result<(), E>,
 ) -> Result<Outcome, RunError<E>> {
-    run_in(Array::new(spec, workload.cells()), workload, rays, threads, |batch, _| observe(batch))
+    run_in(Array::new(spec, workload.costs(), workload.cells()), workload, rays, threads, |batch, _| observe(batch))
 }
 
 /// The same in an array of the caller's, which may have observers. `observe` sees it as it is before the batch.
@@ -86,7 +91,7 @@ pub fn run_in<E>(
         observe(&batch, &array).map_err(RunError::Observer)?;
         counts += batch.counts;
         hits.append(&mut batch.hits);
-        array.feed(std::mem::take(&mut batch.ops));
+        array.feed(std::mem::take(&mut batch.ops))?;
         array.run()?;
         batch.ops = array.take_spent().unwrap_or_default();
         Ok::<_, RunError<E>>(batch)
@@ -101,25 +106,26 @@ pub fn run_in<E>(
 
 /// Times a trace: `feed` hands it, from its start, batch by batch to the function that it is given. It is called again if
 /// some cell works on after the host has read its last word, which ends the statistics.
-pub fn replay<E: From<Stuck>>(
+pub fn replay<E: From<Stuck> + From<BatchError>>(
     spec: &MachineSpec,
+    costs: &Costs,
     cells: usize,
     feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<(), E>) -> Result<(), E>,
-) -> Result<RunStats, E> {
-    Ok(replay_in(|limit| Array::until(spec, cells, limit), feed, |_| ())?.0)
+) -> Result<Measured, E> {
+    Ok(replay_in(|limit| Array::until(spec, costs, cells, limit), feed, |_| ())?.0)
 }
 
 /// The same in arrays that `array` makes, for the limit that it is given, and what their observers saw.
 /// `observe` sees the array after each batch.
-pub fn replay_in<E: From<Stuck>>(
+pub fn replay_in<E: From<Stuck> + From<BatchError>>(
     array: impl Fn(Cycles) -> Array,
     mut feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<(), E>) -> Result<(), E>,
     mut observe: impl FnMut(&Array),
-) -> Result<(RunStats, Observed), E> {
+) -> Result<(Measured, Observed), E> {
     let mut attempt = |limit: Cycles| {
         let mut array = array(limit);
         feed(&mut |batch| {
-            array.feed(batch);
+            array.feed(batch)?;
             array.run()?;
             observe(&array);
             Ok(())

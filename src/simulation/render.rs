@@ -10,9 +10,11 @@ use crate::geometry::Hit;
 use crate::host::camera::{ImageSize, View};
 use crate::host::sampling::{Pass, Sampling};
 use crate::host::shading::{Limits, Shader};
-use crate::machine::{Array, Cycles, Observed, OpBatch, RunStats, Stuck, Unfinished};
+use crate::machine::{Array, Cycles, Observed, Stuck, Unfinished};
+use crate::measure::Measured;
 use crate::program::{Counts, Tracer, Workload};
 use crate::scene::{Mesh, Object, Scene};
+use crate::seam::OpBatch;
 
 /// About the rays of a tree, to make batches of a good size.
 const RAYS_PER_TREE: usize = 8;
@@ -65,7 +67,7 @@ pub struct Rendered {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timing {
     /// Where every cycle and word went.
-    pub stats: RunStats,
+    pub stats: Measured,
     /// The latencies of the rays of each kind.
     pub latencies: ByKind<KindLatencies>,
     /// What the array's observers saw.
@@ -164,7 +166,8 @@ impl Canvas {
         let cells = picture.workload.cells();
         let shader = Shader::new(picture.scene, picture.workload.polygons(), picture.limits);
         let view = View::new(&picture.scene.camera, picture.size);
-        let worker = || Grower { tracer: Tracer::new(picture.workload), shader: &shader, view };
+        let worker =
+            || Grower { tracer: Tracer::new(picture.workload), costs: picture.workload.costs(), shader: &shader, view };
         let per_batch = (BATCH_LINES / cells / RAYS_PER_TREE).clamp(4, 128);
         let samples = |index: usize| index * per_batch..pass.len().min((index + 1) * per_batch);
         let make =

@@ -7,8 +7,8 @@ use crate::geometry::Hit;
 use crate::host::camera::View;
 use crate::host::sampling::Pass;
 use crate::host::shading::{Branch, RayKind, Shader};
-use crate::machine::{OpKind, OpStream, Work};
-use crate::program::Tracer;
+use crate::program::{Tracer, work};
+use crate::seam::{Costs, OpStream};
 
 /// What was counted on the rays of each kind, in the order of [`RayKind::ALL`].
 pub type ByKind<T> = [T; RayKind::ALL.len()];
@@ -68,6 +68,8 @@ pub struct TreeRay {
 /// Traces the trees of samples. Each thread has its own.
 pub(super) struct Grower<'a> {
     pub tracer: Tracer<'a>,
+    /// What the cells' work costs.
+    pub costs: &'a Costs,
     pub shader: &'a Shader<'a>,
     pub view: View,
 }
@@ -116,18 +118,18 @@ impl Grower<'_> {
         let ops = &mut batch.traced.ops;
         let number = batch.rays.len();
         let hit = self.tracer.trace_cells(number as u32, &branch.ray, &mut ops.cells);
-        let busy = ops.cells.iter().map(|cell| computing(cell, number)).sum();
+        let busy = ops.cells.iter().map(|cell| computing(cell, number, self.costs)).sum();
         batch.kinds[branch.kind as usize] += KindCounts { rays: 1, hits: hit.is_hit() as u64, busy };
         batch.traced.hits.push(hit);
         hit
     }
 }
 
-/// The cycles that a cell computes on a ray.
-fn computing(cell: &OpStream, line: usize) -> u64 {
-    let computes =
-        |op: &&crate::machine::Op| matches!(op.kind(), OpKind::Compute(Work::Grid | Work::Slabs | Work::Intersection));
-    cell.line(line).iter().filter(computes).map(|op| op.count() as u64).sum()
+/// The cycles that a cell computes on a ray, in its kernels.
+fn computing(cell: &OpStream, line: usize, costs: &Costs) -> u64 {
+    let units = cell.line(line).iter().filter_map(|op| Some((op.unit()?, op.count())));
+    let of_kernels = units.filter(|(unit, _)| costs.activity(*unit) != work::OTHER);
+    of_kernels.map(|(unit, count)| costs.of(unit).0 * count as u64).sum()
 }
 
 impl TreeBatch {

@@ -2,14 +2,17 @@
 
 use std::convert::Infallible;
 
-use crate::support::{bits, ops, program, scene, ticking};
+use crate::support::ticking::{self, Ticked};
+use crate::support::{bits, machine, ops, priced, program, scene};
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::Limits;
-use pcs_sim::machine::{Array, MachineSpec, OpBatch, OpKind, Words};
+use pcs_sim::machine::{Array, MachineSpec, Words};
+use pcs_sim::program::work;
 use pcs_sim::program::{ArrayProgram, Counts, Kernel, Workload};
 use pcs_sim::scene::Scene;
+use pcs_sim::seam::{OpBatch, OpKind};
 use pcs_sim::simulation::{self, HostRules, Picture, Rendered, RunError, Seen};
 
 const SCENES: [(&str, u32); 3] = [("room", 1), ("teapot", 4), ("reference", 2)];
@@ -84,8 +87,7 @@ fn one_voxel_ahead_walks_no_voxel_in_vain() {
 }
 
 fn text(batch: &OpBatch, cell: usize, line: usize) -> String {
-    let words: Vec<String> = batch.cells[cell].line(line).iter().map(|op| op.to_string()).collect();
-    words.join(" ")
+    priced(batch.cells[cell].line(line), &work::costs(&work::vocabulary(false), &machine().times, None))
 }
 
 /// A ray through a wall of one square, in a grid of four voxels, and then another.
@@ -94,7 +96,8 @@ fn what_the_cells_say_to_each_other() {
     let folder = crate::support::command::Folder::new();
     folder.file("wall.obj", "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nv 0 4 0\nv 0 4 4\nv 4 4 4\nf 1 2 3 4\nf 5 6 7\n");
     folder.file("rays.csv", "ox,oy,oz,dx,dy,dz\n1,-1,3,0,1,0\n1,9,1,0,-1,0\n");
-    let run = "--scene wall.obj --rays rays.csv --grid-coefficient 32 --mode pipeline --ops a.ops --force";
+    let run =
+        "--scene wall.obj --rays rays.csv --grid-coefficient 32 --mode pipeline --ops a.ops --ops-form priced --force";
     folder.run(run).success();
     insta::assert_snapshot!("without stop words", folder.read("a.ops"));
     folder.run(&format!("{run} --stop-words 2")).success();
@@ -154,9 +157,9 @@ fn rays_ahead_cost_memory_and_gain_a_broadcast_nothing() {
     for (groups, fifo_words) in [(6, 512), (12, 512), (3, 8)] {
         let timed = |forward_ahead: u32| {
             let workload = workload(&scene, &ArrayProgram { forward_ahead, ..program("broadcast", groups) }, &rays);
-            let mut array = Array::new(&depth(fifo_words), workload.cells());
+            let mut array = Array::new(&depth(fifo_words), workload.costs(), workload.cells());
             for batch in ops(&workload, &rays) {
-                array.feed(batch);
+                array.feed(batch).unwrap();
                 array.run().unwrap();
             }
             (array.finish().unwrap().cycles, workload.memory_of(0).rays)
@@ -178,7 +181,7 @@ fn image(
     let sampling = Sampling { side: 1, adaptive: false };
     let picture = Picture { scene, workload, size, sampling, limits: Limits::default() };
     let mut batches = Vec::new();
-    let array = Array::new(spec, workload.cells());
+    let array = Array::new(spec, workload.costs(), workload.cells());
     let rendered = simulation::render(&picture, Some((array, HostRules::default())), 2, |seen| {
         if let Seen::Sent(ops, _) = seen {
             batches.push(ops.clone());
@@ -198,7 +201,8 @@ fn a_host_that_waits_for_hits_gets_on_with_stop_words() {
         let (rendered, batches) = image(&scene, &workload, &spec).unwrap();
         assert_eq!(rendered.pixels, plain.pixels);
         assert!(rendered.counts.voxels < plain.counts.voxels);
-        assert_eq!(rendered.timing.unwrap().stats, ticking::run(&spec, &batches).unwrap());
+        let ticked = ticking::run(&spec, workload.costs(), &batches).unwrap();
+        assert_eq!(Ticked::from(&rendered.timing.unwrap().stats), ticked);
     }
 }
 

@@ -286,7 +286,7 @@ struct Counted {
 fn count(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> Counted {
     let workload = workload(mesh, program, rays);
     let outcome = simulation::run(&workload, &machine().spec, rays, 2, |_| Ok::<_, Infallible>(())).unwrap();
-    let works = outcome.stats.cells.iter().map(|cell| cell.busy.total() + cell.moving).max().unwrap();
+    let works = outcome.stats.stations.iter().map(|cell| outcome.stats.topology.states.works(cell)).max().unwrap();
     let a_ray = |count: u64| count as f64 / rays.len() as f64;
     Counted {
         voxels: a_ray(outcome.counts.voxels),

@@ -4,11 +4,15 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::fmt::Display;
 
-use pcs_sim::geometry::Ray;
-use pcs_sim::machine::{Array, CellStats, Cycles, FifoStats, OpBatch, RunStats, Work};
+use pcs_sim::geometry::{Partition, Ray};
+use pcs_sim::machine::Array;
+use pcs_sim::measure::{Measured, StateKind, StateTimes};
+use pcs_sim::program::work;
 use pcs_sim::program::{ArrayProgram, Counts, Machine, Workload};
+use pcs_sim::quantities::Cycles;
 use pcs_sim::report::table::{Column, Kind};
 use pcs_sim::scene::Scene;
+use pcs_sim::seam::OpBatch;
 use pcs_sim::simulation::{self, TracedBatch};
 
 use crate::cli::args::RunArgs;
@@ -65,7 +69,7 @@ pub struct Stage {
 
 /// What a point gives.
 pub struct Outcome {
-    stats: RunStats,
+    stats: Measured,
     counts: Counts,
     seconds: f64,
     polygons: usize,
@@ -88,7 +92,9 @@ impl Setting {
     /// What its cells' ops depend on, beside the scene.
     pub fn work_key(&self) -> String {
         let Setting { args, program, machine } = self;
-        format!("{program:?} {:?} {:?} {:?}", machine.times, args.cells, machine.instructions)
+        // What work costs is clockwork, but for a cut that weighs it.
+        let weighed = (program.partition == Partition::Work && program.groups > 1).then_some(machine.times);
+        format!("{program:?} {:?} {weighed:?}", args.cells)
     }
 
     /// Its scene and rays.
@@ -113,7 +119,7 @@ impl Setting {
         Ok(self.outcome(workload, outcome.stats, outcome.counts))
     }
 
-    fn outcome(&self, workload: &Workload, stats: RunStats, counts: Counts) -> Outcome {
+    fn outcome(&self, workload: &Workload, stats: Measured, counts: Counts) -> Outcome {
         let seconds = self.machine.spec.seconds(stats.cycles);
         let memory = (0..workload.cells()).map(|cell| workload.memory_of(cell).total().0).max();
         let (polygons, memory_words) = (workload.polygons().len(), memory.unwrap_or(0));
@@ -153,11 +159,13 @@ impl Recording<'_> {
         let spec = &setting.machine.spec;
         self.workload.check_memory(spec.memory_words).map_err(reason)?;
         self.workload.check_fifos(spec.fifo_words).map_err(reason)?;
-        let mut array = Array::new(spec, self.workload.cells());
+        let machine = &setting.machine;
+        let costs = work::costs(self.workload.costs().vocabulary(), &machine.times, machine.instructions.as_ref());
+        let mut array = Array::new(spec, &costs, self.workload.cells());
         for batch in &self.batches {
             let mut copy = array.take_spent().unwrap_or_default();
             copy.clone_from(batch);
-            array.feed(copy);
+            array.feed(copy).map_err(reason)?;
             array.run().map_err(reason)?;
         }
         let stats = array.finish().map_err(reason)?;
@@ -184,18 +192,23 @@ pub fn results(result: Result<Outcome, String>) -> Vec<String> {
 impl Outcome {
     fn results(&self) -> Vec<String> {
         let Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words } = self;
-        let work = |cell: usize| (stats.cells[cell].busy.total() + stats.cells[cell].moving).0;
-        let busiest = (0..stats.cells.len()).max_by_key(|&cell| (work(cell), std::cmp::Reverse(cell))).unwrap_or(0);
-        let fullest = stats.fifos.iter().rev().max_by_key(|fifo| fifo.max);
+        let states = &stats.topology.states;
+        let count = stats.stations.len();
+        let work = |cell: usize| states.works(&stats.stations[cell]).0;
+        let busiest = stats.busiest().unwrap_or(0);
+        let fullest = stats.topology.fifos.iter().zip(&stats.fifos).rev().max_by_key(|(_, fifo)| fifo.max);
         let cycles = stats.cycles.0.max(1) as f64;
-        let all_work: u64 = (0..stats.cells.len()).map(work).sum();
-        let rate = if *seconds > 0.0 { stats.rays as f64 / seconds } else { 0.0 };
-        let spent = |state: fn(&CellStats) -> Cycles| self.us_a_ray(stats.cells.iter().map(state).sum());
+        let all_work: u64 = (0..count).map(work).sum();
+        let rate = if *seconds > 0.0 { stats.jobs as f64 / seconds } else { 0.0 };
+        let all = StateTimes::sum(&stats.stations);
+        let kind = |kind: StateKind| self.us_a_ray(states.sum(&all, |state| state.kind == kind));
+        let activity =
+            |name: &str| self.us_a_ray(states.sum(&all, |state| state.kind == StateKind::Works && state.name == name));
         vec![
-            stats.cells.len().to_string(),
+            count.to_string(),
             polygons.to_string(),
             placed_polygons.to_string(),
-            stats.rays.to_string(),
+            stats.jobs.to_string(),
             stats.cycles.0.to_string(),
             seconds.to_string(),
             rate.to_string(),
@@ -204,19 +217,19 @@ impl Outcome {
             counts.voxels.to_string(),
             counts.slab_tests.to_string(),
             counts.intersection_tests.to_string(),
-            spent(|cell| cell.busy.of(Work::Grid)),
-            spent(|cell| cell.busy.of(Work::Slabs)),
-            spent(|cell| cell.busy.of(Work::Intersection)),
-            spent(|cell| cell.moving),
-            spent(|cell| cell.waiting_x + cell.waiting_y + cell.waiting_z),
-            spent(|cell| cell.blocked_x + cell.blocked_y + cell.blocked_z),
-            spent(|cell| cell.idle),
-            (all_work as f64 / cycles / stats.cells.len() as f64).to_string(),
+            activity("grid"),
+            activity("slabs"),
+            activity("intersection"),
+            kind(StateKind::Moves),
+            kind(StateKind::Waits),
+            kind(StateKind::Blocked),
+            kind(StateKind::Idle),
+            (all_work as f64 / cycles / count as f64).to_string(),
             busiest.to_string(),
             (work(busiest) as f64 / cycles).to_string(),
             busiest_link_words(stats).to_string(),
-            fullest.map(|fifo| fifo.name.clone()).unwrap_or_default(),
-            fullest.map(|fifo| fifo.max.0.to_string()).unwrap_or_default(),
+            fullest.map(|(info, _)| info.name.clone()).unwrap_or_default(),
+            fullest.map(|(_, fifo)| fifo.max.0.to_string()).unwrap_or_default(),
             memory_words.to_string(),
             String::new(),
         ]
@@ -225,16 +238,16 @@ impl Outcome {
     /// Cycles as µs a ray, to a tenth of a nanosecond.
     fn us_a_ray(&self, cycles: Cycles) -> String {
         let us = 1e6 * self.seconds * cycles.0 as f64 / self.stats.cycles.0.max(1) as f64;
-        let rounded = (1e4 * us / self.stats.rays.max(1) as f64).round() / 1e4;
+        let rounded = (1e4 * us / self.stats.jobs.max(1) as f64).round() / 1e4;
         rounded.to_string()
     }
 }
 
 /// Words through the link between two neighbours, host included, through which most go: both channels together.
-fn busiest_link_words(stats: &RunStats) -> u64 {
+fn busiest_link_words(stats: &Measured) -> u64 {
     let mut words = BTreeMap::new();
-    for FifoStats { name, words: through, .. } in &stats.fifos {
-        *words.entry(name.trim_start_matches(['X', 'Y'])).or_insert(0) += through.0;
+    for (info, fifo) in stats.topology.fifos.iter().zip(&stats.fifos) {
+        *words.entry((info.from, info.to)).or_insert(0) += fifo.words.0;
     }
     words.into_values().max().unwrap_or(0)
 }

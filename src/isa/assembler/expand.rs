@@ -8,10 +8,11 @@ use super::line::{Kind, Line, Token};
 use super::{Assembler, Macro, Pending, Sources, Word};
 use crate::error::InputError;
 use crate::input::text::nearest;
+use crate::isa::kernels::KERNELS;
 use crate::isa::program::{SourceFile, SourceLine};
 use crate::isa::register::Register;
 use crate::isa::table::{Opcode, TABLE};
-use crate::machine::Work;
+use crate::seam::Activity;
 
 /// How deep files may include files, and macros use macros.
 const DEEPEST: usize = 32;
@@ -23,9 +24,6 @@ const DIRECTIVES: [&str; 15] = [
     ".code", ".count", ".data", ".else", ".end", ".float", ".if", ".include", ".kernel", ".loaded", ".macro",
     ".option", ".reg", ".space", ".word",
 ];
-
-const KERNELS: [(&str, Work); 4] =
-    [("grid", Work::Grid), ("slabs", Work::Slabs), ("intersection", Work::Intersection), ("other", Work::Other)];
 
 impl Assembler {
     /// Follows a file.
@@ -216,10 +214,10 @@ impl Assembler {
             ".code" => self.in_data = false,
             ".kernel" => {
                 let kernel = reader.expect_name("grid, slabs, intersection or other")?;
-                let known = KERNELS.iter().find(|(name, _)| *name == kernel.text);
+                let known = KERNELS.iter().position(|name| *name == kernel.text);
                 let unknown = || Wrong::new(kernel.span(), format!("there is no kernel `{}`", kernel.text));
                 let help = "there are grid, slabs, intersection and other";
-                self.work = known.ok_or_else(|| unknown().help(help))?.1;
+                self.work = Activity(known.ok_or_else(|| unknown().help(help))? as u8);
             }
             ".count" => {
                 let event = reader.expect_name("the event's name")?;

@@ -30,6 +30,8 @@ mod expression;
 mod line;
 mod operands;
 
+use crate::isa::kernels::OTHER;
+use crate::seam::Activity;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -83,7 +85,7 @@ pub fn assemble(path: &Path, sources: Sources, options: &[(&str, i64)]) -> Resul
         instructions: Vec::new(),
         data: Vec::new(),
         in_data: false,
-        work: crate::machine::Work::Other,
+        work: OTHER,
         depth: 0,
     };
     assembler.file(path)?;
@@ -103,7 +105,7 @@ struct Assembler {
     instructions: Vec<Pending>,
     data: Vec<Pending>,
     in_data: bool,
-    work: crate::machine::Work,
+    work: Activity,
     /// Files and macros that are being followed.
     depth: usize,
 }
