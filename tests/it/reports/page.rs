@@ -2,7 +2,8 @@
 //!
 //! A comment, `<!-- SOURCE -->`, which is not seen on the page, speaks of the last number before it. A number without a
 //! comment of its own must be a key of the comment before or behind it in the same paragraph, as the 16 of "0.254 with 16
-//! cells". Text between backquotes, targets of links and numbers inside words (P1, iPSC/2) are none.
+//! cells". Text between backquotes, targets of links and numbers in names (P1, iPSC/2, Figure 7, §2)
+//! are none.
 
 use super::source::{Sources, keys};
 
@@ -56,7 +57,7 @@ pub fn paragraphs(page: &str) -> Vec<String> {
         if starts {
             found.push(String::new());
         }
-        if !is_code && !line.starts_with(['|', '!', '`', '#']) && !line.starts_with("    ") {
+        if !is_code && !line.is_empty() && !line.starts_with(['|', '!', '`', '#']) && !line.starts_with("    ") {
             let is_numbered = starts && line.starts_with(|c: char| c.is_ascii_digit());
             let text = if is_numbered { line.split_once(". ").map_or("", |(_, text)| text) } else { line };
             let last = found.last_mut().expect("there is one from the start");
@@ -99,27 +100,28 @@ pub fn figures(paragraph: &str) -> Result<Vec<Figure>, String> {
 
 fn pieces(paragraph: &str) -> Result<Vec<Piece>, String> {
     let mut found = Vec::new();
-    let mut rest = paragraph;
-    // The two characters before, and whether they are of a word.
-    let (mut before, mut in_word) = ([' ', ' '], false);
+    let (mut rest, mut in_word) = (paragraph, false);
     while let Some(next) = rest.chars().next() {
         if let Some(comment) = rest.strip_prefix("<!--") {
             let (source, behind) = comment.split_once("-->").ok_or("a comment has no end")?;
             found.push(Piece::Comment(source.trim().to_owned()));
-            (rest, before, in_word) = (behind, [' ', ' '], false);
+            (rest, in_word) = (behind, false);
         } else if let Some(behind) = behind_enclosed(rest, "`", "`").or_else(|| behind_enclosed(rest, "](", ")")) {
-            (rest, before, in_word) = (behind, [' ', ' '], false);
+            (rest, in_word) = (behind, false);
         } else if next.is_ascii_digit() && !in_word {
             let (number, behind) = rest.split_at(number_length(rest));
-            if !behind.starts_with(|c: char| c.is_alphabetic() || c == '_') {
-                let sign = if before[1] == '-' && !before[0].is_alphanumeric() { "-" } else { "" };
+            let before = &paragraph[..paragraph.len() - rest.len()];
+            let is_name = before.ends_with('§') || before.ends_with("Figure ");
+            if !is_name && !behind.starts_with(|c: char| c.is_alphabetic() || c == '_') {
+                let is_negative = before.strip_suffix('-').is_some_and(|text| !text.ends_with(char::is_alphanumeric));
+                let sign = if is_negative { "-" } else { "" };
                 found.push(Piece::Number { shown: sign.to_owned() + &number.replace(' ', ""), unit: unit(behind) });
             }
-            (rest, before, in_word) = (behind, ['0', '0'], false);
+            (rest, in_word) = (behind, false);
         } else {
             // "-3" is a number, "hybrid-3" and "iPSC/2" are words.
             in_word = next.is_alphanumeric() || in_word && ['-', '/', '_'].contains(&next);
-            (rest, before) = (&rest[next.len_utf8()..], [before[1], next]);
+            rest = &rest[next.len_utf8()..];
         }
     }
     Ok(found)
