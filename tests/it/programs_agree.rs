@@ -257,11 +257,11 @@ fn not_beyond_the_paper() {
     assert!(folder.run("--instruction-limit 5").refused().contains("ask for --cells-run programs"));
 }
 
-/// The README shows what the command prints, and the list of the programs is whole.
+/// The manual shows what the command prints, and the list of the programs is whole.
 #[test]
 fn documents_are_true() {
-    let readme = std::fs::read_to_string("README.md").unwrap();
-    assert!(readme.contains(&run_in(Path::new("."), "figure7").success()));
+    let manual = std::fs::read_to_string("docs/using.md").unwrap();
+    assert!(manual.contains(&run_in(Path::new("."), "figure7").success()));
     let document = std::fs::read_to_string("docs/cell-programs.md").unwrap();
     let kernels = [
         &["grid", "slabs", "intersection"][..],
