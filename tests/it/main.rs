@@ -2,6 +2,7 @@
 
 mod support;
 
+mod activity_traces;
 mod assembly;
 mod bad_input;
 mod bad_scene_files;

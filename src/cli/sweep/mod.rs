@@ -142,7 +142,7 @@ mod tests {
         let stages = by_key(points.iter().collect(), Setting::stage_key);
         assert_eq!(stages.iter().map(Vec::len).collect::<Vec<_>>(), [128, 128]);
         let works = by_key(stages.into_iter().next().unwrap(), Setting::work_key);
-        assert_eq!(works.iter().map(Vec::len).collect::<Vec<_>>(), [32; 4], "two modes, and two lengths of a cycle");
+        assert_eq!(works.iter().map(Vec::len).collect::<Vec<_>>(), [64; 2], "two modes");
         assert_eq!(works[0][0].0, 0);
     }
 }
