@@ -39,7 +39,8 @@
 //!
 //! ```
 //! use pcs_sim::host::camera::{ImageSize, primary_rays};
-//! use pcs_sim::program::{ArrayProgram, MachineFile, Workload};
+//! use pcs_sim::program::{ArrayProgram, Workload};
+//! use pcs_sim::machine::MachineFile;
 //! use pcs_sim::{scene::builtin, simulation};
 //!
 //! let scene = builtin::generate("room", None, None)?;
@@ -59,8 +60,10 @@ mod input;
 pub mod isa;
 pub mod machine;
 pub mod model;
+mod parameters;
 pub mod program;
 pub mod report;
+pub mod run;
 pub mod scene;
 pub mod simulation;
 pub mod sweep;

@@ -10,17 +10,17 @@ use pcs_sim::report::{bottleneck, stats};
 use pcs_sim::simulation;
 
 use super::args::ReplayArgs;
-use super::run::{machine_file, machine_line};
+use super::run::machine_line;
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
-    unread::check_replay(args)?;
-    let machine = machine_file(&args.machine)?.build()?;
+    unread::check_replay(&args.options())?;
+    let machine = pcs_sim::run::machine_file(&args.options(), None)?.build()?;
     let views = [args.views.page.as_ref(), args.views.trace.as_ref()];
-    let inputs = [Some(args.ops.as_path()), args.machine.machine.as_deref()];
+    let inputs = [Some(args.ops.as_path()), args.machine_file.machine.as_deref()];
     outputs::check_distinct(&[args.results.stats.as_ref(), views[0], views[1]], &inputs)?;
     let stats_file = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let views = Views::open(&args.views, args.results.force)?;

@@ -90,7 +90,8 @@ impl Array {
 
     /// The same, but nothing happens in cycle `limit` or later.
     pub fn until(spec: &MachineSpec, cells: usize, limit: Cycles) -> Array {
-        let link = || Link::new(spec.fifo_words.0, spec.latency.0, spec.link_rate());
+        let words = [Channel::X, Channel::Y, Channel::Z].map(|channel| spec.fifo_words_of(channel).0);
+        let link = || Link::new(words, spec.latency.0, spec.link_rate());
         let station = || Station { cell: Cell::new(limit.0), batch: 0, done: 0, halt: Halt::OutOfOps };
         Array {
             links: (0..=cells).map(|_| link()).collect(),
@@ -108,7 +109,7 @@ impl Array {
 
     /// The same with a probe, so that [`Array::finish_observed`] gives a profile. To be asked for before any ops are fed.
     pub fn probed(mut self) -> Array {
-        let probe = Probe::new(self.cells.len(), self.links[0].x.capacity());
+        let probe = Probe::new(self.cells.len(), &self.links[0]);
         self.observers.get_or_insert_default().probe = Some(probe);
         self
     }

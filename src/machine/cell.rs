@@ -22,9 +22,10 @@ pub(super) struct Link {
 }
 
 impl Link {
-    pub fn new(capacity: u64, latency: u64, rate: LinkRate) -> Link {
-        let fifo = || Fifo::new(capacity, latency);
-        Link { x: fifo(), y: fifo(), z: fifo(), rate, wire_free: [0; 2], wire_back_free: 0 }
+    /// `capacities` are those of X, Y and Z, in words.
+    pub fn new(capacities: [u64; 3], latency: u64, rate: LinkRate) -> Link {
+        let [x, y, z] = capacities.map(|capacity| Fifo::new(capacity, latency));
+        Link { x, y, z, rate, wire_free: [0; 2], wire_back_free: 0 }
     }
 
     #[inline(always)]

@@ -18,6 +18,7 @@ mod cell;
 mod fifo;
 mod observers;
 mod op;
+mod pcs;
 mod probe;
 mod profile;
 mod recorder;
@@ -26,17 +27,20 @@ mod so_far;
 mod spec;
 mod stats;
 mod stuck;
+mod times;
 mod units;
 
 pub use array::{Array, Unfinished};
 pub use observers::Observed;
 pub use op::{Op, OpBatch, OpKind, OpLine, OpStream, Work};
+pub use pcs::{Machine, MachineFile, MachineOptions, TimesUs};
 pub use profile::{FifoBin, FifoProfile, Latency, Profile};
 pub use recording::{Activity, FifoLevels, Recording, Stretch, Visit};
 pub use so_far::SoFar;
 pub use spec::{LinkRate, MachineSpec, RateCounts};
 pub use stats::{Busy, CellState, CellStats, FifoStats, RunStats};
 pub use stuck::{Party, Stuck, StuckKind, Wait, WaitFor};
+pub use times::{HostTimes, KernelTimes, Times};
 pub use units::{Cycles, Words};
 
 /// The channels between neighbours: X and Y lead to the right (§4.2: "two input FIFOs"), Z leads to the left.

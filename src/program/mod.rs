@@ -5,15 +5,11 @@
 
 mod array_program;
 pub mod cells;
-mod kernel;
 mod layout;
-mod machine_file;
 mod stop_words;
 mod trace;
 mod workload;
 
 pub use array_program::{ArrayProgram, Kernel, Stages};
-pub use kernel::{HostTimes, KernelTimes, Times};
-pub use machine_file::{Machine, MachineFile, TimesUs};
 pub use trace::{Counts, Tracer, send_ray};
 pub use workload::{CellMemory, Workload};

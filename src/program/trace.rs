@@ -7,10 +7,9 @@ use bitvec::vec::BitVec;
 use crate::geometry::partition::Weight;
 use crate::geometry::{Hit, Ray, RaySlabs};
 use crate::isa::Fault;
-use crate::machine::{Cycles, OpBatch, OpKind, OpStream, Work};
+use crate::machine::{Cycles, OpBatch, OpKind, OpStream, Times, Work};
 
 use super::cells::ProgramTracer;
-use super::kernel::Times;
 use super::stop_words::Stopping;
 use super::workload::{Group, Workload};
 

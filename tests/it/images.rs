@@ -12,7 +12,8 @@ use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::{Branch, Limits, RayKind, Shader, reflect, refract};
 use pcs_sim::machine::{Array, Cycles, MachineSpec, OpBatch, OpKind};
-use pcs_sim::program::{KernelTimes, MachineFile, Workload};
+use pcs_sim::machine::{KernelTimes, MachineFile};
+use pcs_sim::program::Workload;
 use pcs_sim::scene::{Material, Mesh, ReadOptions, Scene, builtin};
 use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, Seen, Timing};
 

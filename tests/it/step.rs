@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::support::command::Folder;
 use pcs_sim::isa::{Executable, Processor, Queue, Queues, Stop, object};
+use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::OpStream;
-use pcs_sim::program::MachineFile;
 use proptest::prelude::*;
 
 const FIR: &str = include_str!("../../pcs-programs/cells/fir.pcs");

@@ -9,8 +9,7 @@ use std::path::PathBuf;
 
 use crate::error::InputError;
 use crate::isa::{Class, InstructionCycles};
-use crate::machine::{Cycles, MachineSpec};
-use crate::program::{HostTimes, KernelTimes, Times};
+use crate::machine::{Cycles, HostTimes, KernelTimes, MachineSpec, Times};
 
 use super::CellOptions;
 use super::figure7::{NUMBERS, measure};

@@ -13,8 +13,8 @@ use glam::Vec3;
 
 use crate::error::InputError;
 use crate::geometry::Ray;
-use crate::machine::{MachineSpec, OpKind, OpStream};
-use crate::program::{ArrayProgram, KernelTimes, Tracer, Workload};
+use crate::machine::{KernelTimes, MachineSpec, OpKind, OpStream};
+use crate::program::{ArrayProgram, Tracer, Workload};
 use crate::scene::Mesh;
 
 use super::CellOptions;

@@ -10,8 +10,9 @@ use std::convert::Infallible;
 use pcs_sim::geometry::{Hit, Ray};
 use pcs_sim::host::camera::{ImageSize, primary_rays};
 use pcs_sim::machine::OpBatch;
+use pcs_sim::machine::{Machine, MachineFile};
 use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::{ArrayProgram, Machine, MachineFile, Workload};
+use pcs_sim::program::{ArrayProgram, Workload};
 use pcs_sim::scene::{Mesh, Scene, builtin};
 use pcs_sim::simulation::{self, TracedBatch};
 

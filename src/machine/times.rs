@@ -1,6 +1,6 @@
 //! What the three kernels cost (Figure 7).
 
-use crate::machine::Cycles;
+use super::Cycles;
 
 /// The times of one kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
