@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use pcs_sim::host::camera::{ImageSize, primary_rays};
 use pcs_sim::isa::Processor;
+use pcs_sim::machine::MachineFile;
 use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::{ArrayProgram, MachineFile, Tracer, Workload};
+use pcs_sim::program::{ArrayProgram, Tracer, Workload};
 use pcs_sim::scene::builtin;
 use pcs_sim::seam::OpBatch;
 

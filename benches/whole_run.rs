@@ -7,8 +7,9 @@ use std::time::Instant;
 
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::camera::{ImageSize, primary_rays};
+use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::MachineSpec;
-use pcs_sim::program::{ArrayProgram, MachineFile, Workload};
+use pcs_sim::program::{ArrayProgram, Workload};
 use pcs_sim::scene::builtin;
 use pcs_sim::simulation;
 

@@ -1,8 +1,9 @@
 //! A scene, an array program and a machine, run: what the command line does, in a few lines.
 
 use pcs_sim::host::camera::{ImageSize, primary_rays};
+use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::{MachineSpec, Words};
-use pcs_sim::program::{ArrayProgram, MachineFile, Workload};
+use pcs_sim::program::{ArrayProgram, Workload};
 use pcs_sim::report::summary;
 use pcs_sim::{error::InputError, scene::builtin, simulation};
 

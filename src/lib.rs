@@ -39,7 +39,8 @@
 //!
 //! ```
 //! use pcs_sim::host::camera::{ImageSize, primary_rays};
-//! use pcs_sim::program::{ArrayProgram, MachineFile, Workload};
+//! use pcs_sim::program::{ArrayProgram, Workload};
+//! use pcs_sim::machine::MachineFile;
 //! use pcs_sim::{scene::builtin, simulation};
 //!
 //! let scene = builtin::generate("room", None, None)?;
@@ -60,9 +61,11 @@ pub mod isa;
 pub mod machine;
 pub mod measure;
 pub mod model;
+mod parameters;
 pub mod program;
 pub mod quantities;
 pub mod report;
+pub mod run;
 pub mod scene;
 pub mod seam;
 pub mod simulation;

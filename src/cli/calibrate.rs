@@ -5,7 +5,7 @@ use std::path::Path;
 
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Processor;
-use pcs_sim::program::MachineFile;
+use pcs_sim::machine::MachineFile;
 use pcs_sim::program::cells::calibrate::calibrate as fit;
 use pcs_sim::program::cells::figure7::numbers;
 use pcs_sim::program::cells::{CellOptions, machine_text};

@@ -1,8 +1,8 @@
 //! `pcs-sim figure7`: the six numbers of the paper's Figure 7, measured.
 
 use pcs_sim::isa::Processor;
+use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::MachineSpec;
-use pcs_sim::program::MachineFile;
 use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::cells::figure7::{NUMBERS, numbers, us};
 use pcs_sim::report::summary::{aligned, table};

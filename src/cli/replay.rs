@@ -3,8 +3,7 @@
 use std::io::Write;
 
 use pcs_sim::error::InputError;
-use pcs_sim::machine::Array;
-use pcs_sim::program::Machine;
+use pcs_sim::machine::{Array, Machine};
 use pcs_sim::program::work;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::summary::{self, grouped};
@@ -14,18 +13,17 @@ use pcs_sim::seam::activity_trace::{ActivityTrace, Form};
 use pcs_sim::simulation;
 
 use super::args::ReplayArgs;
-use super::run::{machine_file, machine_line};
+use super::run::machine_line;
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
-    unread::check_replay(args)?;
-    let file = machine_file(&args.machine)?;
-    let machine = file.build()?;
+    unread::check_replay(&args.options())?;
+    let machine = pcs_sim::run::machine_file(&args.options(), None)?.build()?;
     let views = [args.views.page.as_ref(), args.views.trace.as_ref()];
-    let inputs = [Some(args.ops.as_path()), args.machine.machine.as_deref()];
+    let inputs = [Some(args.ops.as_path()), args.machine_file.machine.as_deref()];
     outputs::check_distinct(&[args.results.stats.as_ref(), views[0], views[1]], &inputs)?;
     let stats_file = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let views = Views::open(&args.views, args.results.force)?;
@@ -75,10 +73,11 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
 fn costs(args: &ReplayArgs, machine: &Machine, trace: &ActivityTrace) -> Result<Costs, InputError> {
     let recorded = trace.costs();
     if trace.form() == Form::Cycles {
-        unread::check_replay_of_cycles(args)?;
+        unread::check_replay_of_cycles(&args.options())?;
         return Ok(recorded.clone());
     }
-    let asked = |name: &str| args.machine.machine.is_some() || unread::prices(&args.machine, name);
+    let options = args.options();
+    let asked = |name: &str| args.machine_file.machine.is_some() || unread::prices(&options, name);
     let price = |name: &str| work::price(name, &machine.times, machine.instructions.as_ref());
     Ok(Costs::new(recorded.vocabulary().clone(), |unit| {
         let name = recorded.vocabulary().unit(unit).map_or("", |unit| unit.name.as_str());

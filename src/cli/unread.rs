@@ -6,30 +6,26 @@ use std::path::Path;
 
 use pcs_sim::error::InputError;
 use pcs_sim::program::ArrayProgram;
+use pcs_sim::run::{CellsRun, ImageSpec, RunOptions, RunSpec, Switch, is_builtin};
 use pcs_sim::scene::builtin;
 
-use super::args::{CellArgs, CellsRun, ImageArgs, MachineArgs, ModelArgs, ProgramArgs, ReplayArgs, RunArgs, Switch};
-use super::run::is_builtin;
-
-/// A flag, and whether it was typed.
-type Flag = (&'static str, bool);
+use super::args::{ImageArgs, ModelArgs};
 
 /// Refuses the flags that a run of primary rays would not look at.
-pub fn check_run(args: &RunArgs, program: &ArrayProgram) -> Result<(), InputError> {
-    let shading = [("--host-hit-us", args.machine.host_hit_us.is_some())];
-    refuse(&shading, "is about shading hits, which only a whole image does", "`pcs-sim image` makes whole images")?;
-    check_resolution(&args.scene.scene, args.scene.shape.resolution)?;
-    check_cells(&args.cells, &args.machine)?;
-    check_program(&args.program, &args.machine, program)
+pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    check_shading(typed)?;
+    check_resolution(spec)?;
+    check_cells(typed, spec)?;
+    check_program(typed, &spec.program)
 }
 
 /// Refuses the flags that an image would not look at.
-pub fn check_image(args: &ImageArgs, program: &ArrayProgram) -> Result<(), InputError> {
-    if args.light.adaptive && args.light.samples == 1 {
+pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: &ImageSpec) -> Result<(), InputError> {
+    if image.adaptive && image.samples == 1 {
         let error = InputError::new("--adaptive has nothing to refine a pixel with: it has one sample in any case");
         return Err(error.help("say with --samples how many samples along a side a refined pixel has"));
     }
-    if args.host.timing == Switch::Off {
+    if image.timing == Switch::Off {
         let files = [
             ("--stats", args.results.stats.is_some()),
             ("--hits", args.tracing.hits.is_some()),
@@ -37,21 +33,22 @@ pub fn check_image(args: &ImageArgs, program: &ArrayProgram) -> Result<(), Input
             ("--plot", args.views.plot.is_some()),
             ("--page", args.views.page.is_some()),
             ("--trace", args.views.trace.is_some()),
-            ("--policy", args.host.policy.is_some()),
-            ("--in-flight", args.host.in_flight.is_some()),
-            ("--open-samples", args.host.open_samples.is_some()),
-            ("--forward-ahead", args.program.forward_ahead.is_some()),
         ];
-        let flags = [&files[..], &links(&args.machine), &host(&args.machine)].concat();
-        refuse(&flags, "is about the machine at work, which --timing off leaves out", "leave out one of the two")?;
+        let (why, help) = ("is about the machine at work, which --timing off leaves out", "leave out one of the two");
+        if let Some((flag, _)) = files.iter().find(|(_, typed)| *typed) {
+            return Err(InputError::new(format!("{flag} {why}")).help(help));
+        }
+        let names = [&["policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
+        refuse(typed, &names.concat(), why, help)?;
     }
-    check_resolution(&args.scene, args.shape.resolution)?;
-    check_cells(&args.cells, &args.machine)?;
-    check_program(&args.program, &args.machine, program)
+    check_resolution(spec)?;
+    check_cells(typed, spec)?;
+    check_program(typed, &spec.program)
 }
 
 /// Refuses what the cost model would not look at.
-pub fn check_model(args: &ModelArgs, program: &ArrayProgram) -> Result<(), InputError> {
+pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    let program = &spec.program;
     if program.mailbox {
         let error = InputError::new("the cost model knows no mailbox: it is the paper's, which has none");
         return Err(error.help("leave --mailbox out, or take a program with mailbox: false"));
@@ -62,106 +59,100 @@ pub fn check_model(args: &ModelArgs, program: &ArrayProgram) -> Result<(), Input
         return Err(error.help("take a program without them, or run this one to see what it does"));
     }
     if args.predict_only {
-        let flags = [
-            ("--fifo-words", args.machine.fifo_words.is_some()),
-            ("--latency-cycles", args.machine.latency_cycles.is_some()),
-            ("--memory-words", args.machine.memory_words.is_some()),
-            ("--threads", args.threads.is_some()),
-        ];
-        refuse(&flags, "is about the simulation, which --predict-only leaves out", "leave out one of the two")?;
+        let (why, help) = ("is about the simulation, which --predict-only leaves out", "leave out one of the two");
+        let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
+        refuse(typed, &names, why, help)?;
+        if args.threads.is_some() {
+            return Err(InputError::new(format!("--threads {why}")).help(help));
+        }
     }
-    let shading = [("--host-hit-us", args.machine.host_hit_us.is_some())];
-    refuse(&shading, "is about shading hits, which only a whole image does", "`pcs-sim image` makes whole images")?;
-    check_resolution(&args.scene, args.shape.resolution)?;
-    check_program(&args.program, &args.machine, program)
+    check_shading(typed)?;
+    check_resolution(spec)?;
+    check_program(typed, program)
 }
 
 /// Refuses the flags that a replay would not look at.
-pub fn check_replay(args: &ReplayArgs) -> Result<(), InputError> {
-    let memory = [("--memory-words", args.machine.memory_words.is_some())];
-    refuse(&memory, "is held against a scene, which a trace has not", "leave it out")
+pub fn check_replay(typed: &RunOptions) -> Result<(), InputError> {
+    refuse(typed, &["memory_words"], "is held against a scene, which a trace has not", "leave it out")
 }
 
 /// Refuses the flags that a replay of a trace in cycles would not look at.
-pub fn check_replay_of_cycles(args: &ReplayArgs) -> Result<(), InputError> {
-    let recorded = [&kernels(&args.machine)[..], &host(&args.machine)].concat();
-    refuse(&recorded, "is a time that the trace has recorded", "record a trace in units of work to see what it does")
+pub fn check_replay_of_cycles(typed: &RunOptions) -> Result<(), InputError> {
+    let recorded = [&KERNELS[..], &HOST].concat();
+    let help = "record a trace in units of work to see what it does";
+    refuse(typed, &recorded, "is a time that the trace has recorded", help)
 }
 
 /// Whether a flag gives the price of a unit of work.
-pub fn prices(args: &MachineArgs, unit: &str) -> bool {
-    let flag = |(flag, typed): &Flag| *typed && flag[2..].trim_end_matches("-us").replace('-', "_") == unit;
-    kernels(args).iter().chain(&host(args)).any(flag)
+pub fn prices(typed: &RunOptions, unit: &str) -> bool {
+    KERNELS.iter().chain(&HOST).any(|name| name.trim_end_matches("_us") == unit && typed.has(name))
 }
 
-fn check_cells(typed: &CellArgs, machine: &MachineArgs) -> Result<(), InputError> {
-    if typed.cells_run == Some(CellsRun::Programs) {
+fn check_shading(typed: &RunOptions) -> Result<(), InputError> {
+    let why = "is about shading hits, which only a whole image does";
+    refuse(typed, &["host_hit_us"], why, "`pcs-sim image` makes whole images")
+}
+
+fn check_cells(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    if spec.cells_run == CellsRun::Programs {
         let why = "is a time of Figure 7, which cells that run programs do not take";
-        return refuse(&kernels(machine), why, "leave it out, or let the cells run timings");
+        return refuse(typed, &KERNELS, why, "leave it out, or let the cells run timings");
     }
-    let flags = [
-        ("--cell-programs", typed.cell_programs.is_some()),
-        ("--instruction-limit", typed.instruction_limit.is_some()),
-    ];
-    refuse(&flags, "is about programs of the cells, which run none", "ask for --cells-run programs")
+    let names = ["cell_programs", "instruction_limit"];
+    refuse(typed, &names, "is about programs of the cells, which run none", "ask for --cells-run programs")
 }
 
-fn check_program(typed: &ProgramArgs, machine: &MachineArgs, program: &ArrayProgram) -> Result<(), InputError> {
+fn check_program(typed: &RunOptions, program: &ArrayProgram) -> Result<(), InputError> {
     if program.groups == 1 {
-        let flag = [("--partition", typed.partition.is_some())];
-        refuse(&flag, "cuts the scene into sub-volumes, and one group has them all", "ask for several --groups")?;
+        let why = "cuts the scene into sub-volumes, and one group has them all";
+        refuse(typed, &["partition"], why, "ask for several --groups")?;
     }
     if program.placement().slabs.is_none() {
-        let slabs = kernels(machine).into_iter().filter(|(name, _)| name.starts_with("--slabs")).collect::<Vec<_>>();
         let why = format!("is about slabs, which the program '{}' goes without", program.name);
-        refuse(&slabs, &why, "leave it out, or take a program with slabs")?;
+        refuse(typed, &["slabs_start", "slabs_polygon"], &why, "leave it out, or take a program with slabs")?;
     }
     Ok(())
 }
 
 /// Slices matter to spheres and cones, so not to every scene.
-fn check_resolution(scene: &str, resolution: Option<u32>) -> Result<(), InputError> {
+fn check_resolution(spec: &RunSpec) -> Result<(), InputError> {
+    let scene = &spec.scene;
     let of_polygons = if is_builtin(scene) {
         builtin::all().iter().any(|known| known.name == scene && known.default_resolution.is_none())
     } else {
         let extension = Path::new(scene).extension().map(|extension| extension.to_string_lossy().to_lowercase());
         matches!(extension.as_deref(), Some("obj" | "ply"))
     };
-    let flag = [("--resolution", of_polygons && resolution.is_some())];
-    refuse(&flag, "slices spheres and cones, and this scene is of polygons only", "leave it out")
+    if of_polygons && spec.resolution.is_some() {
+        let error = InputError::new("--resolution slices spheres and cones, and this scene is of polygons only");
+        return Err(error.help("leave it out"));
+    }
+    Ok(())
 }
 
-fn refuse(flags: &[Flag], why: &str, help: &str) -> Result<(), InputError> {
-    match flags.iter().find(|(_, typed)| *typed) {
-        Some((flag, _)) => Err(InputError::new(format!("{flag} {why}")).help(help)),
+/// Fails if one of the parameters was typed.
+fn refuse(typed: &RunOptions, names: &[&str], why: &str, help: &str) -> Result<(), InputError> {
+    match names.iter().find(|name| typed.has(name)) {
+        Some(name) => Err(InputError::new(format!("--{} {why}", name.replace('_', "-"))).help(help)),
         None => Ok(()),
     }
 }
 
-/// The flags of what joins the cells: all that computing does not depend on.
-fn links(args: &MachineArgs) -> [Flag; 5] {
-    [
-        ("--word-bytes", args.word_bytes.is_some()),
-        ("--fifo-words", args.fifo_words.is_some()),
-        ("--link-mb-s", args.link_mb_s.is_some()),
-        ("--rate-counts", args.rate_counts.is_some()),
-        ("--latency-cycles", args.latency_cycles.is_some()),
-    ]
-}
+/// What joins the cells: all that computing does not depend on.
+const LINKS: [&str; 8] = [
+    "word_bytes",
+    "fifo_words",
+    "link_mb_s",
+    "rate_counts",
+    "latency_cycles",
+    "x_fifo_words",
+    "y_fifo_words",
+    "z_fifo_words",
+];
 
-/// The flags of the host's times.
-fn host(args: &MachineArgs) -> [Flag; 2] {
-    [("--host-ray-us", args.host_ray_us.is_some()), ("--host-hit-us", args.host_hit_us.is_some())]
-}
+/// The host's times.
+const HOST: [&str; 2] = ["host_ray_us", "host_hit_us"];
 
-/// The flags of the kernels' times.
-fn kernels(args: &MachineArgs) -> [Flag; 6] {
-    [
-        ("--grid-start", args.grid_start.is_some()),
-        ("--grid-voxel", args.grid_voxel.is_some()),
-        ("--slabs-start", args.slabs_start.is_some()),
-        ("--slabs-polygon", args.slabs_polygon.is_some()),
-        ("--intersection-start", args.intersection_start.is_some()),
-        ("--intersection-polygon", args.intersection_polygon.is_some()),
-    ]
-}
+/// The kernels' times.
+const KERNELS: [&str; 6] =
+    ["grid_start", "grid_voxel", "slabs_start", "slabs_polygon", "intersection_start", "intersection_polygon"];

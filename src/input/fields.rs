@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::ron_text;
 use super::text::Text;
+use super::{reading, ron_text};
 use crate::error::InputError;
 
 /// The largest text file that is read whole, in bytes: more than 10 million rays.
@@ -21,6 +21,7 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
     if bytes.len() as u64 > LARGEST_TEXT {
         return Err(InputError::in_file(path, "the file is too large: it may have up to 1 GiB"));
     }
+    reading::note(path, &bytes);
     Ok(Text::decode(path, &bytes)?.text.to_owned())
 }
 

@@ -4,10 +4,10 @@ use crate::error::InputError;
 use crate::geometry::grid::GridTooLarge;
 use crate::geometry::partition::SubVolume;
 use crate::geometry::{Bounds, Grid, Partition, Polygons, Ray, Slabs, partition};
+use crate::machine::KernelTimes;
 use crate::scene::Mesh;
 
 use super::array_program::{ArrayProgram, Stages};
-use super::kernel::KernelTimes;
 use super::stop_words::StopWords;
 use super::tracer::{Tracer, WorkSample};
 use super::work;

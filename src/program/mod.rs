@@ -5,9 +5,7 @@
 
 mod array_program;
 pub mod cells;
-mod kernel;
 mod layout;
-mod machine_file;
 pub mod messages;
 mod stop_words;
 mod tracer;
@@ -15,7 +13,5 @@ pub mod work;
 mod workload;
 
 pub use array_program::{ArrayProgram, Kernel, Stages};
-pub use kernel::{HostTimes, KernelTimes, Times};
-pub use machine_file::{Machine, MachineFile, TimesUs};
 pub use tracer::{Counts, Tracer, send_ray};
 pub use workload::{CellMemory, Workload};

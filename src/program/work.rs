@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::kernel::KernelTimes;
 use super::messages;
 use crate::isa::kernels::{FIRST_UNIT, KERNELS};
 use crate::isa::{Class, InstructionCycles, kernels};
+use crate::machine::KernelTimes;
 use crate::quantities::Cycles;
 use crate::seam::{Activity, Costs, Unit, UnitOfWork, Vocabulary};
 

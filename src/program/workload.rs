@@ -2,12 +2,12 @@
 
 use crate::error::InputError;
 use crate::geometry::{Grid, Polygons, Slabs, slabs};
+use crate::machine::{HostTimes, KernelTimes, MachineSpec};
 use crate::quantities::Words;
-use crate::seam::{Costs, OpBatch};
+use crate::seam::{Channel, Costs, OpBatch};
 
 use super::array_program::{Kernel, Stages};
 use super::cells::{CellOptions, CellPrograms};
-use super::kernel::{HostTimes, KernelTimes};
 use super::messages::RAY_WORDS;
 use super::stop_words::StopWords;
 use super::work;
@@ -159,8 +159,15 @@ impl Workload {
         Err(InputError::new(message).help(help))
     }
 
+    /// Fails if a machine cannot run this: for want of memory in some cell, or of room for stop words. Whatever runs or
+    /// replays a workload begins with it.
+    pub fn check(&self, spec: &MachineSpec) -> Result<(), InputError> {
+        self.check_memory(spec.memory_words)?;
+        self.check_fifos(spec.fifo_words_of(Channel::Z))
+    }
+
     /// Fails if the FIFOs are too shallow for the stop words that are on their way at the end of a run.
-    pub fn check_fifos(&self, fifo_words: Words) -> Result<(), InputError> {
+    fn check_fifos(&self, fifo_words: Words) -> Result<(), InputError> {
         let Some(words) = self.stop_words.filter(|words| words.least_fifo_words() > fifo_words.0) else {
             return Ok(());
         };
@@ -170,7 +177,7 @@ impl Workload {
     }
 
     /// Fails if some cell needs more memory than it has.
-    pub fn check_memory(&self, memory: Option<Words>) -> Result<(), InputError> {
+    fn check_memory(&self, memory: Option<Words>) -> Result<(), InputError> {
         let Some(memory) = memory else { return Ok(()) };
         let largest = (0..self.cells()).max_by_key(|&cell| (self.memory_of(cell).total(), std::cmp::Reverse(cell)));
         let Some((cell, need)) = largest.map(|cell| (cell, self.memory_of(cell))).filter(|l| l.1.total() > memory)

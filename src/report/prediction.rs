@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::summary::{aligned, grouped, table};
-use crate::machine::RateCounts;
+use crate::machine::{Machine, RateCounts};
 use crate::measure::{Actor, Measured, StateKind, StateTimes};
 use crate::model::cost::KernelTime;
 use crate::model::{ArrayModel, Bound, CellLoad, Limit, LinkLoad, Links, Prediction, Stage, Times};
-use crate::program::{ArrayProgram, CellMemory, Counts, Kernel, Machine, Workload};
+use crate::program::{ArrayProgram, CellMemory, Counts, Kernel, Workload};
 
 /// An array program on a machine, as the model sees it.
 pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
@@ -16,7 +16,7 @@ pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
         slabs: kernels.contains(&Kernel::Slabs),
         intersection: kernels.contains(&Kernel::Intersection),
     };
-    let time = |times: crate::program::Times| KernelTime { start: times.start.0 as f64, each: times.each.0 as f64 };
+    let time = |times: crate::machine::Times| KernelTime { start: times.start.0 as f64, each: times.each.0 as f64 };
     let rate = machine.spec.link_rate();
     ArrayModel {
         stages: program.stages.iter().map(stage).collect(),

@@ -5,53 +5,28 @@ use serde::Serialize;
 use super::bottleneck;
 use super::kinds::RaysByKind;
 use crate::measure::{Clock, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
-use crate::program::cells::CellOptions;
-use crate::program::{ArrayProgram, CellMemory, Counts, MachineFile, Workload};
-use crate::scene::Scene;
+use crate::program::{CellMemory, Counts, Workload};
+use crate::run::RunSpec;
 
-/// What was run, beside its statistics: enough to run it again.
+/// What was run, beside its statistics: enough to run it again, and what its scene came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Configuration {
-    /// The simulator's version.
-    pub version: &'static str,
-    /// The scene: its name, or the file.
-    pub scene: String,
-    /// How many polygons it has.
+    /// The run.
+    #[serde(flatten)]
+    pub run: RunSpec,
+    /// How many polygons the scene has.
     pub polygons: usize,
-    /// The array program, as its file would have it.
-    pub program: ArrayProgram,
-    /// What the cells run: `timings` or `programs`.
-    pub cells_run: &'static str,
-    /// Where the cells' programs are, if they run any: a folder, or `standard`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cell_programs: Option<String>,
-    /// The most instructions that a program may execute for one ray, if cells run any.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub instruction_limit: Option<u64>,
     /// Words that each cell's memory holds.
     pub memory: Vec<MemoryWords>,
-    /// The machine, as its file would have it.
-    pub machine: MachineFile,
 }
 
 impl Configuration {
     /// What a run is made of.
-    pub fn new(scene: &Scene, workload: &Workload, program: &ArrayProgram, machine: &MachineFile) -> Configuration {
-        let options = workload.cell_options();
-        let folder = |options: &CellOptions| match &options.folder {
-            Some(folder) => folder.display().to_string(),
-            None => "standard".to_owned(),
-        };
+    pub fn new(run: &RunSpec, workload: &Workload) -> Configuration {
         Configuration {
-            version: env!("CARGO_PKG_VERSION"),
-            scene: scene.name.clone(),
+            run: run.clone(),
             polygons: workload.polygons().len(),
-            program: program.clone(),
-            cells_run: if options.is_some() { "programs" } else { "timings" },
-            cell_programs: options.map(folder),
-            instruction_limit: options.map(|options| options.instruction_limit),
             memory: (0..workload.cells()).map(|cell| workload.memory_of(cell).into()).collect(),
-            machine: machine.clone(),
         }
     }
 }

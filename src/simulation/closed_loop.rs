@@ -20,20 +20,30 @@ use std::collections::VecDeque;
 use super::trees::{ByKind, TreeBatch};
 use crate::geometry::Hit;
 use crate::host::shading::RayKind;
-use crate::machine::{Array, Cycles, Stuck};
+use crate::machine::{Array, Cycles, HostTimes, Stuck};
 use crate::program::work::HOST_HIT;
-use crate::program::{HostTimes, Workload, send_ray};
+use crate::program::{Workload, send_ray};
 use crate::seam::{BatchError, OpBatch, OpKind, OpStream};
 
 /// What the host sends next when it can choose.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+///
+/// Rays that hits asked for are sent in the order in which the hits came back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Policy {
-    /// Rays that a hit asked for before primary ones, in the order in which the hits came back.
+    /// Rays that a hit asked for before primary ones.
     #[default]
+    #[serde(rename = "secondaries")]
+    #[cfg_attr(feature = "cli", value(name = "secondaries"))]
     SecondariesFirst,
     /// Primary rays before all others.
+    #[serde(rename = "primaries")]
+    #[cfg_attr(feature = "cli", value(name = "primaries"))]
     PrimariesFirst,
     /// The ray with the fewest rays between it and the eye.
+    #[serde(rename = "generation")]
+    #[cfg_attr(feature = "cli", value(name = "generation"))]
     ByGeneration,
 }
 

@@ -73,6 +73,7 @@ pub fn run<E>(
     threads: usize,
     mut observe: impl FnMut(&TracedBatch) -> Result<(), E>,
 ) -> Result<Outcome, RunError<E>> {
+    workload.check(spec)?;
     run_in(Array::new(spec, workload.costs(), workload.cells()), workload, rays, threads, |batch, _| observe(batch))
 }
 

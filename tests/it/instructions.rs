@@ -120,7 +120,7 @@ fn cases() -> Vec<Case> {
 
 /// Each class has a number of its own.
 fn costs() -> InstructionCycles {
-    let mut cycles = pcs_sim::program::MachineFile::standard().unwrap().instruction_cycles.unwrap();
+    let mut cycles = pcs_sim::machine::MachineFile::standard().unwrap().instruction_cycles.unwrap();
     Class::ALL.into_iter().zip(0..).for_each(|(class, place)| cycles.set(class, 1 << place));
     cycles
 }

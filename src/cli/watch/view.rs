@@ -198,9 +198,9 @@ mod tests {
     use std::sync::Arc;
 
     use pcs_sim::machine::line::{MOVING, blocked, waiting, working};
-    use pcs_sim::machine::{Array, MachineSpec};
+    use pcs_sim::machine::{Array, KernelTimes, MachineSpec};
     use pcs_sim::measure::{Actor, FifoStats, Topology};
-    use pcs_sim::program::{KernelTimes, work};
+    use pcs_sim::program::work;
     use pcs_sim::quantities::Words;
     use pcs_sim::seam::{Activity, Channel};
 

@@ -117,7 +117,7 @@ impl Array {
 
     /// The same with a probe, so that [`Array::finish_observed`] gives a profile. To be asked for before any ops are fed.
     pub fn probed(mut self) -> Array {
-        let probe = Probe::new(self.cells.len(), self.links[0].x.capacity());
+        let probe = Probe::new(self.cells.len(), &self.links[0]);
         self.observers.get_or_insert_default().probe = Some(probe);
         self
     }

@@ -20,8 +20,8 @@ pub(super) struct Link {
 
 impl Link {
     pub fn new(spec: &MachineSpec) -> Link {
-        let fifo = || Fifo::new(spec.fifo_words.0, spec.latency.0);
-        Link { x: fifo(), y: fifo(), z: fifo(), rate: spec.link_rate(), wire_free: [0; 2], wire_back_free: 0 }
+        let [x, y, z] = Channel::ALL.map(|channel| Fifo::new(spec.fifo_words_of(channel).0, spec.latency.0));
+        Link { x, y, z, rate: spec.link_rate(), wire_free: [0; 2], wire_back_free: 0 }
     }
 
     /// Cycles in which its wire to the right carried words so far: where channels have wires of their own, the busier's.

@@ -13,8 +13,8 @@ use glam::Vec3;
 
 use crate::error::InputError;
 use crate::geometry::Ray;
-use crate::machine::MachineSpec;
-use crate::program::{ArrayProgram, KernelTimes, Tracer, Workload, work};
+use crate::machine::{KernelTimes, MachineSpec};
+use crate::program::{ArrayProgram, Tracer, Workload, work};
 use crate::scene::Mesh;
 use crate::seam::{Costs, OpStream, Unit, Vocabulary};
 

@@ -17,6 +17,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use crate::error::InputError;
+use crate::input::reading;
 use crate::input::text::nearest;
 use crate::scene::mesh::Mesh;
 use crate::scene::{Camera, Light, Material, Scene, split_concave};
@@ -157,7 +158,11 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, InputError> {
     // A pipe does not tell its length, and a file can grow.
     let mut bytes = Vec::new();
     let length = file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if length as u64 > LARGEST_FILE { Err(too_large()) } else { Ok(bytes) }
+    if length as u64 > LARGEST_FILE {
+        return Err(too_large());
+    }
+    reading::note(path, &bytes);
+    Ok(bytes)
 }
 
 /// Checks that a mesh stays within what a scene may hold when some corners are added.

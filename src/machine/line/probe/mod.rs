@@ -7,6 +7,7 @@ mod timeline;
 
 use std::sync::Arc;
 
+use super::fifo::Fifo;
 use super::link::Link;
 use crate::measure::{FifoProfile, Profile, Topology};
 use crate::quantities::Cycles;
@@ -30,14 +31,16 @@ pub(super) struct Probe {
 }
 
 impl Probe {
-    /// A probe for an array of `cells` cells.
-    pub fn new(cells: usize, fifo_words: u64) -> Probe {
+    /// A probe for an array of `cells` cells, all of its links like one.
+    pub fn new(cells: usize, like: &Link) -> Probe {
         let bins = (ALL_BINS / cells.next_power_of_two()).clamp(16, MOST_BINS);
-        let lane = |exists: bool| exists.then(|| FifoLane::new(fifo_words, bins));
+        let lane = |exists: bool, fifo: &Fifo| exists.then(|| FifoLane::new(fifo.capacity(), bins));
         Probe {
             cells: (0..cells).map(|_| CellLane::new(bins)).collect(),
             links: (0..=cells)
-                .map(|link| [lane(link < cells), lane(link > 0), lane(link > 0 && link < cells)])
+                .map(|link| {
+                    [lane(link < cells, &like.x), lane(link > 0, &like.y), lane(link > 0 && link < cells, &like.z)]
+                })
                 .collect(),
             jobs: JobLane::new(bins),
         }

@@ -4,19 +4,16 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::fmt::Display;
 
-use pcs_sim::geometry::{Partition, Ray};
-use pcs_sim::machine::Array;
-use pcs_sim::measure::{Measured, StateKind, StateTimes};
-use pcs_sim::program::work;
-use pcs_sim::program::{ArrayProgram, Counts, Machine, Workload};
-use pcs_sim::quantities::Cycles;
-use pcs_sim::report::table::{Column, Kind};
-use pcs_sim::scene::Scene;
-use pcs_sim::seam::OpBatch;
-use pcs_sim::simulation::{self, TracedBatch};
-
-use crate::cli::args::RunArgs;
-use crate::cli::run;
+use crate::geometry::Ray;
+use crate::machine::{Array, Machine};
+use crate::measure::{Measured, StateKind, StateTimes};
+use crate::program::{Counts, Workload, work};
+use crate::quantities::Cycles;
+use crate::report::table::{Column, Kind};
+use crate::run::{RunOptions, RunSpec};
+use crate::scene::Scene;
+use crate::seam::OpBatch;
+use crate::simulation::{self, TracedBatch};
 
 /// What the table tells of a point, behind its parameters. `grid_us` to `idle_us` are what all cells together spend on a
 /// ray in each state; they add up to `array_cells` times `us_per_ray`, but for what the cells' programs do beside the kernels.
@@ -56,8 +53,7 @@ const fn column(name: &'static str, kind: Kind, label: &'static str) -> Column<'
 
 /// All that a point is made of.
 pub struct Setting {
-    args: RunArgs,
-    program: ArrayProgram,
+    spec: RunSpec,
     machine: Machine,
 }
 
@@ -78,43 +74,42 @@ pub struct Outcome {
 }
 
 impl Setting {
-    pub fn new(args: RunArgs) -> Result<Setting, String> {
-        let machine = run::machine_file(&args.machine).and_then(|file| file.build()).map_err(reason)?;
-        let program = run::array_program(&args.program).map_err(reason)?;
-        Ok(Setting { args, program, machine })
+    /// The run whose parameters have these values.
+    pub fn new(values: impl Iterator<Item = (&'static str, String)>) -> Result<Setting, String> {
+        let mut options = RunOptions::default();
+        for (name, value) in values {
+            options.set(name, &value).map_err(reason)?;
+        }
+        let spec = RunSpec::new(&options, None).map_err(reason)?;
+        let machine = spec.machine.build().map_err(reason)?;
+        Ok(Setting { spec, machine })
     }
 
     /// What its scene and its rays depend on.
     pub fn stage_key(&self) -> String {
-        format!("{:?}", self.args.scene)
+        self.spec.stage_key()
     }
 
     /// What its cells' ops depend on, beside the scene.
     pub fn work_key(&self) -> String {
-        let Setting { args, program, machine } = self;
-        // What work costs is clockwork, but for a cut that weighs it.
-        let weighed = (program.partition == Partition::Work && program.groups > 1).then_some(machine.times);
-        format!("{program:?} {:?} {weighed:?}", args.cells)
+        self.spec.work_key(&self.machine)
     }
 
     /// Its scene and rays.
     pub fn stage(&self) -> Result<Stage, String> {
-        let args = &self.args.scene;
-        let scene = run::scene(&args.scene, &args.shape).map_err(reason)?;
-        let rays = run::rays(args.rays.as_deref(), &args.shape, &scene).map_err(reason)?;
+        let scene = self.spec.load_scene().map_err(reason)?;
+        let rays = self.spec.load_rays(&scene).map_err(reason)?;
         Ok(Stage { scene, rays })
     }
 
     /// The scene laid out for its program.
     pub fn workload(&self, stage: &Stage) -> Result<Workload, String> {
-        run::workload(&self.args.cells, &stage.scene, &self.program, &self.machine, &stage.rays).map_err(reason)
+        self.spec.lay_out(&stage.scene, &self.machine, &stage.rays).map_err(reason)
     }
 
     /// Runs it, on all cores.
     pub fn run(&self, workload: &Workload, rays: &[Ray]) -> Result<Outcome, String> {
-        let spec = &self.machine.spec;
-        workload.check_memory(spec.memory_words).map_err(reason)?;
-        let outcome = simulation::run(workload, spec, rays, run::threads(None), |_| Ok::<_, Infallible>(()));
+        let outcome = simulation::run(workload, &self.machine.spec, rays, threads(), |_| Ok::<_, Infallible>(()));
         let outcome = outcome.map_err(reason)?;
         Ok(self.outcome(workload, outcome.stats, outcome.counts))
     }
@@ -126,6 +121,11 @@ impl Setting {
         let placed_polygons = workload.placed_polygons();
         Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words }
     }
+}
+
+/// One thread a core.
+fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, |cores| cores.get())
 }
 
 impl Stage {
@@ -145,7 +145,7 @@ impl Recording<'_> {
     /// Works the ops out, on all cores.
     pub fn new<'a>(workload: &'a Workload, rays: &[Ray]) -> Result<Recording<'a>, String> {
         let (mut batches, mut counts) = (Vec::new(), Counts::default());
-        simulation::trace(workload, rays, run::threads(None), |batch| {
+        simulation::trace(workload, rays, threads(), |batch| {
             batch.fault.map_or(Ok(()), |fault| Err(reason(fault)))?;
             counts += batch.counts;
             batches.push(batch.ops);
@@ -157,8 +157,7 @@ impl Recording<'_> {
     /// Times the ops under a setting's machine.
     pub fn time(&self, setting: &Setting) -> Result<Outcome, String> {
         let spec = &setting.machine.spec;
-        self.workload.check_memory(spec.memory_words).map_err(reason)?;
-        self.workload.check_fifos(spec.fifo_words).map_err(reason)?;
+        self.workload.check(spec).map_err(reason)?;
         let machine = &setting.machine;
         let costs = work::costs(self.workload.costs().vocabulary(), &machine.times, machine.instructions.as_ref());
         let mut array = Array::new(spec, &costs, self.workload.cells());
