@@ -5,8 +5,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::{Array, MachineSpec, Words};
-use pcs_sim::program::MachineFile;
 use pcs_sim::program::work::{self, GRID_START, GRID_VOXEL, INTERSECTION_POLYGON, SLABS_POLYGON, SLABS_START};
 use pcs_sim::seam::{Costs, OpBatch, OpKind};
 

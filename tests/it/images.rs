@@ -13,7 +13,7 @@ use pcs_sim::geometry::{Polygons, Ray, brute_force};
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::{Branch, Limits, RayKind, Shader, reflect, refract};
-use pcs_sim::machine::{Array, KernelTimes, MachineFile, MachineSpec};
+use pcs_sim::machine::{Array, Cycles, KernelTimes, MachineFile, MachineSpec};
 use pcs_sim::program::Workload;
 use pcs_sim::scene::{Material, Mesh, ReadOptions, Scene, builtin};
 use pcs_sim::seam::{OpBatch, OpKind};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::support::command::Folder;
 use pcs_sim::isa::{Executable, Processor, Queue, Queues, Stop, object};
-use pcs_sim::program::MachineFile;
+use pcs_sim::machine::MachineFile;
 use pcs_sim::seam::{OpKind, OpStream};
 use proptest::prelude::*;
 
