@@ -185,12 +185,23 @@ choice!(CellsRun: "timings" is Timings, "programs" is Programs);
 /// Whether something is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Switch {
-    #[doc = "Yes."]
+    /// It is.
     On,
-    #[doc = "No."]
+    /// It is not.
     Off,
+}
+
+/// By hand, as the command's help has nothing to say about on and off.
+#[cfg(feature = "cli")]
+impl clap::ValueEnum for Switch {
+    fn value_variants<'a>() -> &'a [Switch] {
+        &[Switch::On, Switch::Off]
+    }
+
+    fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
+        Some(clap::builder::PossibleValue::new(if *self == Switch::On { "on" } else { "off" }))
+    }
 }
 
 choice!(Switch: "on" is On, "off" is Off);
