@@ -1,5 +1,7 @@
 //! The interpreter: a cell that executes a program, without a clock.
 
+use bitvec::vec::BitVec;
+
 use super::encoding::Instruction;
 use super::executable::{Executable, RESULT_SLOT, Step, UNCOUNTED, queue_slot};
 use super::fault::{Fault, FaultKind};
@@ -29,8 +31,10 @@ pub struct Processor<'a> {
     /// The rest of the memory, behind the data: the scene, which programs can only read.
     scene: &'a [u32],
     data: Vec<u32>,
-    /// Addresses in the data memory that the message has changed.
+    /// Addresses in the data memory that the message has changed, each once.
     changed: Vec<u32>,
+    /// Which those are.
+    is_changed: BitVec,
     registers: [u32; 64],
     address: u32,
     /// Why the instruction at its address has failed, until that is told.
@@ -66,6 +70,7 @@ impl<'a> Processor<'a> {
             scene,
             data: data.to_vec(),
             changed: Vec::new(),
+            is_changed: BitVec::repeat(false, data.len()),
             registers: [0; 64],
             address: 0,
             failed: None,
@@ -281,6 +286,7 @@ impl<'a> Processor<'a> {
         self.before = self.executed;
         for address in self.changed.drain(..) {
             self.data[address as usize] = self.loaded[address as usize];
+            self.is_changed.set(address as usize, false);
         }
         None
     }
@@ -378,7 +384,9 @@ impl<'a> Processor<'a> {
         match self.data.get_mut(address as usize) {
             Some(word) => {
                 *word = value;
-                self.changed.push(address);
+                if !self.is_changed.replace(address as usize, true) {
+                    self.changed.push(address);
+                }
                 true
             }
             None => self.fail(FaultKind::Store { address, words }) != FAILED,

@@ -87,6 +87,7 @@ pub fn assemble(path: &Path, sources: Sources, options: &[(&str, i64)]) -> Resul
         in_data: false,
         work: OTHER,
         depth: 0,
+        followed: 0,
     };
     assembler.file(path)?;
     assembler.finish()
@@ -106,8 +107,10 @@ struct Assembler {
     data: Vec<Pending>,
     in_data: bool,
     work: Activity,
-    /// Files and macros that are being followed.
+    /// Files, macros and conditions that are being followed.
     depth: usize,
+    /// Lines that have been followed.
+    followed: usize,
 }
 
 /// A macro: what its lines say, with `{parameter}` where the arguments go.
