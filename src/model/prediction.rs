@@ -95,7 +95,8 @@ impl Group {
     pub fn new(sketch: &Sketch<'_>, polygons: f64, coefficient: f64, thinnest: f64) -> Group {
         let lattice = Lattice::cubic(sketch.volume(), grid::voxels(coefficient, polygons), thinnest);
         // A flat volume has voxels without width, through which nothing moves.
-        let edge = lattice.voxel_extent().max(DVec3::splat(f64::MIN_POSITIVE.sqrt()));
+        let least = f64::MIN_POSITIVE.sqrt();
+        let edge = lattice.voxel_extent().max(DVec3::splat(least));
         let voxels = lattice.voxel_count() as f64;
         Group {
             polygons,
@@ -103,7 +104,7 @@ impl Group {
             references: sketch.all.voxels(edge),
             area: sketch.area,
             perimeter: sketch.perimeter,
-            edge: edge.element_product().cbrt(),
+            edge: edge.element_product().cbrt().max(least),
             work: sketch.work(edge),
         }
     }
