@@ -48,10 +48,10 @@ pub struct RunSpec {
     pub program: ArrayProgram,
     /// What the cells run.
     pub cells_run: CellsRun,
-    /// A folder of programs for the cells; `None` for the standard ones.
+    /// The programs of cells that run any: a folder, or `standard`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell_programs: Option<PathBuf>,
-    /// The most cycles that a cell's program may compute for one ray; `None` for the standard limit.
+    /// The most cycles that a program may compute for one ray, if cells run any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instruction_limit: Option<u64>,
     /// The machine, as its file would have it.
@@ -80,6 +80,9 @@ pub struct ImageSpec {
     /// How many samples the host may have begun and not done.
     pub open_samples: u32,
 }
+
+/// What stands for the standard programs of the cells.
+const STANDARD_PROGRAMS: &str = "standard";
 
 fn standard_size() -> ImageSize {
     ImageSize { width: 256, height: 256 }
@@ -113,6 +116,16 @@ impl RunSpec {
         let (scene, shape, cells) = (&options.scene.scene, &options.shape, &options.cells);
         let of_same_scene = base.filter(|base| scene.as_ref().is_none_or(|scene| *scene == base.scene));
         let size = shape.size.or(base.map(|base| base.size)).unwrap_or_else(standard_size);
+        let cells_run = cells.cells_run.or(base.map(|base| base.cells_run)).unwrap_or(CellsRun::Timings);
+        let runs_programs = cells_run == CellsRun::Programs;
+        // A folder that happens to have that name is still a folder.
+        let folder = cells.cell_programs.as_ref().map(|folder| match folder == Path::new(STANDARD_PROGRAMS) {
+            true => Path::new(".").join(folder),
+            false => folder.clone(),
+        });
+        let cell_programs = folder.or_else(|| base?.cell_programs.clone()).unwrap_or_else(|| STANDARD_PROGRAMS.into());
+        let instruction_limit = cells.instruction_limit.or(base.and_then(|base| base.instruction_limit));
+        let instruction_limit = instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
         let rays = options.rays.rays.clone().or_else(|| base?.rays.clone().filter(|_| shape.size.is_none()));
         Ok(RunSpec {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -123,9 +136,9 @@ impl RunSpec {
             rays,
             image: None,
             program,
-            cells_run: cells.cells_run.or(base.map(|base| base.cells_run)).unwrap_or(CellsRun::Timings),
-            cell_programs: cells.cell_programs.clone().or_else(|| base?.cell_programs.clone()),
-            instruction_limit: cells.instruction_limit.or(base.and_then(|base| base.instruction_limit)),
+            cells_run,
+            cell_programs: runs_programs.then_some(cell_programs),
+            instruction_limit: runs_programs.then_some(instruction_limit),
             machine,
         })
     }
@@ -223,7 +236,8 @@ impl RunSpec {
     /// How the cells run programs.
     fn cell_options(&self, machine: &Machine) -> Result<CellOptions, InputError> {
         let instruction_limit = self.instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
-        Ok(CellOptions { cycles: machine.instruction_cycles()?, folder: self.cell_programs.clone(), instruction_limit })
+        let folder = self.cell_programs.clone().filter(|folder| folder != Path::new(STANDARD_PROGRAMS));
+        Ok(CellOptions { cycles: machine.instruction_cycles()?, folder, instruction_limit })
     }
 }
 
