@@ -39,3 +39,4 @@ mod traces;
 mod vertex_colors;
 mod views;
 mod watch;
+mod wild_files;
