@@ -2,26 +2,39 @@
 
 use std::path::Path;
 
+use csv::{ReaderBuilder, StringRecord};
 use glam::Vec3;
 
 use crate::error::InputError;
 use crate::geometry::Ray;
+use crate::input::fields;
+use crate::input::text::{LARGEST_COORDINATE, Text, Token, plural};
 
-/// Coordinates beyond this leave the range of 32-bit products.
-const LARGEST: f32 = 1e15;
 /// A direction's largest component must lie between this and its inverse.
 const SHORTEST: f32 = 1e-15;
 
+const COLUMNS: [&str; 7] = ["ox", "oy", "oz", "dx", "dy", "dz", "tmax"];
+
 /// Reads a CSV file with the header `ox,oy,oz,dx,dy,dz` and optionally `tmax`, one ray a line.
 pub fn read(path: &Path) -> Result<Vec<Ray>, InputError> {
-    let text = crate::input::fields::read_text(path)?;
-    let mut lines = text.lines().enumerate().map(|(index, line)| Line { path, number: index + 1, text: line });
-    let header = lines
-        .next()
-        .ok_or_else(|| InputError::in_file(path, "the file is empty: expected the header ox,oy,oz,dx,dy,dz"))?;
-    let columns = header.columns()?;
-    let rays: Vec<Ray> =
-        lines.filter(|line| !line.text.trim().is_empty()).map(|line| line.ray(columns)).collect::<Result<_, _>>()?;
+    let source = fields::read_any_text(path)?;
+    let text = Text { file: path, text: &source };
+    let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(source.as_bytes());
+    let mut record = StringRecord::new();
+    let mut next = |record: &mut StringRecord| {
+        reader.read_record(record).map_err(|error| InputError::in_file(path, format!("is no table: {error}")))
+    };
+    if !next(&mut record)? {
+        return Err(InputError::in_file(path, "the file is empty: expected the header ox,oy,oz,dx,dy,dz"));
+    }
+    let columns = Line { text, record: &record }.columns()?;
+    let mut rays = Vec::new();
+    while next(&mut record)? {
+        let line = Line { text, record: &record };
+        if !line.is_blank() {
+            rays.push(line.ray(columns)?);
+        }
+    }
     if rays.is_empty() {
         return Err(InputError::in_file(path, "the file has no rays, only a header"));
     }
@@ -31,82 +44,89 @@ pub fn read(path: &Path) -> Result<Vec<Ray>, InputError> {
     Ok(rays)
 }
 
+/// A line of the file and the fields that it comes to.
 struct Line<'a> {
-    path: &'a Path,
-    number: usize,
-    text: &'a str,
+    text: Text<'a>,
+    record: &'a StringRecord,
 }
 
-impl Line<'_> {
+impl<'a> Line<'a> {
+    fn is_blank(&self) -> bool {
+        self.record.len() == 1 && self.field(0).is_empty()
+    }
+
     /// Number of columns that the header announces: 6, or 7 with tmax.
     fn columns(&self) -> Result<usize, InputError> {
-        let names: Vec<&str> = self.text.split(',').map(str::trim).collect();
-        let expected = ["ox", "oy", "oz", "dx", "dy", "dz", "tmax"];
-        if (names.len() == 6 || names.len() == 7) && names == expected[..names.len()] {
-            Ok(names.len())
-        } else {
-            Err(self.error(
-                1,
-                self.text.chars().count(),
-                "expected the header ox,oy,oz,dx,dy,dz or ox,oy,oz,dx,dy,dz,tmax",
-            ))
+        let columns = self.record.len();
+        let names = self.record.iter().map(str::trim);
+        if (6..=7).contains(&columns) && names.eq(COLUMNS[..columns].iter().copied()) {
+            return Ok(columns);
         }
+        Err(self.error("expected the header ox,oy,oz,dx,dy,dz or ox,oy,oz,dx,dy,dz,tmax"))
     }
 
     fn ray(&self, columns: usize) -> Result<Ray, InputError> {
-        let found = self.text.split(',').count();
+        let found = self.record.len();
         if found != columns {
-            let message = format!("expected {columns} numbers, as the header has names, and found {found}");
-            return Err(self.error(1, self.text.chars().count(), message));
+            let expected = plural(columns as u64, "number");
+            return Err(self.error(format!("expected {expected}, as the header has names, and found {found}")));
         }
-        let number = |index: usize| self.number_at(index);
+        let number = |index: usize| self.number(index);
         let origin = Vec3::new(number(0)?, number(1)?, number(2)?);
         let direction = Vec3::new(number(3)?, number(4)?, number(5)?);
         let t_max = if columns == 7 { self.t_max()? } else { f32::INFINITY };
-        self.check(origin, direction)?;
+        self.check(direction)?;
         Ok(Ray { origin, direction, t_max })
     }
 
-    fn number_at(&self, index: usize) -> Result<f32, InputError> {
-        let (column, field) = self.field(index);
-        match field.parse::<f32>() {
-            Ok(number) if number.is_finite() => Ok(number),
-            Ok(_) => Err(self.error(column, field.chars().count(), format!("'{field}' is no finite number"))),
-            Err(_) => Err(self.error(column, field.chars().count(), format!("expected a number, found '{field}'"))),
+    /// A coordinate. Read as 32 bits at once: by way of 64 it would be rounded twice.
+    fn number(&self, index: usize) -> Result<f32, InputError> {
+        match self.field(index).parse::<f32>() {
+            Ok(number) if number.abs() <= LARGEST_COORDINATE as f32 => Ok(number),
+            _ => self.text.coordinate(self.token(index)),
         }
     }
 
     fn t_max(&self) -> Result<f32, InputError> {
-        let (column, field) = self.field(6);
-        match field.parse::<f32>() {
+        match self.field(6).parse::<f32>() {
             Ok(number) if number >= 0.0 => Ok(number),
-            _ => Err(self.error(column, field.chars().count(), "expected a tmax of 0 or more, or inf")),
+            _ => Err(self.text.error_at(self.token(6), "expected a tmax of 0 or more, or inf")),
         }
     }
 
-    fn check(&self, origin: Vec3, direction: Vec3) -> Result<(), InputError> {
+    fn check(&self, direction: Vec3) -> Result<(), InputError> {
         let length = direction.abs().max_element();
-        let fault = if origin.abs().max_element() > LARGEST {
-            "the origin is too far out for the array's 32-bit arithmetic: coordinates must stay within 1e15"
-        } else if length == 0.0 {
-            "the direction is zero"
-        } else if !(SHORTEST..=1.0 / SHORTEST).contains(&length) {
-            "the direction's largest component must lie between 1e-15 and 1e15 for the array's 32-bit arithmetic"
-        } else {
-            return Ok(());
-        };
-        Err(self.error(1, self.text.chars().count(), fault))
+        if length == 0.0 {
+            return Err(self.error("the direction is zero"));
+        }
+        if !(SHORTEST..=1.0 / SHORTEST).contains(&length) {
+            let range = "the direction's largest component must lie between 1e-15 and 1e15";
+            return Err(self.error(format!("{range} for the array's 32-bit arithmetic")));
+        }
+        Ok(())
     }
 
-    /// A field without the blanks around it, and its column from 1.
-    fn field(&self, index: usize) -> (usize, &str) {
-        let before: usize = self.text.split(',').take(index).map(|field| field.chars().count() + 1).sum();
-        let raw = self.text.split(',').nth(index).unwrap_or("");
-        let blanks = raw.chars().count() - raw.trim_start().chars().count();
-        (before + blanks + 1, raw.trim())
+    /// A field without the blanks around it.
+    fn field(&self, index: usize) -> &'a str {
+        self.record.get(index).unwrap_or("").trim()
     }
 
-    fn error(&self, column: usize, width: usize, message: impl Into<String>) -> InputError {
-        InputError::in_line(self.path, self.text, self.number, column, width, message)
+    /// A field where it stands in the file, which the reader of tables does not say: with its quotes, if it has any.
+    fn token(&self, index: usize) -> Token<'a> {
+        let line = self.source();
+        let text = line.split(',').nth(index).unwrap_or(line).trim();
+        Token { text, at: self.text.offset_of(text) }
+    }
+
+    /// The line as it stands in the file. The record's place may be that of empty lines before it.
+    fn source(&self) -> &'a str {
+        let start = self.record.position().map_or(0, |position| position.byte() as usize);
+        let rest = self.text.text.get(start..).unwrap_or("").trim_start_matches(['\r', '\n']);
+        rest.lines().next().unwrap_or("")
+    }
+
+    fn error(&self, message: impl Into<String>) -> InputError {
+        let line = self.source();
+        self.text.error_at(Token { text: line, at: self.text.offset_of(line) }, message)
     }
 }

@@ -1,28 +1,24 @@
 //! RON files that people write: read whole, with errors that point.
 
-use std::io::Read;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
 use super::text::Text;
-use super::{reading, ron_text};
+use super::{file, ron_text, text};
 use crate::error::InputError;
 
-/// The largest text file that is read whole, in bytes: more than 10 million rays.
-const LARGEST_TEXT: u64 = 1 << 30;
+/// The largest text file that is read whole, in GiB: more than 10 million rays.
+const LARGEST_TEXT: u64 = 1;
 
-/// Reads a text file.
+/// Reads a text file, which must be UTF-8.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
-    let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).map_err(unreadable)?;
-    file.take(LARGEST_TEXT + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.len() as u64 > LARGEST_TEXT {
-        return Err(InputError::in_file(path, "the file is too large: it may have up to 1 GiB"));
-    }
-    reading::note(path, &bytes);
-    Ok(Text::decode(path, &bytes)?.text.to_owned())
+    text::decode_utf8(path, file::read(path, LARGEST_TEXT)?)
+}
+
+/// Reads a text file of any encoding: for what others wrote, and whose numbers alone matter.
+pub(crate) fn read_any_text(path: &Path) -> Result<String, InputError> {
+    Ok(text::decode(file::read(path, LARGEST_TEXT)?))
 }
 
 /// Parses RON; `path` is for the errors.

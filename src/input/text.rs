@@ -13,6 +13,9 @@ pub(crate) const LARGEST_COORDINATE: f64 = 1e15;
 /// Longest word for which a similar one is looked for, in bytes.
 const LONGEST_NAME: usize = 100;
 
+/// Ctrl-Z, with which DOS ended text files.
+const END_OF_FILE: char = '\x1a';
+
 /// A text file.
 #[derive(Clone, Copy)]
 pub(crate) struct Text<'a> {
@@ -36,13 +39,6 @@ impl Token<'_> {
 }
 
 impl<'a> Text<'a> {
-    /// Takes the bytes of a file for UTF-8, with or without a byte order mark.
-    pub fn decode(file: &'a Path, bytes: &'a [u8]) -> Result<Self, InputError> {
-        let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-        let text = std::str::from_utf8(bytes).map_err(|error| not_text(file, bytes, error.valid_up_to()))?;
-        Ok(Text { file, text })
-    }
-
     /// The tokens of a part of this text.
     pub fn tokens(self, part: &'a str) -> impl Iterator<Item = Token<'a>> {
         part.split_ascii_whitespace().map(move |text| Token { text, at: self.offset_of(text) })
@@ -75,11 +71,14 @@ impl<'a> Text<'a> {
         self.error(token.span(), message)
     }
 
+    /// The number that a token is, be it infinite or none at all.
+    pub fn any_number(&self, token: Token) -> Result<f64, InputError> {
+        parsed(token.text).ok_or_else(|| self.error_at(token, format!("`{}` is not a number", token.text)))
+    }
+
     /// The finite number that a token is.
     pub fn number(&self, token: Token) -> Result<f64, InputError> {
-        let number: f64 =
-            token.text.parse().map_err(|_| self.error_at(token, format!("`{}` is not a number", token.text)))?;
-        finite(number).map_err(|message| self.error_at(token, message))
+        finite(self.any_number(token)?).map_err(|message| self.error_at(token, message))
     }
 
     /// The coordinate that a token is.
@@ -87,20 +86,62 @@ impl<'a> Text<'a> {
         coordinate(self.number(token)?).map_err(|message| self.error_at(token, message))
     }
 
-    /// The number of 0 or more that a token is: a colour's component or a material's coefficient.
-    pub fn amount(&self, token: Token) -> Result<f32, InputError> {
-        amount(self.number(token)?).map_err(|message| self.error_at(token, message))
-    }
-
     /// The point or direction that three tokens are.
     pub fn vector(&self, [x, y, z]: [Token; 3]) -> Result<Vec3, InputError> {
         Ok(Vec3::new(self.coordinate(x)?, self.coordinate(y)?, self.coordinate(z)?))
     }
 
-    /// The colour that three tokens are.
-    pub fn color(&self, [r, g, b]: [Token; 3]) -> Result<Vec3, InputError> {
-        Ok(Vec3::new(self.amount(r)?, self.amount(g)?, self.amount(b)?))
+    /// The line of a place given in bytes, from 1.
+    pub fn line(&self, at: usize) -> usize {
+        1 + self.text.get(..at).unwrap_or(self.text).matches('\n').count()
     }
+}
+
+/// The bytes of a text file as text, whatever they are encoded in: UTF-16 with a byte order mark, or UTF-8, in which a
+/// byte that is none stands for the character that it is in Latin-1.
+///
+/// A byte order mark and DOS' mark of the end are left out, and lines end at LF, with or without a CR before it: a CR
+/// alone, the line end of old Macintoshes, becomes LF.
+pub(crate) fn decode(bytes: Vec<u8>) -> String {
+    let text = match bytes.as_slice() {
+        [0xFF, 0xFE, rest @ ..] => from_utf16(rest, u16::from_le_bytes),
+        [0xFE, 0xFF, rest @ ..] => from_utf16(rest, u16::from_be_bytes),
+        _ => String::from_utf8(bytes).unwrap_or_else(|error| from_latin1(error.as_bytes())),
+    };
+    plain(text)
+}
+
+/// The bytes of a text file as text, as [`decode`] has it, but refused if they are not UTF-8.
+pub(crate) fn decode_utf8(file: &Path, bytes: Vec<u8>) -> Result<String, InputError> {
+    let text = String::from_utf8(bytes);
+    text.map(plain).map_err(|error| not_text(file, error.as_bytes(), error.utf8_error().valid_up_to()))
+}
+
+fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
+    let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+    char::decode_utf16(units).map(|char| char.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+}
+
+fn from_latin1(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(bytes.len());
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(chunk.valid());
+        text.extend(chunk.invalid().iter().map(|&byte| char::from(byte)));
+    }
+    text
+}
+
+/// Leaves out the marks of a text's start and end, and gives it one kind of line end.
+fn plain(mut text: String) -> String {
+    if let Some(rest) = text.strip_prefix('\u{feff}') {
+        text = rest.to_owned();
+    }
+    let end = text.trim_end_matches(|c: char| c == END_OF_FILE || c.is_ascii_whitespace()).len();
+    if let Some(mark) = text[end..].find(END_OF_FILE) {
+        text.truncate(end + mark);
+    }
+    let ends_alone = |(at, _): (usize, &str)| !text[at + 1..].starts_with('\n');
+    if text.match_indices('\r').any(ends_alone) { text.replace("\r\n", "\n").replace('\r', "\n") } else { text }
 }
 
 fn not_text(file: &Path, bytes: &[u8], valid: usize) -> InputError {
@@ -115,6 +156,16 @@ fn not_text(file: &Path, bytes: &[u8], valid: usize) -> InputError {
     padded.push_str(&shown);
     InputError::in_text(file, &padded, line, column, 1, format!("line {line} is not UTF-8 text"))
         .help("save the file as UTF-8")
+}
+
+/// The number that a word is, in the spelling of any program: C libraries write `-nan(ind)` or `1.#QNAN` for no number.
+pub(crate) fn parsed(word: &str) -> Option<f64> {
+    let spelled = || {
+        let lower = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
+        let is_none = ["nan", "1.#ind", "1.#qnan", "1.#snan", "1.#inf"].iter().any(|start| lower.starts_with(start));
+        is_none.then_some(f64::NAN)
+    };
+    word.parse().ok().or_else(spelled)
 }
 
 /// Checks that a number is neither infinite nor no number at all.
@@ -153,10 +204,13 @@ pub(crate) fn plural(count: u64, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
-/// What is said of a face with too few corners.
-pub(crate) fn too_few_corners(count: usize) -> String {
-    let vertices = if count == 1 { "vertex" } else { "vertices" };
-    format!("face has {count} {vertices}, a face needs at least 3")
+/// A note of things passed over, if there are any: "2 faces of fewer than 3 corners were passed over".
+pub(crate) fn passed_over(count: u64, one: &str, many: &str) -> Option<String> {
+    match count {
+        0 => None,
+        1 => Some(format!("1 {one} was passed over")),
+        _ => Some(format!("{count} {many} were passed over")),
+    }
 }
 
 /// The name of `known` that is most like `name`, if one is like enough to be what was meant.

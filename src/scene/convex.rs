@@ -8,10 +8,17 @@ use glam::{DVec2, DVec3};
 use super::mesh::{Face, Mesh};
 
 /// How far a corner may lie off its face's plane, as a share of the face's size.
-const UNEVENNESS: f64 = 1e-3;
+///
+/// Neighbours share corners, not planes: where a corner lies off a face's plane, the face ends before or behind its
+/// neighbour, and rays pass between the two. So no more is taken for flat than what the array's own arithmetic may be
+/// off by.
+const UNEVENNESS: f64 = 1e-6;
 
-/// Largest number of corners for which ears are looked for: beyond, it would take minutes.
+/// Largest number of corners for which ears are looked for: beyond, it could take minutes.
 const MOST_CORNERS: usize = 1 << 17;
+
+/// What becomes of larger ones.
+const FAN: &str = "cut into triangles around the first corner, which may cover more";
 
 /// What [`split_concave`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,9 +27,11 @@ pub struct ConcaveReport {
     pub concave: Cut,
     /// Faces that were not flat.
     pub uneven: Cut,
-    /// Faces whose outline crosses itself, or that have too many corners: they were cut into a fan around their first
-    /// corner, which may cover more than the face.
+    /// Faces whose outline crosses itself: they were cut into a fan around their first corner, which may cover more than
+    /// the face.
     pub crossing: Cut,
+    /// Faces that are concave or not flat and have too many corners for a better cut than such a fan.
+    pub large: Cut,
 }
 
 /// A number of faces and what they were cut into.
@@ -49,7 +58,12 @@ impl ConcaveReport {
             1 => format!("1 face crosses itself and was cut into a fan of {} triangles", cut.triangles),
             n => format!("{n} faces cross themselves and were cut into fans of {} triangles", cut.triangles),
         };
+        let large = |cut: Cut| match cut.faces {
+            1 => format!("1 face that is concave or not flat has more than {MOST_CORNERS} corners: {FAN}"),
+            n => format!("{n} faces that are concave or not flat have more than {MOST_CORNERS} corners: {FAN}"),
+        };
         let sentences = [
+            (self.large, large(self.large)),
             (self.concave, concave(self.concave)),
             (self.uneven, uneven(self.uneven)),
             (self.crossing, crossing(self.crossing)),
@@ -68,8 +82,8 @@ impl Cut {
 /// Cuts every face that is concave or not flat into triangles of the same face number, material and corners; the
 /// others stay as they are.
 ///
-/// A face counts as flat if its corners keep within a thousandth of its size of its plane. Corners on a straight line
-/// are no concavity, nor is what the rounding of coordinates to 32 bits can make of one.
+/// A face counts as flat if its corners keep within a millionth of its size, and what the rounding of coordinates to 32
+/// bits can do, of its plane. Corners on a straight line are no concavity, nor is what rounding can make of one.
 pub fn split_concave(mesh: Mesh) -> (Mesh, ConcaveReport) {
     let shapes: Vec<Shape> = mesh.faces().iter().map(|face| shape(&mesh, face)).collect();
     let mut report = ConcaveReport::default();
@@ -94,6 +108,7 @@ pub fn split_concave(mesh: Mesh) -> (Mesh, ConcaveReport) {
     cut.normals = mesh.normals;
     cut.colors = mesh.colors;
     cut.objects = mesh.objects;
+    cut.passed_over = mesh.passed_over;
     (cut, report)
 }
 
@@ -103,6 +118,7 @@ fn shape(mesh: &Mesh, face: &Face) -> Shape {
 
 fn count(report: &mut ConcaveReport, shape: Shape, whole: bool, triangles: usize) {
     let cut = match (whole, shape) {
+        (false, _) if triangles + 2 > MOST_CORNERS => &mut report.large,
         (false, _) => &mut report.crossing,
         (true, Shape::Uneven) => &mut report.uneven,
         (true, _) => &mut report.concave,

@@ -16,6 +16,8 @@ pub struct Mesh {
     pub(super) colors: Vec<Option<Vec3>>,
     /// For each object, the number of its first face, in rising order.
     pub(super) objects: Vec<u32>,
+    /// Faces of the file behind the last one here, which were passed over.
+    pub(super) passed_over: u32,
     corners: Vec<Corner>,
     faces: Vec<Face>,
 }
@@ -108,7 +110,20 @@ impl Mesh {
         let first = self.corners.len() as u32;
         self.corners.extend(corners);
         let count = self.corners.len() as u32 - first;
+        self.passed_over = 0;
         self.faces.push(Face { first, count, material, number });
+    }
+
+    /// Takes normals that there are not from the corners.
+    pub(super) fn drop_missing_normals(&mut self) {
+        let count = self.normals.len();
+        let missing = self.corners.iter_mut().filter(|corner| corner.normal as usize >= count);
+        missing.for_each(|corner| corner.normal = NO_NORMAL);
+    }
+
+    /// Leaves out a face of the file, which keeps its number.
+    pub fn pass_over_face(&mut self) {
+        self.passed_over += 1;
     }
 
     /// The faces, in file order.
@@ -126,9 +141,9 @@ impl Mesh {
         self.corners(face).iter().map(|corner| self.points[corner.point as usize])
     }
 
-    /// How many faces the file has: pieces of one face count once.
+    /// How many faces the file has: pieces of one face count once, and those that were passed over count, too.
     pub fn face_count(&self) -> u32 {
-        self.faces.last().map_or(0, |face| face.number + 1)
+        self.faces.last().map_or(0, |face| face.number + 1) + self.passed_over
     }
 
     /// How many corners all faces have together.

@@ -52,15 +52,14 @@ fn obj() {
             ("v 0 0 0\n", "bad.obj: empty scene: the file has no faces"),
             ("v 0 0\n", "bad.obj:1:1: `v` needs 3 numbers and has 2"),
             ("# wide\r\nv 1 2 zwei\r\n", "bad.obj:2:7: `zwei` is not a number"),
-            ("v 0 0 nan\n", "bad.obj:1:7: NaN is not a finite number"),
-            ("v 0 -inf 0\n", "bad.obj:1:5: -inf is not a finite number"),
-            ("v 0 0 1e400\n", "bad.obj:1:7: inf is not a finite number"),
+            ("v 0 0 nan\nf 1 1 1\n", "bad.obj:1:7: NaN is not a finite number"),
+            ("v 0 -inf 0\nf 1 1 1\n", "bad.obj:1:5: -inf is not a finite number"),
+            ("v 0 0 1e400\nf 1 1 1\n", "bad.obj:1:7: inf is not a finite number"),
             (
-                "v 0 0 \\\n  2e15",
+                "v 0 0 \\\n  2e15\nf 1 1 1",
                 "bad.obj:2:3: 2e15 is too large for the array's 32-bit arithmetic, which takes up to 1e15",
             ),
-            ("v 0 0 0\nv 1 0 0\nf 1 2\n", "bad.obj:3:1: face has 2 vertices, a face needs at least 3"),
-            ("f\n", "bad.obj:1:1: face has 0 vertices, a face needs at least 3"),
+            ("f\n", "bad.obj: empty scene: the file has no faces (1 face of fewer than 3 corners was passed over)"),
             ("v 0 0 0\nf 1 1 2\n", "bad.obj:2:7: there is no point 2, the file has 1 point"),
             ("v 0 0 0\nf 1 1 -2\n", "bad.obj:2:7: there is no point -2, the file has 1 point up to here"),
             ("v 0 0 0\nf 1 1 0\n", "bad.obj:2:7: index is 0, indices count from 1"),
@@ -69,11 +68,7 @@ fn obj() {
                 "v 0 0 0\nf 1 1 99999999999999999999999\n",
                 "bad.obj:2:7: `99999999999999999999999` is not a corner of a face",
             ),
-            ("v 0 0 0\nf 1 1 1//1\n", "bad.obj:2:10: there is no normal 1, the file has 0 normals"),
-            (
-                "v 0 0 0\nf 1 1 1/7/\n",
-                "bad.obj:2:9: there is no texture coordinate 7, the file has 0 texture coordinates",
-            ),
+            ("v 0 0 0\nf 1 1 1/x/\n", "bad.obj:2:7: `1/x/` is not a corner of a face"),
             ("v 0 0 0\nf 1 1 1/1/1/1\n", "bad.obj:2:7: `1/1/1/1` has more than 3 indices"),
             ("v 0 0 0\nf 1 1 a\n", "bad.obj:2:7: `a` is not a corner of a face"),
             ("v 0 0 0\n  usemlt wood\n", "bad.obj:2:3: `usemlt` is no OBJ statement (did you mean `usemtl`?)"),
@@ -81,20 +76,6 @@ fn obj() {
             ("o \u{e4}\u{f6}\u{fc}\nv 0 \u{e4} \u{e4}x0\n", "bad.obj:2:5: `ä` is not a number"),
         ],
     );
-}
-
-#[test]
-fn mtl() {
-    let folder = folder("mtl");
-    fs::write(folder.join("bad.mtl"), "newmtl red\nKd 1 0\n").unwrap();
-    let obj = "mtllib bad.mtl\nv 0 0 0\nf 1 1 1\n";
-    check("mtl", "obj", &[(obj, "bad.mtl:2:1: `Kd` needs 3 numbers")]);
-    fs::write(folder.join("bad.mtl"), "newmtl red\nKd 1 0 inf\n").unwrap();
-    check("mtl", "obj", &[(obj, "bad.mtl:2:8: inf is not a finite number")]);
-    fs::write(folder.join("bad.mtl"), "newmtl red\nNs\n").unwrap();
-    check("mtl", "obj", &[(obj, "bad.mtl:2:1: `Ns` needs a number")]);
-    fs::write(folder.join("bad.mtl"), "newmtl red\nKs -1 0 0\n").unwrap();
-    check("mtl", "obj", &[(obj, "bad.mtl:2:4: -1 is negative")]);
 }
 
 /// A PLY header with `vertex` and `face` of the given numbers.
@@ -183,9 +164,9 @@ fn ply_ascii() {
             (&ply("4000000000", "4000000000", "0 0 0\n"), "bad.ply:10:6: file ends before `vertex` 2 of 4000000000"),
             (&ply("2", "0", "0 0 0\n0 0\n"), "bad.ply:11:4: line ends in the middle of `vertex` 2 of 2"),
             (&ply("1", "0", "0 0 0 0\n"), "bad.ply:10:7: line goes on after the end of `vertex` 1 of 1"),
-            (&ply("1", "0", "0 NaN 0\n"), "bad.ply:10:3: NaN is not a finite number"),
+            (&ply("1", "1", "0 NaN 0\n3 0 0 0\n"), "bad.ply:10:3: NaN is not a finite number"),
             (
-                &ply("1", "0", "0 1e16 0\n"),
+                &ply("1", "1", "0 1e16 0\n3 0 0 0\n"),
                 "bad.ply:10:3: 1e16 is too large for the array's 32-bit arithmetic, which takes up to 1e15",
             ),
             (&ply("1", "0", "0 - 0\n"), "bad.ply:10:3: `-` is no number of type float"),
@@ -198,7 +179,10 @@ fn ply_ascii() {
                 "bad.ply:11:7: there is no point -1, the file has 1 point and counts from 0",
             ),
             (&ply("1", "1", "0 0 0\n3 0 0 0.5\n"), "bad.ply:11:7: `0.5` is no number of type int"),
-            (&ply("1", "1", "0 0 0\n2 0 0\n"), "bad.ply:11:1: face has 2 vertices, a face needs at least 3"),
+            (
+                &ply("1", "1", "0 0 0\n2 0 0\n"),
+                "bad.ply: empty scene: the file has no faces (1 face of fewer than 3 corners was passed over)",
+            ),
             (&ply("1", "1", "0 0 0\n-3 0 0\n"), "bad.ply:11:1: `-3` is no number of type uchar"),
             (
                 &ply("1", "1", "0 0 0\n-3 0 0\n").replace("uchar", "char"),
@@ -231,13 +215,12 @@ fn ply_binary() {
         ),
         (file(&[0.0; 3], &triangle[..12]), "bad.ply: byte 192: file ends in the middle of `face` 1 of 1"),
         (
-            file(&[0.0; 3], &[&triangle[..], &[10]].concat()),
+            file(&[0.0; 3], &[&triangle[..], &[7]].concat()),
             "bad.ply: byte 193: file goes on after the last element that its header tells of",
         ),
         (file(&[0.0; 3], &[0x80]), "bad.ply: byte 180: length of a list is negative: -128"),
-        (file(&[0.0; 3], &[2, 0, 0]), "bad.ply: byte 180: face has 2 vertices, a face needs at least 3"),
         (
-            file(&[0.0; 3], &[3, 0, 0, 0, 0, 0, 0, 0, 1]),
+            file(&[0.0; 3], &[3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0]),
             "bad.ply: byte 185: there is no point 16777216, the file has 1 point and counts from 0",
         ),
     ];
@@ -254,7 +237,6 @@ fn nff() {
             ("", "bad.nff: empty scene: the file has no faces"),
             ("# nothing\nb 0 0 0", "bad.nff: empty scene: the file has no faces"),
             ("b 0 0", "bad.nff:1:6: file ends in the middle of `b`"),
-            ("b 0 0 -1", "bad.nff:1:7: -1 is negative"),
             ("l 0 0 0 1", "bad.nff:1:10: file ends in the middle of `l`"),
             ("f 1 1 red", "bad.nff:1:7: `red` is not a number"),
             ("f 1 1 1 1 1 1 1 1 1", "bad.nff:1:19: `1` is no NFF entity (known are v, b, l, f, p, pp, s, c)"),
@@ -275,12 +257,14 @@ fn nff() {
                 "v\nfrom 0 0 1\nat 0 0 0\nup 0 1 0\nangel 40\n",
                 "bad.nff:5:1: `angel` is no NFF entity (did you mean `angle`, a part of the view?)",
             ),
-            ("p 2\n0 0 0\n1 0 0\n", "bad.nff:1:3: face has 2 vertices, a face needs at least 3"),
+            (
+                "p 2\n0 0 0\n1 0 0\n",
+                "bad.nff: empty scene: the file has no faces (1 face of fewer than 3 corners was passed over)",
+            ),
             ("p -3\n0 0 0\n", "bad.nff:1:3: `-3` is not a number of vertices"),
             ("p 4\n0 0 0\n1 0 0\n1 1 0\n", "bad.nff:4:6: file ends in the middle of `p`"),
             ("p 3\n0 0 0\n1 0 0\ns 0 0 0 1\n", "bad.nff:4:1: `s` is not a number"),
             ("p 18446744073709551615\n0 0 0\n", "bad.nff:2:6: file ends in the middle of `p`"),
-            ("pp 3\n0 0 0  0 0 1\n1 0 0  0 0 nan\n", "bad.nff:3:12: NaN is not a finite number"),
             ("s 0 0 0 0\n", "bad.nff:1:1: sphere has a radius of 0"),
             (
                 "s 0 0 0 1e300\n",
@@ -349,7 +333,7 @@ fn ron() {
             ),
             (
                 "(meshes: [(shape: Polygons(points: [(0, 0, 0)], faces: [\n[0, 0]]))])",
-                "bad.ron:2:1: face has 2 vertices, a face needs at least 3",
+                "bad.ron: empty scene: the file has no faces (1 face of fewer than 3 corners was passed over)",
             ),
             (
                 "(meshes: [(shape: Polygons(points: [(0, 0, 0)], faces: [\n[0, 0, x]]))])",
@@ -461,18 +445,8 @@ fn files_as_such() {
     // A hole of 4 GiB and a byte, which takes no room on the disk.
     let large = folder.join("large.ply");
     File::create(&large).unwrap().set_len((1 << 32) + 1).unwrap();
-    assert_eq!(said("large.ply"), "/large.ply: file is too large, a scene file may have up to 4 GiB");
+    assert_eq!(said("large.ply"), "/large.ply: file is too large, it may have up to 4 GiB");
     fs::remove_file(large).unwrap();
-}
-
-#[test]
-fn text_that_is_not_utf8() {
-    let message = "is not UTF-8 text (save the file as UTF-8)";
-    assert_eq!(report("utf8", "obj", b"v 0 0 0\n# caf\xE9\n"), format!("bad.obj:2:6: line 2 {message}"));
-    assert_eq!(report("utf8", "nff", b"\xFF\xFEp\0"), format!("bad.nff:1:1: line 1 {message}"));
-    assert_eq!(report("utf8", "ron", b"(\n\n\n \xC3"), format!("bad.ron:4:2: line 4 {message}"));
-    let contents = [ply("1", "0", "").as_bytes(), b"0 \xE9 0\n"].concat();
-    assert_eq!(report("utf8", "ply", &contents), format!("bad.ply:10:3: line 10 {message}"));
 }
 
 #[test]

@@ -40,3 +40,4 @@ mod traces;
 mod vertex_colors;
 mod views;
 mod watch;
+mod wild_files;

@@ -97,10 +97,21 @@ fn bow_ties_cross_themselves() {
 #[test]
 fn uneven_faces_become_triangles() {
     let bent = |height| [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, height), Vec3::Y];
-    assert_eq!(report_of(bent(0.002)), ConcaveReport::default());
-    let report = report_of(bent(0.1));
+    assert_eq!(report_of(bent(4e-6)), ConcaveReport::default());
+    let report = report_of(bent(1e-4));
     assert_eq!(report, ConcaveReport { uneven: cut(1, 2), ..Default::default() });
     assert_eq!(report.notes(), ["1 face is not flat and was cut into 2 triangles"]);
+}
+
+#[test]
+fn faces_of_too_many_corners_are_not_said_to_cross_themselves() {
+    // A comb, every other tooth of which is longer.
+    let teeth = (0..1 << 17).map(|i| (i as f32, if i % 2 == 0 { 1.0 } else { 2.0 }));
+    let outline: Vec<(f32, f32)> = [(131071.0, 0.0), (0.0, 0.0)].into_iter().chain(teeth).collect();
+    let report = report_of(flat(&outline));
+    assert_eq!(report, ConcaveReport { large: cut(1, 1 << 17), ..Default::default() });
+    let what = "1 face that is concave or not flat has more than 131072 corners";
+    assert_eq!(report.notes(), [format!("{what}: cut into triangles around the first corner, which may cover more")]);
 }
 
 #[test]

@@ -90,7 +90,7 @@ fn obj_materials() {
     assert_eq!(scene.materials[3].refraction, 1.0);
     let notes = [
         "1 material without a definition became the default material",
-        "`l` was skipped 1 time: only faces are traced",
+        "1 line was passed over (`l`): only faces are traced",
     ];
     assert_eq!(scene.notes, notes);
 }

@@ -9,24 +9,27 @@ mod statements;
 mod transform;
 mod vertex_color;
 
-use std::fs::File;
-use std::io::Read;
+use std::collections::HashMap;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
 use glam::Vec3;
 
 use crate::error::InputError;
-use crate::input::reading;
-use crate::input::text::nearest;
+use crate::input::file;
+use crate::input::text::{coordinate, nearest, passed_over};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Camera, Light, Material, Scene, split_concave};
 
-/// Largest scene file taken, in bytes.
-const LARGEST_FILE: u64 = 1 << 32;
+/// Largest scene file taken, in GiB.
+const LARGEST_FILE: u64 = 4;
 
 /// Largest number of corners of a scene.
 const MOST_CORNERS: u64 = 1 << 31;
+
+/// Beyond so many times its size from the origin, secondary rays of a scene begin a thousandth of its size off their
+/// surfaces.
+const FARTHEST: f32 = 500.0;
 
 /// How a scene file is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,13 +66,7 @@ pub fn load(path: &Path, options: &ReadOptions) -> Result<Scene, InputError> {
         let message = format!("resolution is {}, it must be from {least} to {most}", options.resolution);
         return Err(InputError::new(message));
     }
-    let draft = match Format::of(path)? {
-        Format::Ron => ron_scene::read(path, options)?,
-        Format::Obj => obj::read(path)?,
-        Format::Ply => ply::read(path)?,
-        Format::Nff => nff::read(path, options)?,
-    };
-    draft.finish(path)
+    Format::of(path)?.read(path, options)?.finish(path)
 }
 
 /// A kind of scene file.
@@ -101,6 +98,23 @@ impl Format {
         };
         Err(InputError::in_file(path, format!("unknown kind of scene file `.{extension}`")).help(help))
     }
+
+    /// What a file of this format has.
+    pub fn read(self, path: &Path, options: &ReadOptions) -> Result<Draft, InputError> {
+        let mut draft = match self {
+            Format::Ron => ron_scene::read(path, options)?,
+            Format::Obj => obj::read(path)?,
+            Format::Ply => ply::read(path)?,
+            Format::Nff => nff::read(path, options)?,
+        };
+        draft.notes.extend(short_faces(draft.short_faces));
+        draft.notes.extend(passed_over(
+            draft.no_normals,
+            "normal that is no direction",
+            "normals that are no directions",
+        ));
+        Ok(draft)
+    }
 }
 
 /// What a reader finds in a file.
@@ -113,6 +127,10 @@ pub(crate) struct Draft {
     /// The vertical of the format, for a camera that frames the scene.
     pub up: Vec3,
     pub notes: Vec<String>,
+    /// Faces of fewer than 3 corners.
+    short_faces: u64,
+    /// Normals that are no numbers.
+    no_normals: u64,
 }
 
 impl Draft {
@@ -126,15 +144,32 @@ impl Draft {
             camera: None,
             up,
             notes: Vec::new(),
+            short_faces: 0,
+            no_normals: 0,
         }
+    }
+
+    /// Leaves out a face that has fewer than 3 corners.
+    pub fn pass_over_face(&mut self) {
+        self.short_faces += 1;
+        self.mesh.pass_over_face();
+    }
+
+    /// Adds a normal. One that is no direction becomes zero, which shades as if there were none.
+    pub fn add_normal(&mut self, numbers: [f64; 3]) -> u32 {
+        let normal = vector(numbers);
+        self.no_normals += u64::from(normal.is_none());
+        self.mesh.add_normal(normal.unwrap_or(Vec3::ZERO))
     }
 
     fn finish(mut self, path: &Path) -> Result<Scene, InputError> {
         let Some((low, high)) = self.mesh.bounds() else {
-            return Err(InputError::in_file(path, "empty scene: the file has no faces"));
+            let error = InputError::in_file(path, "empty scene: the file has no faces");
+            return Err(if self.notes.is_empty() { error } else { error.help(self.notes.join("; ")) });
         };
         let (mesh, report) = split_concave(self.mesh);
         self.notes.extend(report.notes());
+        self.notes.extend(far_out(low, high));
         Ok(Scene {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             mesh,
@@ -147,22 +182,61 @@ impl Draft {
     }
 }
 
+/// What is said of a scene that lies so far from the origin that 32 bits are short for it.
+fn far_out(low: Vec3, high: Vec3) -> Option<String> {
+    let (distance, size) = (low.abs().max(high.abs()).max_element(), (high - low).length());
+    let times = distance / size;
+    (times > FARTHEST && times.is_finite()).then(|| {
+        let far = format!("the scene is {times:.0} times as far from the origin as it is large");
+        format!("{far}: 32 bits place its hits only roughly, and images show it; move it to the origin")
+    })
+}
+
 /// The bytes of a file of acceptable size.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, InputError> {
-    let unreadable = |error| InputError::unreadable(path, &error);
-    let too_large = || InputError::in_file(path, "file is too large, a scene file may have up to 4 GiB");
-    let file = File::open(path).map_err(unreadable)?;
-    if file.metadata().map_err(unreadable)?.len() > LARGEST_FILE {
-        return Err(too_large());
+    file::read(path, LARGEST_FILE)
+}
+
+/// What is said of faces with too few corners, if there are any.
+pub(crate) fn short_faces(count: u64) -> Option<String> {
+    passed_over(count, "face of fewer than 3 corners", "faces of fewer than 3 corners")
+}
+
+fn vector([x, y, z]: [f64; 3]) -> Option<Vec3> {
+    Some(Vec3::new(coordinate(x).ok()?, coordinate(y).ok()?, coordinate(z).ok()?))
+}
+
+/// Points that are nowhere, which matters only where a face uses them.
+#[derive(Default)]
+pub(crate) struct Nowhere {
+    /// For each of them the number at fault and where it stands in the file, in bytes.
+    points: HashMap<u32, (usize, f64)>,
+}
+
+impl Nowhere {
+    /// Adds a point of three numbers and their places.
+    pub fn add_point(&mut self, mesh: &mut Mesh, numbers: [(usize, f64); 3]) {
+        let point = mesh.add_point(vector(numbers.map(|(_, number)| number)).unwrap_or(Vec3::ZERO));
+        if let Some(&wrong) = numbers.iter().find(|(_, number)| coordinate(*number).is_err()) {
+            self.points.insert(point, wrong);
+        }
     }
-    // A pipe does not tell its length, and a file can grow.
-    let mut bytes = Vec::new();
-    let length = file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if length as u64 > LARGEST_FILE {
-        return Err(too_large());
+
+    /// Checks that no face uses them. The error is the place of a number at fault and what is wrong with it.
+    pub fn check(&self, draft: &mut Draft) -> Result<(), (usize, String)> {
+        if self.points.is_empty() {
+            return Ok(());
+        }
+        let mesh = &draft.mesh;
+        let mut corners = mesh.faces().iter().flat_map(|face| mesh.corners(face));
+        if let Some(&(at, number)) = corners.find_map(|corner| self.points.get(&corner.point)) {
+            return Err((at, coordinate(number).err().unwrap_or_default()));
+        }
+        let (one, many) =
+            ("point that is nowhere and that no face uses", "points that are nowhere and that no face uses");
+        draft.notes.extend(passed_over(self.points.len() as u64, one, many));
+        Ok(())
     }
-    reading::note(path, &bytes);
-    Ok(bytes)
 }
 
 /// Checks that a mesh stays within what a scene may hold when some corners are added.

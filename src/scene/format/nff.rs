@@ -6,9 +6,9 @@ use glam::Vec3;
 
 use super::{Draft, ReadOptions, check_size, read_file};
 use crate::error::InputError;
-use crate::input::text::{Text, Token, nearest, too_few_corners};
+use crate::input::text::{self, Text, Token, amount, nearest, parsed, passed_over};
 use crate::scene::camera::CameraFault;
-use crate::scene::mesh::Corner;
+use crate::scene::mesh::{Corner, NO_NORMAL};
 use crate::scene::{Camera, Light, Material, tessellate};
 
 /// The words that an entity begins with.
@@ -18,8 +18,8 @@ const ENTITIES: [&str; 8] = ["v", "b", "l", "f", "p", "pp", "s", "c"];
 ///
 /// Words are read one after the other, whatever the lines: programs that write NFF do not agree on where lines end.
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Draft, InputError> {
-    let bytes = read_file(path)?;
-    let text = Text::decode(path, &bytes)?;
+    let source = text::decode(read_file(path)?);
+    let text = Text { file: path, text: &source };
     let mut reader = Reader::new(text, options.resolution);
     while let Some(entity) = reader.next() {
         reader.entity(entity)?;
@@ -34,6 +34,8 @@ struct Reader<'a> {
     draft: Draft,
     /// Whether the last entity was a patch, a polygon with normals: patches in a row are the surface of one object.
     patches: bool,
+    /// Colours and numbers of materials that cannot be.
+    wrong_amounts: u64,
     /// Lights without a colour of their own: how bright each is depends on how many there are.
     plain_lights: Vec<usize>,
 }
@@ -41,7 +43,7 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn new(text: Text<'a>, resolution: u32) -> Self {
         let draft = Draft::new(Vec3::Z);
-        Reader { text, rest: text.text, resolution, draft, patches: false, plain_lights: Vec::new() }
+        Reader { text, rest: text.text, resolution, draft, patches: false, wrong_amounts: 0, plain_lights: Vec::new() }
     }
 
     fn entity(&mut self, entity: Token<'a>) -> Result<(), InputError> {
@@ -52,7 +54,11 @@ impl<'a> Reader<'a> {
         }
         match entity.text {
             "v" => self.view(entity),
-            "b" => self.vector_of(entity, Text::color).map(|color| self.draft.background = color),
+            "b" => {
+                let color = self.color(entity)?;
+                self.draft.background = color.unwrap_or(self.draft.background);
+                Ok(())
+            }
             "l" => self.light(entity),
             "f" => self.fill(entity),
             "p" => self.polygon(entity, false),
@@ -109,7 +115,7 @@ impl<'a> Reader<'a> {
     fn light(&mut self, entity: Token<'a>) -> Result<(), InputError> {
         let at = self.vector(entity)?;
         let color = if self.number_follows() {
-            self.vector_of(entity, Text::color)?
+            self.color(entity)?.unwrap_or(Vec3::ONE)
         } else {
             self.plain_lights.push(self.draft.lights.len());
             Vec3::ONE
@@ -120,8 +126,8 @@ impl<'a> Reader<'a> {
 
     /// A material; some files leave out the last numbers.
     fn fill(&mut self, entity: Token<'a>) -> Result<(), InputError> {
-        let color = self.vector_of(entity, Text::color)?;
-        let mut material = Material { color, ..Material::default() };
+        let plain = Material::default();
+        let mut material = Material { color: self.color(entity)?.unwrap_or(plain.color), ..plain };
         let fields = [
             &mut material.diffuse,
             &mut material.specular,
@@ -131,8 +137,7 @@ impl<'a> Reader<'a> {
         ];
         for field in fields {
             if self.number_follows() {
-                let token = self.argument(entity)?;
-                *field = self.text.amount(token)?;
+                *field = self.amount(entity)?.unwrap_or(*field);
             }
         }
         if material.refraction == 0.0 {
@@ -148,27 +153,24 @@ impl<'a> Reader<'a> {
             .text
             .parse()
             .map_err(|_| self.text.error_at(token, format!("`{}` is not a number of vertices", token.text)))?;
-        if count < 3 {
-            return Err(self.text.error_at(token, too_few_corners(count as usize)));
-        }
-        let material = self.material();
-        let mut points = Vec::new();
         let mut corners = Vec::new();
         for _ in 0..count {
             let point = self.vector(entity)?;
-            points.push(self.draft.mesh.add_point(point));
-            if has_normals {
-                let normal = self.vector(entity)?;
-                let normal = self.draft.mesh.add_normal(normal);
-                corners.push(Corner { point: self.draft.mesh.points.len() as u32 - 1, normal });
-            }
+            let point = self.draft.mesh.add_point(point);
+            let normal = if has_normals { self.normal(entity)? } else { NO_NORMAL };
+            corners.push(Corner { point, normal });
         }
-        if has_normals {
-            self.draft.mesh.add_smooth_face(&corners, material);
+        if corners.len() < 3 {
+            self.draft.pass_over_face();
         } else {
-            self.draft.mesh.add_face(&points, material);
+            self.draft.mesh.add_smooth_face(&corners, self.material());
         }
         Ok(())
+    }
+
+    fn normal(&mut self, entity: Token<'a>) -> Result<u32, InputError> {
+        let numbers = [self.any_number(entity)?, self.any_number(entity)?, self.any_number(entity)?];
+        Ok(self.draft.add_normal(numbers))
     }
 
     fn sphere(&mut self, entity: Token<'a>) -> Result<(), InputError> {
@@ -212,21 +214,36 @@ impl<'a> Reader<'a> {
         for i in self.plain_lights {
             self.draft.lights[i].color = Vec3::splat(brightness);
         }
+        let (one, many) = ("colour or number of a material", "colours or numbers of materials");
+        let note = passed_over(self.wrong_amounts, one, many);
+        self.draft.notes.extend(note.map(|note| format!("{note}: out of range")));
         self.draft
     }
 
     fn vector(&mut self, entity: Token<'a>) -> Result<Vec3, InputError> {
-        self.vector_of(entity, Text::vector)
+        let tokens = [self.argument(entity)?, self.argument(entity)?, self.argument(entity)?];
+        self.text.vector(tokens)
     }
 
-    /// The next three numbers, checked by `check`.
-    fn vector_of(
-        &mut self,
-        entity: Token<'a>,
-        check: impl Fn(&Text<'a>, [Token; 3]) -> Result<Vec3, InputError>,
-    ) -> Result<Vec3, InputError> {
-        let tokens = [self.argument(entity)?, self.argument(entity)?, self.argument(entity)?];
-        check(&self.text, tokens)
+    /// The next three numbers, if they can be a colour.
+    fn color(&mut self, entity: Token<'a>) -> Result<Option<Vec3>, InputError> {
+        let numbers = [self.any_number(entity)?, self.any_number(entity)?, self.any_number(entity)?];
+        let [r, g, b] = numbers.map(|number| amount(number).ok());
+        let color = r.zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b));
+        self.wrong_amounts += u64::from(color.is_none());
+        Ok(color)
+    }
+
+    /// The next number, if it can be a coefficient.
+    fn amount(&mut self, entity: Token<'a>) -> Result<Option<f32>, InputError> {
+        let amount = amount(self.any_number(entity)?).ok();
+        self.wrong_amounts += u64::from(amount.is_none());
+        Ok(amount)
+    }
+
+    fn any_number(&mut self, entity: Token<'a>) -> Result<f64, InputError> {
+        let token = self.argument(entity)?;
+        self.text.any_number(token)
     }
 
     fn coordinate(&mut self, entity: Token<'a>) -> Result<f32, InputError> {
@@ -243,7 +260,7 @@ impl<'a> Reader<'a> {
     }
 
     fn number_follows(&self) -> bool {
-        self.peek().is_some_and(|token| token.text.parse::<f64>().is_ok())
+        self.peek().is_some_and(|token| parsed(token.text).is_some())
     }
 
     fn next(&mut self) -> Option<Token<'a>> {

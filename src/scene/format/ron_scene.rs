@@ -7,11 +7,10 @@ use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
 use super::transform::{Step, Transform};
-use super::{Draft, Format, ReadOptions, read_file};
-use super::{nff, obj, ply};
+use super::{Draft, Format, ReadOptions, read_file, short_faces};
 use crate::error::InputError;
 use crate::input::ron_text::{self, Located, suggest};
-use crate::input::text::{Text, amount, coordinate, plural, too_few_corners};
+use crate::input::text::{self, Text, amount, coordinate, plural};
 use crate::scene::camera::CameraFault;
 use crate::scene::mesh::Mesh;
 use crate::scene::{Camera, Light, Material, builtin};
@@ -101,8 +100,8 @@ enum StepText {
 /// Of a file or built-in scene that is taken as a mesh, only faces and materials count; its camera and its lights stay
 /// out.
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Draft, InputError> {
-    let bytes = read_file(path)?;
-    let text = Text::decode(path, &bytes)?;
+    let source = text::decode(read_file(path)?);
+    let text = Text { file: path, text: &source };
     let scene: SceneText = ron_text::read(text, text.text)?;
     let mut reader = Reader { text, options, draft: Draft::new(Vec3::Z), names: HashMap::new() };
     reader.draft.camera = scene.camera.as_ref().map(|camera| reader.camera(camera)).transpose()?;
@@ -267,12 +266,10 @@ impl Reader<'_> {
         }
         let format =
             Format::of(&path).map_err(|error| InputError { place: name.error(self.text, "").place, ..error })?;
-        let draft = match format {
-            Format::Obj => obj::read(&path)?,
-            Format::Ply => ply::read(&path)?,
-            Format::Nff => nff::read(&path, self.options)?,
-            Format::Ron => return Err(name.error(self.text, "a scene file cannot be the mesh of another one")),
-        };
+        if format == Format::Ron {
+            return Err(name.error(self.text, "a scene file cannot be the mesh of another one"));
+        }
+        let draft = format.read(&path, self.options)?;
         Ok(Shape { mesh: draft.mesh, materials: draft.materials, notes: draft.notes })
     }
 
@@ -291,10 +288,13 @@ impl Reader<'_> {
                 mesh.color_point(self.color(Some(color), Vec3::ONE)?);
             }
         }
+        let mut short = 0;
         for (number, face) in faces.iter().enumerate() {
             let corners = face.read(self.text)?;
             if corners.len() < 3 {
-                return Err(face.error(self.text, too_few_corners(corners.len())));
+                short += 1;
+                mesh.pass_over_face();
+                continue;
             }
             if let Some(wrong) = corners.iter().find(|&&index| index < 0 || index >= points.len() as i64) {
                 let total = plural(points.len() as u64, "point");
@@ -305,7 +305,7 @@ impl Reader<'_> {
             mesh.add_face(&corners, numbers.get(number).copied().unwrap_or(0));
         }
         let materials = if numbers.is_empty() { vec![Material::default()] } else { Vec::new() };
-        Ok(Shape { mesh, materials, notes: Vec::new() })
+        Ok(Shape { mesh, materials, notes: short_faces(short).into_iter().collect() })
     }
 
     /// Checks that a list is empty, or has one entry for each of `count` things.

@@ -6,20 +6,32 @@ use crate::input::text::{Text, Token};
 pub(crate) struct Statements<'a> {
     text: Text<'a>,
     rest: &'a str,
+    /// Where the lines begin that a backslash has joined to the statement, as numbers of its tokens.
+    joined: Vec<usize>,
 }
 
 impl<'a> Statements<'a> {
     pub fn new(text: Text<'a>) -> Self {
-        Statements { text, rest: text.text }
+        Statements { text, rest: text.text, joined: Vec::new() }
     }
 
     /// Puts the tokens of the next statement that is not empty into `tokens`; false at the end of the file.
     pub fn next_into(&mut self, tokens: &mut Vec<Token<'a>>) -> bool {
         tokens.clear();
         while tokens.is_empty() && !self.rest.is_empty() {
-            while self.line_into(tokens) {}
+            self.joined.clear();
+            while self.line_into(tokens) {
+                self.joined.push(tokens.len());
+            }
         }
         !tokens.is_empty()
+    }
+
+    /// A word at the start of a joined line that is one of `keywords`: the line may have been meant for a statement of
+    /// its own, and the backslash before it for a part of a name.
+    pub fn swallowed(&self, tokens: &[Token<'a>], keywords: impl Fn(&str) -> bool) -> Option<Token<'a>> {
+        let starts = self.joined.iter().filter_map(|&start| tokens.get(start));
+        starts.copied().find(|token| keywords(token.text))
     }
 
     /// Adds the tokens of one line; true if the statement goes on in the next one.

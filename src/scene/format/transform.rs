@@ -61,6 +61,7 @@ impl Transform {
             }
             to.add_piece(corners, material(face.material), first_face + face.number);
         }
+        to.passed_over += first_face + mesh.face_count() - to.face_count();
         Ok(())
     }
 }

@@ -1,10 +1,11 @@
 //! The header of a PLY file: which elements it has, and what each is made of.
 
+use std::collections::HashSet;
 use std::ops::Range;
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::input::text::{Text, Token, nearest};
+use crate::input::text::{Text, Token, decode, nearest};
 
 /// What a PLY file says of itself.
 pub(crate) struct Header {
@@ -99,6 +100,12 @@ impl Element {
     pub fn position(&self, names: &[&str]) -> Option<usize> {
         self.properties.iter().position(|property| names.contains(&property.name.as_str()))
     }
+
+    /// Whether it has all of these as numbers, not as lists.
+    pub fn has_numbers(&self, names: &[&str]) -> bool {
+        let is_number = |property: &Property| matches!(property.shape, Shape::Scalar(_));
+        names.iter().all(|name| self.position(&[name]).is_some_and(|at| is_number(&self.properties[at])))
+    }
 }
 
 impl Header {
@@ -108,21 +115,28 @@ impl Header {
 }
 
 /// The bytes of the header, `end_header` and its line end included.
+///
+/// What the first line ends with, all others do: where that is CR alone, an LF behind `end_header` is data.
 pub(crate) fn extent(file: &Path, bytes: &[u8]) -> Result<usize, InputError> {
+    let mark = bytes.strip_prefix(b"\xEF\xBB\xBF").map_or(0, |_| 3);
+    let first = bytes[mark..].iter().position(|byte| matches!(byte, b'\r' | b'\n')).map_or(bytes.len(), |at| mark + at);
+    let line_end =
+        if bytes[first..].first() == Some(&b'\r') && bytes.get(first + 1) != Some(&b'\n') { b'\r' } else { b'\n' };
+    if bytes.is_empty() {
+        return Err(InputError::in_file(file, "file is empty"));
+    }
+    if bytes[mark..first].trim_ascii() != b"ply" {
+        return Err(no_ply(file, &bytes[mark..first]));
+    }
     let mut end = 0;
-    for line in bytes.split_inclusive(|&byte| byte == b'\n') {
-        if end == 0 && line.trim_ascii() != b"ply" {
-            return Err(no_ply(file, line));
-        }
+    for line in bytes.split_inclusive(|&byte| byte == line_end) {
         end += line.len();
         if line.trim_ascii() == b"end_header" {
             return Ok(end);
         }
     }
-    if bytes.is_empty() {
-        return Err(InputError::in_file(file, "file is empty"));
-    }
-    let text = Text::decode(file, bytes)?;
+    let source = decode(bytes.to_vec());
+    let text = Text { file, text: &source };
     Err(text.error(text.end(), "file ends in its header, before `end_header`"))
 }
 
@@ -135,15 +149,22 @@ fn no_ply(file: &Path, line: &[u8]) -> InputError {
 pub(crate) fn parse(text: Text) -> Result<Header, InputError> {
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
+    // What has a name already: elements, and the properties of the last one.
+    let (mut named, mut properties) = (HashSet::new(), HashSet::new());
     for line in text.text.lines().skip(1) {
         let tokens: Vec<Token> = text.tokens(line).collect();
         let Some((&keyword, arguments)) = tokens.split_first() else { continue };
         match keyword.text {
             "comment" | "obj_info" | "end_header" => {}
             "format" => encoding = Some(format(text, keyword, arguments)?),
-            "element" => elements.push(element(text, keyword, arguments, &elements)?),
+            "element" => {
+                elements.push(element(text, keyword, arguments, &mut named)?);
+                properties.clear();
+            }
             "property" => match elements.last_mut() {
-                Some(element) => element.properties.push(property(text, keyword, arguments, element)?),
+                Some(element) => {
+                    element.properties.push(property(text, keyword, arguments, &element.name, &mut properties)?);
+                }
                 None => return Err(text.error_at(keyword, "property stands before any element")),
             },
             _ => {
@@ -177,11 +198,16 @@ fn format(text: Text, keyword: Token, arguments: &[Token]) -> Result<Encoding, I
     }
 }
 
-fn element(text: Text, keyword: Token, arguments: &[Token], before: &[Element]) -> Result<Element, InputError> {
+fn element<'a>(
+    text: Text,
+    keyword: Token,
+    arguments: &[Token<'a>],
+    named: &mut HashSet<&'a str>,
+) -> Result<Element, InputError> {
     let [name, count] = *arguments else {
         return Err(text.error_at(keyword, "`element` needs a name and a number"));
     };
-    if before.iter().any(|element| element.name == name.text) {
+    if !named.insert(name.text) {
         return Err(text.error_at(name, format!("there are two elements `{}`", name.text)));
     }
     let parsed: i128 =
@@ -195,7 +221,13 @@ fn element(text: Text, keyword: Token, arguments: &[Token], before: &[Element]) 
     Ok(Element { name: name.text.to_owned(), count: parsed as u64, properties: Vec::new(), span: name.span() })
 }
 
-fn property(text: Text, keyword: Token, arguments: &[Token], element: &Element) -> Result<Property, InputError> {
+fn property<'a>(
+    text: Text,
+    keyword: Token,
+    arguments: &[Token<'a>],
+    element: &str,
+    named: &mut HashSet<&'a str>,
+) -> Result<Property, InputError> {
     let (name, shape) = match *arguments {
         [list, count, item, name] if list.text == "list" => {
             let count_type = number_type(text, count)?;
@@ -210,8 +242,8 @@ fn property(text: Text, keyword: Token, arguments: &[Token], element: &Element) 
             return Err(text.error_at(keyword, message));
         }
     };
-    if element.position(&[name.text]).is_some() {
-        let message = format!("element `{}` has two properties `{}`", element.name, name.text);
+    if !named.insert(name.text) {
+        let message = format!("element `{element}` has two properties `{}`", name.text);
         return Err(text.error_at(name, message));
     }
     Ok(Property { name: name.text.to_owned(), shape, span: name.span() })

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::header::{Element, Type};
 use crate::error::InputError;
-use crate::input::text::{Text, Token};
+use crate::input::text::{Text, Token, parsed};
 
 const GOES_ON: &str = "file goes on after the last element that its header tells of";
 
@@ -37,8 +37,16 @@ pub(crate) trait Values {
     /// Makes sure that nothing follows the last row.
     fn finish(&mut self) -> Result<(), InputError>;
 
+    /// The place of the number that was read last, in bytes from the start of the file.
+    fn place(&self) -> usize;
+
+    /// A mistake at the number of that place.
+    fn error_at(&self, place: usize, message: String) -> InputError;
+
     /// A mistake at the number that was read last.
-    fn error(&self, message: String) -> InputError;
+    fn error(&self, message: String) -> InputError {
+        self.error_at(self.place(), message)
+    }
 }
 
 /// Numbers as text, one row a line.
@@ -52,7 +60,7 @@ pub(crate) struct Ascii<'a> {
 impl<'a> Ascii<'a> {
     /// The numbers after a header of `start` bytes.
     pub fn new(text: Text<'a>, start: usize) -> Self {
-        Ascii { text, rest: &text.text[start..], line: "", last: Token { text: "", at: start } }
+        Ascii { text, rest: text.text.get(start..).unwrap_or(""), line: "", last: Token { text: "", at: start } }
     }
 
     fn token(&mut self) -> Option<Token<'a>> {
@@ -91,7 +99,7 @@ impl Values for Ascii<'_> {
                 let integer: Option<i64> = token.text.parse().ok();
                 integer.filter(|n| (least..=most).contains(n)).map(|n| n as f64)
             }
-            None => token.text.parse().ok(),
+            None => parsed(token.text),
         };
         value.ok_or_else(|| self.error(format!("`{}` is no number of type {}", token.text, kind.name())))
     }
@@ -110,8 +118,13 @@ impl Values for Ascii<'_> {
         }
     }
 
-    fn error(&self, message: String) -> InputError {
-        self.text.error_at(self.last, message)
+    fn place(&self) -> usize {
+        self.last.at
+    }
+
+    fn error_at(&self, place: usize, message: String) -> InputError {
+        let token = self.text.tokens(&self.text.text[place..]).next();
+        self.text.error(token.map_or(place..place, |token| token.span()), message)
     }
 }
 
@@ -169,13 +182,19 @@ impl Values for Binary<'_> {
     }
 
     fn finish(&mut self) -> Result<(), InputError> {
-        if self.next < self.bytes.len() {
+        // What edits a file as text ends its last line, and DOS marks its end.
+        let is_data = |byte: &u8| !matches!(byte, b'\r' | b'\n' | b'\x1a');
+        if self.bytes[self.next..].iter().any(is_data) {
             return Err(InputError::in_bytes(self.file, self.next as u64, GOES_ON));
         }
         Ok(())
     }
 
-    fn error(&self, message: String) -> InputError {
-        InputError::in_bytes(self.file, self.last as u64, message)
+    fn place(&self) -> usize {
+        self.last
+    }
+
+    fn error_at(&self, place: usize, message: String) -> InputError {
+        InputError::in_bytes(self.file, place as u64, message)
     }
 }

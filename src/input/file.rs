@@ -1,0 +1,41 @@
+//! Files read whole, as far as they have an end.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use super::reading;
+use crate::error::InputError;
+
+const GIB: u64 = 1 << 30;
+
+/// Largest number of bytes that is read from what does not tell its length: a pipe or a device may have no end.
+const LARGEST_STREAM: u64 = 1 << 28;
+
+/// The bytes of a file of up to `gib` GiB; of one that is no regular file, up to 256 MiB.
+pub(crate) fn read(path: &Path, gib: u64) -> Result<Vec<u8>, InputError> {
+    let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
+    let file = File::open(path).map_err(unreadable)?;
+    let about = file.metadata().map_err(unreadable)?;
+    let too_large = || InputError::in_file(path, format!("file is too large, it may have up to {gib} GiB"));
+    if about.len() > gib * GIB {
+        return Err(too_large());
+    }
+    let most = if about.is_file() { gib * GIB } else { LARGEST_STREAM.min(gib * GIB) };
+    // Even a regular file can grow while it is read.
+    let mut bytes = Vec::new();
+    let length = file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)? as u64;
+    match length > most {
+        false => {
+            reading::note(path, &bytes);
+            Ok(bytes)
+        }
+        true if about.is_file() => Err(too_large()),
+        true => Err(endless(path)),
+    }
+}
+
+fn endless(path: &Path) -> InputError {
+    let message = "no end was found within 256 MiB, and it is no regular file but a pipe or a device";
+    InputError::in_file(path, message).help("write what it has into a file first, if that has an end")
+}
