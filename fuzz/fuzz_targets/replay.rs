@@ -2,9 +2,10 @@
 
 use libfuzzer_sys::fuzz_target;
 use pcs_sim::error::InputError;
-use pcs_sim::machine::Stuck;
-use pcs_sim::program::MachineFile;
-use pcs_sim::report::activity::ActivityTrace;
+use pcs_sim::machine::{MachineFile, Stuck};
+use pcs_sim::program::work;
+use pcs_sim::seam::BatchError;
+use pcs_sim::seam::activity_trace::ActivityTrace;
 use pcs_sim::simulation;
 
 /// Why a trace is no run.
@@ -22,9 +23,15 @@ impl From<Stuck> for Refused {
     }
 }
 
+impl From<BatchError> for Refused {
+    fn from(_: BatchError) -> Refused {
+        Refused
+    }
+}
+
 fuzz_target!(|data: &[u8]| {
-    let Ok(mut trace) = ActivityTrace::open(&pcs_sim_fuzz::file("trace.ops", data)) else { return };
+    let Ok(mut trace) = ActivityTrace::open(&pcs_sim_fuzz::file("trace.ops", data), &work::cycles_vocabulary()) else { return };
     let Ok(machine) = MachineFile::standard().and_then(|machine| machine.build()) else { return };
-    let cells = trace.cells();
-    let _ = simulation::replay(&machine.spec, cells, |take| trace.for_each_batch::<Refused>(take));
+    let (cells, costs) = (trace.cells(), trace.costs().clone());
+    let _ = simulation::replay(&machine.spec, &costs, cells, |take| trace.for_each_batch::<Refused>(take));
 });
