@@ -43,6 +43,15 @@ class Allowed:
 
 ALLOWED = [
     Allowed("help/*", "*: stdout", "flags are added"),
+    Allowed("*", "*.json", "seconds are divided by 1e9", r'"seconds"|"rays_per_second"|"mean"'),
+    Allowed("*", "*: stdout", "seconds are divided by 1e9", r"simulated time|\d(ms|µs| s)\b| ms| µs"),
+    Allowed("report/*", "*", "seconds are divided by 1e9"),
+    Allowed("views/*", "*latency*", "seconds are divided by 1e9"),
+    Allowed("*", "*.html", "the page shows the run's whole description, and its time divided by 1e9"),
+    Allowed("machine/*/*-0", "*.ops", "work that costs nothing is no op of a trace in cycles"),
+    Allowed("programs/cycle-limit", "*", "the limit counts instructions: --instruction-limit"),
+    Allowed("programs/refused", "6: stderr", "the limit counts instructions: --instruction-limit"),
+    Allowed("bad/*", "*", "a trace's ops are named by code; files may have any encoding", r"whose ops are|units of work"),
 ]
 
 
