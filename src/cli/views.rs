@@ -5,14 +5,15 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::machine::{Array, Observed};
-use pcs_sim::measure::{Clock, Measured, Recording};
+use pcs_sim::machine::Observed;
+use pcs_sim::measure::{Clock, Measured};
 use pcs_sim::quantities::Cycles;
 use pcs_sim::report::files::{OutputFile, OutputFolder};
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::trace::{Format, Trace};
+use pcs_sim::run::Watching;
 
 use super::args::ViewArgs;
 use super::{Failure, outputs};
@@ -32,7 +33,7 @@ pub struct Seen<'a> {
     pub caption: &'a Caption,
     pub clock: Clock,
     pub stats: &'a Measured,
-    /// What the array saw that the views fitted.
+    /// What was seen of the array.
     pub observed: &'a Observed,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
@@ -58,11 +59,10 @@ impl Views {
         })
     }
 
-    /// The array, with what the views need to see.
-    pub fn fit(&self, array: Array) -> Array {
-        let probes = self.plot.is_some() || self.page.is_some();
-        let array = if probes { array.probed() } else { array };
-        if self.trace.is_some() { array.recorded(self.window.clone(), Recording::MOST_EVENTS) } else { array }
+    /// What the views need to see of an array.
+    pub fn watching(&self) -> Watching {
+        let profile = self.plot.is_some() || self.page.is_some();
+        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()) }
     }
 
     /// Whether a view shows the traced picture.

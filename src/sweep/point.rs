@@ -5,15 +5,14 @@ use std::convert::Infallible;
 use std::fmt::Display;
 
 use crate::geometry::Ray;
-use crate::machine::{Array, Machine};
+use crate::machine::Machine;
 use crate::measure::{Measured, StateKind, StateTimes};
 use crate::program::{Counts, Workload, work};
 use crate::quantities::Cycles;
 use crate::report::table::{Column, Kind};
-use crate::run::{RunOptions, RunSpec};
+use crate::run::{self, Cancel, RunError, RunOptions, RunSpec, TracedBatch, Workers};
 use crate::scene::Scene;
 use crate::seam::OpBatch;
-use crate::simulation::{self, TracedBatch};
 
 /// What the table tells of a point, behind its parameters. `grid_us` to `idle_us` are what all cells together spend on a
 /// ray in each state; they add up to `array_cells` times `us_per_ray`, but for what the cells' programs do beside the kernels.
@@ -107,9 +106,9 @@ impl Setting {
         self.spec.lay_out(&stage.scene, &self.machine, &stage.rays).map_err(reason)
     }
 
-    /// Runs it, on all cores.
-    pub fn run(&self, workload: &Workload, rays: &[Ray]) -> Result<Outcome, String> {
-        let outcome = simulation::run(workload, &self.machine.spec, rays, threads(), |_| Ok::<_, Infallible>(()));
+    /// Runs it.
+    pub fn run(&self, workload: &Workload, rays: &[Ray], workers: &Workers) -> Result<Outcome, String> {
+        let outcome = run::run(workload, &self.machine.spec, rays, workers, |_| Ok::<_, Infallible>(()));
         let outcome = outcome.map_err(reason)?;
         Ok(self.outcome(workload, outcome.stats, outcome.counts))
     }
@@ -121,11 +120,6 @@ impl Setting {
         let placed_polygons = workload.placed_polygons();
         Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words }
     }
-}
-
-/// One thread a core.
-fn threads() -> usize {
-    std::thread::available_parallelism().map_or(1, |cores| cores.get())
 }
 
 impl Stage {
@@ -142,10 +136,11 @@ pub struct Recording<'a> {
 }
 
 impl Recording<'_> {
-    /// Works the ops out, on all cores.
-    pub fn new<'a>(workload: &'a Workload, rays: &[Ray]) -> Result<Recording<'a>, String> {
+    /// Works the ops out.
+    pub fn new<'a>(workload: &'a Workload, rays: &[Ray], workers: &Workers) -> Result<Recording<'a>, String> {
         let (mut batches, mut counts) = (Vec::new(), Counts::default());
-        simulation::trace(workload, rays, threads(), |batch| {
+        run::trace(workload, rays, workers, |batch| {
+            workers.cancel.check().map_err(reason)?;
             batch.fault.map_or(Ok(()), |fault| Err(reason(fault)))?;
             counts += batch.counts;
             batches.push(batch.ops);
@@ -155,19 +150,20 @@ impl Recording<'_> {
     }
 
     /// Times the ops under a setting's machine.
-    pub fn time(&self, setting: &Setting) -> Result<Outcome, String> {
+    pub fn time(&self, setting: &Setting, cancel: &Cancel) -> Result<Outcome, String> {
         let spec = &setting.machine.spec;
         self.workload.check(spec).map_err(reason)?;
         let machine = &setting.machine;
         let costs = work::costs(self.workload.costs().vocabulary(), &machine.times, machine.instructions.as_ref());
-        let mut array = Array::new(spec, &costs, self.workload.cells());
-        for batch in &self.batches {
-            let mut copy = array.take_spent().unwrap_or_default();
-            copy.clone_from(batch);
-            array.feed(copy).map_err(reason)?;
-            array.run().map_err(reason)?;
-        }
-        let stats = array.finish().map_err(reason)?;
+        let stats = run::replay::<Infallible>(spec, &costs, self.workload.cells(), cancel, |take| {
+            let mut copy = OpBatch::default();
+            self.batches.iter().try_for_each(|batch| {
+                copy.clone_from(batch);
+                copy = take(std::mem::take(&mut copy))?;
+                Ok::<_, RunError<Infallible>>(())
+            })
+        });
+        let stats = stats.map_err(reason)?;
         Ok(setting.outcome(self.workload, stats, self.counts))
     }
 }
