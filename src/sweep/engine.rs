@@ -67,6 +67,9 @@ fn run_same_work(
     workers: &Workers,
     done: &(impl Fn(usize, Result<Outcome, String>) + Sync),
 ) {
+    if let Some(image) = points[0].1.image() {
+        return points.iter().for_each(|(index, setting)| done(*index, setting.render(image, stage, workers)));
+    }
     match (points[0].1.workload(stage), points) {
         (Err(reason), _) => points.iter().for_each(|(index, _)| done(*index, Err(reason.clone()))),
         (Ok(workload), [(index, setting)]) => done(*index, setting.run(&workload, stage.rays(), workers)),
