@@ -8,13 +8,12 @@ use pcs_sim::geometry::Hit;
 use pcs_sim::host::image;
 use pcs_sim::machine::Machine;
 use pcs_sim::program::Workload;
-use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::kinds::{self, RaysByKind};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, hits};
-use pcs_sim::run::{self, ImageSpec, Picture, Rendered, RunSpec, Seen, Switch, Timed};
+use pcs_sim::run::{self, ImageSpec, OutputFile, Picture, Rendered, RunSpec, Seen, Switch, Timed};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::TraceWriter;
 

@@ -85,7 +85,9 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if asked_for { 0 } else { 2 });
         }
     };
-    match interrupt::listen().and_then(|()| command(&cli, &matches)) {
+    let ended = interrupt::listen().and_then(|()| command(&cli, &matches));
+    interrupt::settle();
+    match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => report(&failure),
     }

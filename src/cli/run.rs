@@ -8,12 +8,11 @@ use pcs_sim::geometry::Ray;
 use pcs_sim::host::image;
 use pcs_sim::machine::{Machine, MachineSpec};
 use pcs_sim::program::{Kernel, Workload};
-use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, hits, stats};
-use pcs_sim::run::{self, Outcome, RunSpec, Workers};
+use pcs_sim::run::{self, Outcome, OutputFile, RunSpec, Workers};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 

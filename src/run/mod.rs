@@ -6,6 +6,7 @@
 mod ahead;
 mod closed_loop;
 mod options;
+mod outputs;
 mod render;
 mod spec;
 mod timed;
@@ -17,6 +18,7 @@ pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, ProgramOptions, RayOptions,
     RunOptions, SceneOptions, ShapeOptions, Switch,
 };
+pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
 pub use spec::{ImageSpec, RunSpec, array_program, is_builtin, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};

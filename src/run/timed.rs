@@ -118,7 +118,7 @@ pub fn run_watched<E>(
         hits.append(&mut batch.hits);
         Ok(())
     })?;
-    // A cell's program may compute on after its last hit has left, and the statistics end with that.
+    // The statistics end with the last hit, whatever a cell does after it.
     if let Err(Unfinished::Outlived(cycles)) = result {
         result = run_in(array(cycles), workload, rays, workers, |_, _| Ok(()))?;
     }
