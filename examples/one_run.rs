@@ -5,7 +5,8 @@ use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::{MachineSpec, Words};
 use pcs_sim::program::{ArrayProgram, Workload};
 use pcs_sim::report::summary;
-use pcs_sim::{error::InputError, scene::builtin, simulation};
+use pcs_sim::run::{self, Workers};
+use pcs_sim::{error::InputError, scene::builtin};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = builtin::generate("teapot", None, None)?;
@@ -15,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let workload = Workload::new(&scene.mesh, &ArrayProgram { groups: 4, ..broadcast }, machine.times, &rays)?;
     for fifo_words in [512, 64, 8] {
         let spec = MachineSpec { fifo_words: Words(fifo_words), ..machine.spec.clone() };
-        let outcome = simulation::run(&workload, &spec, &rays, 2, |_| Ok::<(), InputError>(()))?;
+        let outcome = run::run(&workload, &spec, &rays, &Workers::new(2), |_| Ok::<(), InputError>(()))?;
         println!("{fifo_words:>4} words a FIFO: {}", summary::speed(&outcome.stats, spec.clock()));
     }
     Ok(())

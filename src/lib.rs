@@ -23,7 +23,7 @@
 //! - the **op stream** ([`machine::OpStream`]) lies between them. Recorded, it is an activity trace, which can be timed
 //!   again under any machine without the scene.
 //!
-//! [`simulation`] runs both halves together. [`scene`] reads or generates what is traced, [`host`] makes rays and images,
+//! [`run`] runs both halves together. [`scene`] reads or generates what is traced, [`host`] makes rays and images,
 //! [`report`] tells what came out, and [`model`] what the paper's equations expect to.
 //!
 //! # Guarantees
@@ -41,14 +41,15 @@
 //! use pcs_sim::host::camera::{ImageSize, primary_rays};
 //! use pcs_sim::program::{ArrayProgram, Workload};
 //! use pcs_sim::machine::MachineFile;
-//! use pcs_sim::{scene::builtin, simulation};
+//! use pcs_sim::run::{self, Workers};
+//! use pcs_sim::scene::builtin;
 //!
 //! let scene = builtin::generate("room", None, None)?;
 //! let rays = primary_rays(&scene.camera, ImageSize { width: 16, height: 12 });
 //! let machine = MachineFile::standard()?.build()?;
 //! let pipeline = ArrayProgram::standard("pipeline").ok_or("no such program")??;
 //! let workload = Workload::new(&scene.mesh, &pipeline, machine.times, &rays)?;
-//! let outcome = simulation::run(&workload, &machine.spec, &rays, 2, |_| Ok::<(), std::io::Error>(()))?;
+//! let outcome = run::run(&workload, &machine.spec, &rays, &Workers::new(2), |_| Ok::<(), std::io::Error>(()))?;
 //! println!("{} in {}", outcome.counts.hits, outcome.stats.cycles);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -68,5 +69,4 @@ pub mod report;
 pub mod run;
 pub mod scene;
 pub mod seam;
-pub mod simulation;
 pub mod sweep;

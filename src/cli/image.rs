@@ -6,21 +6,19 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::image;
-use pcs_sim::machine::{Array, Machine};
+use pcs_sim::machine::Machine;
 use pcs_sim::program::Workload;
-use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::kinds::{self, RaysByKind};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, hits};
-use pcs_sim::run::{ImageSpec, RunSpec, Switch};
+use pcs_sim::run::{self, ImageSpec, OutputFile, Picture, Rendered, RunSpec, Seen, Switch, Timed};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::TraceWriter;
-use pcs_sim::simulation::{self, Picture, Rendered, RunError, Seen};
 
 use super::args::{ImageArgs, Typed};
-use super::run::{cell_names, machine_line, memory_line, plural, threads};
+use super::run::{cell_names, machine_line, memory_line, plural, workers};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress, unread};
@@ -114,18 +112,19 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
         limits: setup.image.limits(),
     };
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
-    let timing = (setup.image.timing == Switch::On).then(|| {
-        let array = Array::new(&setup.machine.spec, costs, cells);
-        (files.views.fit(array), setup.image.rules())
+    let timed = (setup.image.timing == Switch::On).then(|| Timed {
+        spec: &setup.machine.spec,
+        rules: setup.image.rules(),
+        watching: files.views.watching(),
     });
-    let unwritable = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
+    let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
     let form = args.tracing.ops_form.into();
     let writer = files.ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
-    let mut writer = writer.transpose().map_err(unwritable)?;
+    let mut writer = writer.transpose().map_err(|error| Failure::Output(unwritable(error)))?;
     let keeps_hits = files.hits.is_some();
     let watch = || Watch::new(setup.machine.spec.clock(), cell_names(&setup.workload));
     let mut live = Live::new(progress::samples(), args.results.watch.then(watch));
-    let result = simulation::render(&picture, timing, threads(args.tracing.threads), |seen| match seen {
+    let result = run::render(&picture, timed, &workers(args.tracing.threads), |seen| match seen {
         Seen::Samples { done, of, array } => {
             live.set(done as u64, of as u64);
             array.into_iter().for_each(|array| live.show(array));
@@ -133,17 +132,11 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
         }
         Seen::Sent(ops, hit) => {
             found.extend(keeps_hits.then_some(*hit));
-            writer.as_mut().map_or(Ok(()), |writer| writer.write(ops))
+            writer.as_mut().map_or(Ok(()), |writer| writer.write(ops)).map_err(unwritable)
         }
     });
     live.finish();
-    result.map_err(|error| match error {
-        RunError::Stuck(stuck) => stuck.into(),
-        RunError::Fault(fault) => fault.into(),
-        RunError::Unfit(error) => error.into(),
-        RunError::Batch(error) => error.into(),
-        RunError::Observer(error) => unwritable(error),
-    })
+    Ok(result?)
 }
 
 /// What runs, in one line.

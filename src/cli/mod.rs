@@ -33,7 +33,7 @@ use args::{Cli, Command, Typed};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
-use pcs_sim::seam::BatchError;
+use pcs_sim::run::RunError;
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -60,15 +60,17 @@ impl From<Fault> for Failure {
     }
 }
 
-impl From<BatchError> for Failure {
-    fn from(error: BatchError) -> Failure {
-        Failure::Input(Box::new(InputError::new(error.to_string())))
-    }
-}
-
-impl From<Stuck> for Failure {
-    fn from(stuck: Stuck) -> Failure {
-        Failure::Stuck(stuck)
+impl<E: std::fmt::Display> From<RunError<E>> for Failure {
+    fn from(error: RunError<E>) -> Failure {
+        match error {
+            RunError::Stuck(stuck) => Failure::Stuck(stuck),
+            RunError::Fault(fault) => fault.into(),
+            RunError::Unfit(error) => error.into(),
+            RunError::Batch(error) => InputError::new(error.to_string()).into(),
+            RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
+                Failure::Output(error.to_string())
+            }
+        }
     }
 }
 
@@ -83,7 +85,9 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if asked_for { 0 } else { 2 });
         }
     };
-    match interrupt::listen().and_then(|()| command(&cli, &matches)) {
+    let ended = interrupt::listen().and_then(|()| command(&cli, &matches));
+    interrupt::settle();
+    match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => report(&failure),
     }

@@ -10,12 +10,12 @@ use pcs_sim::model::Survey;
 use pcs_sim::program::{ArrayProgram, Workload};
 use pcs_sim::report::summary::grouped;
 use pcs_sim::report::{bottleneck, prediction};
-use pcs_sim::run::RunSpec;
+use pcs_sim::run::{self, Outcome, RunSpec};
 use pcs_sim::scene::Scene;
-use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::{ModelArgs, Typed};
-use super::{Failure, outputs, print, progress, run, unread};
+use super::run::{machine_line, plural, workers};
+use super::{Failure, outputs, print, progress, unread};
 
 /// `pcs-sim model SCENE [...]`
 pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
@@ -48,7 +48,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     print(&format!(
         "{}\n{}\n\n{}\n{}",
         title(&scene, program, polygons.len(), rays.len()),
-        run::machine_line(&machine.spec),
+        machine_line(&machine.spec),
         prediction::to_table(&rows),
         prediction::sentences(&predicted, &best, &array),
     ))?;
@@ -82,21 +82,13 @@ fn simulate(
     rays: &[Ray],
 ) -> Result<(Workload, Outcome), Failure> {
     let workload = Workload::new(&scene.mesh, program, machine.times, rays)?;
-    workload.check(&machine.spec)?;
     let bar = progress::rays(rays.len() as u64);
-    let outcome = simulation::run(&workload, &machine.spec, rays, run::threads(args.threads), |batch| {
+    let outcome = run::run(&workload, &machine.spec, rays, &workers(args.threads), |batch| {
         bar.inc(batch.hits.len() as u64);
         Ok::<_, Infallible>(())
     });
     bar.finish_and_clear();
-    match outcome {
-        Ok(outcome) => Ok((workload, outcome)),
-        Err(RunError::Stuck(stuck)) => Err(Failure::Stuck(stuck)),
-        Err(RunError::Fault(fault)) => Err(fault.into()),
-        Err(RunError::Unfit(error)) => Err(error.into()),
-        Err(RunError::Batch(error)) => Err(error.into()),
-        Err(RunError::Observer(never)) => match never {},
-    }
+    Ok((workload, outcome?))
 }
 
 fn title(scene: &Scene, program: &ArrayProgram, polygons: usize, rays: usize) -> String {
@@ -104,7 +96,7 @@ fn title(scene: &Scene, program: &ArrayProgram, polygons: usize, rays: usize) ->
         "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays",
         program.name,
         program.cells(),
-        run::plural(program.groups, "group"),
+        plural(program.groups, "group"),
         program.stages.len(),
         program.grid_coefficient,
         scene.name,

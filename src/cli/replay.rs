@@ -1,16 +1,17 @@
 //! `pcs-sim replay OPS`: a recorded trace under any machine.
 
+use std::convert::Infallible;
 use std::io::Write;
 
 use pcs_sim::error::InputError;
-use pcs_sim::machine::{Array, Machine};
+use pcs_sim::machine::Machine;
 use pcs_sim::program::work;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, stats};
-use pcs_sim::seam::Costs;
+use pcs_sim::run::{self, Cancel, RunError};
 use pcs_sim::seam::activity_trace::{ActivityTrace, Form};
-use pcs_sim::simulation;
+use pcs_sim::seam::{Costs, OpBatch};
 
 use super::args::ReplayArgs;
 use super::run::machine_line;
@@ -33,9 +34,12 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let costs = costs(args, &machine, &trace)?;
     spinner.set_message("timing the trace");
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(machine.spec.clock(), Vec::new())));
-    let array = |limit| views.fit(Array::until(&machine.spec, &costs, cells, limit));
-    let feed = |take: &mut dyn FnMut(_) -> _| trace.for_each_batch::<Failure>(take);
-    let (result, observed) = simulation::replay_in(array, feed, |array| live.show(array))?;
+    let watched = (&machine.spec, &views.watching());
+    let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
+        trace.for_each_batch(|batch| take(batch).map(drop))
+    };
+    let (result, observed) =
+        run::replay_watched(watched, (&costs, cells), &Cancel::default(), feed, |array| live.show(array))?;
     live.finish();
     machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let caption = Caption {

@@ -6,17 +6,15 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::image;
-use pcs_sim::machine::{Array, Machine, MachineSpec};
+use pcs_sim::machine::{Machine, MachineSpec};
 use pcs_sim::program::{Kernel, Workload};
-use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, hits, stats};
-use pcs_sim::run::RunSpec;
+use pcs_sim::run::{self, Outcome, OutputFile, RunSpec, Workers};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
-use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::{RunArgs, Typed};
 use super::views::{Seen, Views};
@@ -63,7 +61,7 @@ pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
     notes(&setup);
     let outcome = simulate(
         &setup,
-        (threads(args.tracing.threads), args.results.watch, args.tracing.ops_form.into()),
+        (workers(args.tracing.threads), args.results.watch, args.tracing.ops_form.into()),
         &mut files,
     )?;
     print(&report(&setup, &outcome))?;
@@ -71,10 +69,9 @@ pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
     print(&outputs::list(&written))
 }
 
-/// How many threads to use: so many, or one a core.
-pub fn threads(count: Option<u16>) -> usize {
-    let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    count.map_or_else(cores, usize::from)
+/// The threads to use: so many, or one a core.
+pub fn workers(count: Option<u16>) -> Workers {
+    count.map_or_else(Workers::on_all_cores, |count| Workers::new(count.into()))
 }
 
 fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
@@ -113,7 +110,7 @@ fn notes(setup: &Setup) {
 
 fn simulate(
     setup: &Setup,
-    (threads, watch, form): (usize, bool, Form),
+    (workers, watch, form): (Workers, bool, Form),
     files: &mut Outputs,
 ) -> Result<Outcome, Failure> {
     let spec = &setup.machine.spec;
@@ -121,25 +118,19 @@ fn simulate(
         progress::rays(setup.rays.len() as u64),
         watch.then(|| Watch::new(spec.clock(), cell_names(&setup.workload))),
     );
-    let failed = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
+    let failed = |error: std::io::Error| format!("cannot write the ops: {error}");
     let Outputs { ops, views, .. } = files;
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
-    let mut writer = writer.transpose().map_err(failed)?;
-    let array = views.fit(Array::new(spec, costs, cells));
-    let outcome = simulation::run_in(array, &setup.workload, &setup.rays, threads, |batch, array| {
+    let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
+    let watched = (spec, &views.watching());
+    let outcome = run::run_watched(&setup.workload, watched, &setup.rays, &workers, |batch, array| {
         live.inc(batch.hits.len() as u64);
         live.show(array);
-        writer.as_mut().map_or(Ok(()), |writer| writer.write(&batch.ops))
+        writer.as_mut().map_or(Ok(()), |writer| writer.write(&batch.ops)).map_err(failed)
     });
     live.finish();
-    outcome.map_err(|error| match error {
-        RunError::Stuck(stuck) => stuck.into(),
-        RunError::Fault(fault) => fault.into(),
-        RunError::Unfit(error) => error.into(),
-        RunError::Batch(error) => error.into(),
-        RunError::Observer(error) => failed(error),
-    })
+    Ok(outcome?)
 }
 
 fn report(setup: &Setup, outcome: &Outcome) -> String {

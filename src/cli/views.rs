@@ -5,14 +5,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::machine::{Array, Observed};
-use pcs_sim::measure::{Clock, Measured, Recording};
+use pcs_sim::machine::Observed;
+use pcs_sim::measure::{Clock, Measured};
 use pcs_sim::quantities::Cycles;
-use pcs_sim::report::files::{OutputFile, OutputFolder};
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::trace::{Format, Trace};
+use pcs_sim::run::{OutputFile, OutputFolder, Watching};
 
 use super::args::ViewArgs;
 use super::{Failure, outputs};
@@ -32,7 +32,7 @@ pub struct Seen<'a> {
     pub caption: &'a Caption,
     pub clock: Clock,
     pub stats: &'a Measured,
-    /// What the array saw that the views fitted.
+    /// What was seen of the array.
     pub observed: &'a Observed,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
@@ -47,7 +47,7 @@ impl Views {
     pub fn open(args: &ViewArgs, force: bool) -> Result<Views, InputError> {
         let trace = |path: &PathBuf| {
             let format = Format::of(path)?;
-            Ok((OutputFile::create(path, force)?, format))
+            Ok((outputs::create(path, force)?, format))
         };
         Ok(Views {
             plot: args.plot.as_ref().map(|folder| prepare_folder(folder, force)).transpose()?,
@@ -58,11 +58,10 @@ impl Views {
         })
     }
 
-    /// The array, with what the views need to see.
-    pub fn fit(&self, array: Array) -> Array {
-        let probes = self.plot.is_some() || self.page.is_some();
-        let array = if probes { array.probed() } else { array };
-        if self.trace.is_some() { array.recorded(self.window.clone(), Recording::MOST_EVENTS) } else { array }
+    /// What the views need to see of an array.
+    pub fn watching(&self) -> Watching {
+        let profile = self.plot.is_some() || self.page.is_some();
+        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()) }
     }
 
     /// Whether a view shows the traced picture.
@@ -96,7 +95,7 @@ impl Views {
 
 fn prepare_folder(folder: &Path, force: bool) -> Result<OutputFolder, InputError> {
     let failed = |error: std::io::Error| InputError::in_file(folder, format!("cannot be written: {}", error.kind()));
-    let prepared = OutputFolder::create(folder).map_err(failed)?;
+    let prepared = outputs::folder(folder).map_err(failed)?;
     let empty = std::fs::read_dir(folder).map_err(failed)?.next().is_none();
     if empty || force {
         return Ok(prepared);
@@ -113,7 +112,7 @@ fn write_plots(
     for picture in pictures {
         for (ending, bytes) in [("svg", picture.rendered.svg.as_bytes()), ("png", &picture.rendered.png)] {
             let path = folder.join(format!("{}.{ending}", picture.name));
-            let file = OutputFile::create(&path, force)?;
+            let file = outputs::create(&path, force)?;
             outputs::finish(Some(file), written, |file| file.write_all(bytes))?;
         }
     }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::summary::{aligned, grouped, table, time};
 use crate::host::shading::RayKind;
 use crate::measure::Clock;
-use crate::simulation::{ByKind, KindCounts, KindLatencies, Timing};
+use crate::run::{ByKind, KindCounts, KindLatencies, Timing};
 
 /// The rays of each kind, for the statistics file.
 #[derive(Clone, Debug, Serialize)]

@@ -1,7 +1,6 @@
 //! What a run tells: statistics, tables, hits, pictures, pages. Nothing here measures anything.
 
 pub mod bottleneck;
-pub mod files;
 pub mod hits;
 pub mod kinds;
 pub mod page;

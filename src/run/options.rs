@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 use crate::error::InputError;
 use crate::geometry::Partition;
 use crate::host::camera::ImageSize;
+use crate::host::policy::Policy;
 use crate::machine::MachineOptions;
 use crate::parameters::{ParameterInfo, parameters};
-use crate::simulation::Policy;
 
 parameters! {
     /// The scene.

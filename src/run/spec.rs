@@ -8,6 +8,7 @@ use super::options::{CellsRun, Mode, RunOptions, Switch};
 use crate::error::InputError;
 use crate::geometry::{Partition, Ray};
 use crate::host::camera::{self, ImageSize};
+use crate::host::policy::{HostRules, Policy};
 use crate::host::ray_file;
 use crate::host::sampling::Sampling;
 use crate::host::shading::Limits;
@@ -17,7 +18,6 @@ use crate::machine::{Machine, MachineFile};
 use crate::program::cells::CellOptions;
 use crate::program::{ArrayProgram, Workload};
 use crate::scene::{ReadOptions, Scene, builtin};
-use crate::simulation::{HostRules, Policy};
 
 /// A run, described: enough to repeat it to the bit.
 ///

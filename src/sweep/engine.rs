@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::Sweep;
 use super::point::{Outcome, Recording, Setting, Stage};
+use crate::run::{Cancelled, Workers};
 
 impl Sweep {
     /// Runs points on all cores, and hands each one's results to `done` as they come: a cell for each of
@@ -13,8 +14,21 @@ impl Sweep {
     ///
     /// Those of a scene are run one after the other, and among them those that do the same work, so that a scene is
     /// built once, and what its cells do is worked out once.
-    pub fn run(&self, points: &[usize], done: impl Fn(usize, Vec<String>) + Sync) {
-        let done = |index, result| done(index, super::point::results(result));
+    ///
+    /// Fails if it is told to stop; the points that are not done by then are not handed to `done`.
+    pub fn run(
+        &self,
+        points: &[usize],
+        workers: &Workers,
+        done: impl Fn(usize, Vec<String>) + Sync,
+    ) -> Result<(), Cancelled> {
+        let stopped = || workers.cancel.check().is_err();
+        // What a point comes to that was stopped is no result of it.
+        let done = |index, result| {
+            if !stopped() {
+                done(index, super::point::results(result))
+            }
+        };
         let settings: Vec<Result<Setting, String>> = points.par_iter().map(|&index| self.setting(index)).collect();
         let mut possible = Vec::new();
         for (&index, setting) in points.iter().zip(settings) {
@@ -24,14 +38,17 @@ impl Sweep {
             }
         }
         for same_stage in by_key(possible.iter().collect(), Setting::stage_key) {
+            workers.cancel.check()?;
             let stage = same_stage[0].1.stage();
             for same_work in by_key(same_stage, Setting::work_key) {
+                workers.cancel.check()?;
                 match &stage {
-                    Ok(stage) => run_same_work(stage, &same_work, &done),
+                    Ok(stage) => run_same_work(stage, &same_work, workers, &done),
                     Err(reason) => same_work.iter().for_each(|point| done(point.0, Err(reason.clone()))),
                 }
             }
         }
+        workers.cancel.check()
     }
 
     /// What is to be run for a point, or why it cannot be.
@@ -44,13 +61,21 @@ impl Sweep {
 /// A point's number and what is to be run for it.
 type Point = (usize, Setting);
 
-fn run_same_work(stage: &Stage, points: &[&Point], done: &(impl Fn(usize, Result<Outcome, String>) + Sync)) {
+fn run_same_work(
+    stage: &Stage,
+    points: &[&Point],
+    workers: &Workers,
+    done: &(impl Fn(usize, Result<Outcome, String>) + Sync),
+) {
+    if let Some(image) = points[0].1.image() {
+        return points.iter().for_each(|(index, setting)| done(*index, setting.render(image, stage, workers)));
+    }
     match (points[0].1.workload(stage), points) {
         (Err(reason), _) => points.iter().for_each(|(index, _)| done(*index, Err(reason.clone()))),
-        (Ok(workload), [(index, setting)]) => done(*index, setting.run(&workload, stage.rays())),
+        (Ok(workload), [(index, setting)]) => done(*index, setting.run(&workload, stage.rays(), workers)),
         (Ok(workload), _) => {
-            let recording = Recording::new(&workload, stage.rays());
-            let time = |setting| recording.as_ref().map_err(String::clone)?.time(setting);
+            let recording = Recording::new(&workload, stage.rays(), workers);
+            let time = |setting| recording.as_ref().map_err(String::clone)?.time(setting, &workers.cancel);
             points.par_iter().for_each(|(index, setting)| done(*index, time(setting)));
         }
     }

@@ -28,9 +28,16 @@ pub(super) struct SweepFile {
     pub parameters: Vec<Parameter>,
 }
 
+/// Whether a point is a whole image. It is one, too, if it has a parameter that only images have.
+pub(super) const IMAGE: ParameterInfo = ParameterInfo { name: "image", kind: Form::Truth, label: "whole image" };
+
+/// All that a sweep can set, in the order of tables.
+fn known_parameters() -> impl Iterator<Item = &'static ParameterInfo> {
+    RunOptions::parameters().chain([&IMAGE]).chain(RunOptions::image_parameters())
+}
+
 /// The names of all parameters, in the order of tables.
-static NAMES: LazyLock<Vec<&'static str>> =
-    LazyLock::new(|| RunOptions::parameters().map(|known| known.name).collect());
+static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| known_parameters().map(|known| known.name).collect());
 
 impl<'de> Deserialize<'de> for SweepFile {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<SweepFile, D::Error> {
@@ -45,14 +52,14 @@ impl<'de> Deserialize<'de> for SweepFile {
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SweepFile, A::Error> {
                 let mut given: Vec<Option<Vec<String>>> = vec![None; NAMES.len()];
                 while let Some(Name(index)) = map.next_key()? {
-                    let known = RunOptions::parameters().nth(index);
+                    let known = known_parameters().nth(index);
                     let known = known.filter(|_| given[index].is_none());
                     let known = known.ok_or_else(|| A::Error::duplicate_field(NAMES[index]))?;
                     given[index] = Some(map.next_value_seed(known.kind)?);
                 }
                 let column =
                     |known: &ParameterInfo| Column { name: known.name, kind: known.kind.into(), label: known.label };
-                let all = RunOptions::parameters().zip(given);
+                let all = known_parameters().zip(given);
                 let set = all.filter_map(|(known, values)| Some(Parameter { column: column(known), values: values? }));
                 Ok(SweepFile { parameters: set.collect() })
             }

@@ -4,16 +4,18 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::fmt::Display;
 
+use super::parameters::IMAGE;
 use crate::geometry::Ray;
-use crate::machine::{Array, Machine};
+use crate::machine::Machine;
 use crate::measure::{Measured, StateKind, StateTimes};
 use crate::program::{Counts, Workload, work};
 use crate::quantities::Cycles;
 use crate::report::table::{Column, Kind};
-use crate::run::{RunOptions, RunSpec};
+use crate::run::{
+    self, Cancel, ImageSpec, Picture, RunError, RunOptions, RunSpec, Switch, Timed, TracedBatch, Watching, Workers,
+};
 use crate::scene::Scene;
 use crate::seam::OpBatch;
-use crate::simulation::{self, TracedBatch};
 
 /// What the table tells of a point, behind its parameters. `grid_us` to `idle_us` are what all cells together spend on a
 /// ray in each state; they add up to `array_cells` times `us_per_ray`, but for what the cells' programs do beside the kernels.
@@ -76,11 +78,20 @@ pub struct Outcome {
 impl Setting {
     /// The run whose parameters have these values.
     pub fn new(values: impl Iterator<Item = (&'static str, String)>) -> Result<Setting, String> {
-        let mut options = RunOptions::default();
+        let (mut options, mut image) = (RunOptions::default(), None);
         for (name, value) in values {
-            options.set(name, &value).map_err(reason)?;
+            match name == IMAGE.name {
+                true => image = Some(value == "true"),
+                false => options.set(name, &value).map_err(reason)?,
+            }
         }
-        let spec = RunSpec::new(&options, None).map_err(reason)?;
+        let mut of_images = RunOptions::image_parameters().map(|known| known.name).chain(["host_hit_us"]);
+        let of_image = of_images.find(|name| options.has(name));
+        let spec = match (image, of_image) {
+            (Some(false), Some(name)) => return Err(format!("{name} is for images, and image is false")),
+            (Some(true), _) | (None, Some(_)) => image_spec(&options),
+            (Some(false) | None, None) => RunSpec::new(&options, None).map_err(reason),
+        }?;
         let machine = spec.machine.build().map_err(reason)?;
         Ok(Setting { spec, machine })
     }
@@ -90,9 +101,17 @@ impl Setting {
         self.spec.stage_key()
     }
 
-    /// What its cells' ops depend on, beside the scene.
+    /// What its cells' ops depend on, beside the scene. When an image's rays are sent depends on the whole machine.
     pub fn work_key(&self) -> String {
-        self.spec.work_key(&self.machine)
+        match &self.spec.image {
+            Some(_) => format!("{:?}", self.spec),
+            None => self.spec.work_key(&self.machine),
+        }
+    }
+
+    /// How its image is made, if it is one.
+    pub fn image(&self) -> Option<&ImageSpec> {
+        self.spec.image.as_ref()
     }
 
     /// Its scene and rays.
@@ -107,11 +126,22 @@ impl Setting {
         self.spec.lay_out(&stage.scene, &self.machine, &stage.rays).map_err(reason)
     }
 
-    /// Runs it, on all cores.
-    pub fn run(&self, workload: &Workload, rays: &[Ray]) -> Result<Outcome, String> {
-        let outcome = simulation::run(workload, &self.machine.spec, rays, threads(), |_| Ok::<_, Infallible>(()));
+    /// Runs it.
+    pub fn run(&self, workload: &Workload, rays: &[Ray], workers: &Workers) -> Result<Outcome, String> {
+        let outcome = run::run(workload, &self.machine.spec, rays, workers, |_| Ok::<_, Infallible>(()));
         let outcome = outcome.map_err(reason)?;
         Ok(self.outcome(workload, outcome.stats, outcome.counts))
+    }
+
+    /// Makes its image.
+    pub fn render(&self, image: &ImageSpec, stage: &Stage, workers: &Workers) -> Result<Outcome, String> {
+        let workload = &self.workload(stage)?;
+        let (size, sampling, limits) = (self.spec.size, image.sampling(), image.limits());
+        let picture = Picture { scene: &stage.scene, workload, size, sampling, limits };
+        let timed = Timed { spec: &self.machine.spec, rules: image.rules(), watching: Watching::default() };
+        let rendered = run::render(&picture, Some(timed), workers, |_| Ok::<_, Infallible>(())).map_err(reason)?;
+        let timing = rendered.timing.ok_or("the image was not timed")?;
+        Ok(self.outcome(workload, timing.stats, rendered.counts))
     }
 
     fn outcome(&self, workload: &Workload, stats: Measured, counts: Counts) -> Outcome {
@@ -121,11 +151,6 @@ impl Setting {
         let placed_polygons = workload.placed_polygons();
         Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words }
     }
-}
-
-/// One thread a core.
-fn threads() -> usize {
-    std::thread::available_parallelism().map_or(1, |cores| cores.get())
 }
 
 impl Stage {
@@ -142,10 +167,11 @@ pub struct Recording<'a> {
 }
 
 impl Recording<'_> {
-    /// Works the ops out, on all cores.
-    pub fn new<'a>(workload: &'a Workload, rays: &[Ray]) -> Result<Recording<'a>, String> {
+    /// Works the ops out.
+    pub fn new<'a>(workload: &'a Workload, rays: &[Ray], workers: &Workers) -> Result<Recording<'a>, String> {
         let (mut batches, mut counts) = (Vec::new(), Counts::default());
-        simulation::trace(workload, rays, threads(), |batch| {
+        run::trace(workload, rays, workers, |batch| {
+            workers.cancel.check().map_err(reason)?;
             batch.fault.map_or(Ok(()), |fault| Err(reason(fault)))?;
             counts += batch.counts;
             batches.push(batch.ops);
@@ -155,21 +181,34 @@ impl Recording<'_> {
     }
 
     /// Times the ops under a setting's machine.
-    pub fn time(&self, setting: &Setting) -> Result<Outcome, String> {
+    pub fn time(&self, setting: &Setting, cancel: &Cancel) -> Result<Outcome, String> {
         let spec = &setting.machine.spec;
         self.workload.check(spec).map_err(reason)?;
         let machine = &setting.machine;
         let costs = work::costs(self.workload.costs().vocabulary(), &machine.times, machine.instructions.as_ref());
-        let mut array = Array::new(spec, &costs, self.workload.cells());
-        for batch in &self.batches {
-            let mut copy = array.take_spent().unwrap_or_default();
-            copy.clone_from(batch);
-            array.feed(copy).map_err(reason)?;
-            array.run().map_err(reason)?;
-        }
-        let stats = array.finish().map_err(reason)?;
+        let stats = run::replay::<Infallible>(spec, &costs, self.workload.cells(), cancel, |take| {
+            let mut copy = OpBatch::default();
+            self.batches.iter().try_for_each(|batch| {
+                copy.clone_from(batch);
+                copy = take(std::mem::take(&mut copy))?;
+                Ok::<_, RunError<Infallible>>(())
+            })
+        });
+        let stats = stats.map_err(reason)?;
         Ok(setting.outcome(self.workload, stats, self.counts))
     }
+}
+
+/// What an image is whose array is timed.
+fn image_spec(options: &RunOptions) -> Result<RunSpec, String> {
+    if options.has("rays") {
+        return Err("the rays of an image are a camera's, not a file's".to_owned());
+    }
+    let spec = RunSpec::of_image(options, None).map_err(reason)?;
+    if spec.image.as_ref().is_some_and(|image| image.timing == Switch::Off) {
+        return Err("timing is off, and the table is about nothing else".to_owned());
+    }
+    Ok(spec)
 }
 
 fn reason(error: impl Display) -> String {

@@ -6,14 +6,15 @@ use crate::support::ticking::{self, Ticked};
 use crate::support::{bits, machine, ops, priced, program, scene};
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::camera::ImageSize;
+use pcs_sim::host::policy::HostRules;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::Limits;
 use pcs_sim::machine::{Array, MachineSpec, Words};
 use pcs_sim::program::work;
 use pcs_sim::program::{ArrayProgram, Counts, Kernel, Workload};
+use pcs_sim::run::{self, Picture, Rendered, RunError, Seen, Timed, Watching, Workers};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::{OpBatch, OpKind};
-use pcs_sim::simulation::{self, HostRules, Picture, Rendered, RunError, Seen};
 
 const SCENES: [(&str, u32); 3] = [("room", 1), ("teapot", 4), ("reference", 2)];
 
@@ -31,7 +32,7 @@ fn spreads() -> [ArrayProgram; 4] {
 
 /// Hits and counts of a run under a machine, or why it failed.
 fn run(workload: &Workload, spec: &MachineSpec, rays: &[Ray]) -> Result<(Vec<[u32; 4]>, Counts), RunError<Infallible>> {
-    let outcome = simulation::run(workload, spec, rays, 1, |_| Ok::<_, Infallible>(()))?;
+    let outcome = run::run(workload, spec, rays, &Workers::new(1), |_| Ok::<_, Infallible>(()))?;
     Ok((outcome.hits.iter().map(bits).collect(), outcome.counts))
 }
 
@@ -181,13 +182,17 @@ fn image(
     let sampling = Sampling { side: 1, adaptive: false };
     let picture = Picture { scene, workload, size, sampling, limits: Limits::default() };
     let mut batches = Vec::new();
-    let array = Array::new(spec, workload.costs(), workload.cells());
-    let rendered = simulation::render(&picture, Some((array, HostRules::default())), 2, |seen| {
-        if let Seen::Sent(ops, _) = seen {
-            batches.push(ops.clone());
-        }
-        Ok(())
-    })?;
+    let rendered = run::render(
+        &picture,
+        Some(Timed { spec, rules: HostRules::default(), watching: Watching::default() }),
+        &Workers::new(2),
+        |seen| {
+            if let Seen::Sent(ops, _) = seen {
+                batches.push(ops.clone());
+            }
+            Ok(())
+        },
+    )?;
     Ok((rendered, batches))
 }
 

@@ -12,8 +12,8 @@ use pcs_sim::model::cost::{self, Filter, KernelTime};
 use pcs_sim::model::{Footprint, Prediction, Survey, grid, slabs};
 use pcs_sim::program::{ArrayProgram, Kernel, Workload};
 use pcs_sim::report::prediction::array_model;
+use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
-use pcs_sim::simulation;
 
 /// Every built-in scene, the largest ones smaller than they come.
 const SCENES: [(&str, u32); 12] = [
@@ -285,7 +285,7 @@ struct Counted {
 
 fn count(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> Counted {
     let workload = workload(mesh, program, rays);
-    let outcome = simulation::run(&workload, &machine().spec, rays, 2, |_| Ok::<_, Infallible>(())).unwrap();
+    let outcome = run::run(&workload, &machine().spec, rays, &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap();
     let works = outcome.stats.stations.iter().map(|cell| outcome.stats.topology.states.works(cell)).max().unwrap();
     let a_ray = |count: u64| count as f64 / rays.len() as f64;
     Counted {

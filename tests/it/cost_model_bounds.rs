@@ -11,9 +11,9 @@ use pcs_sim::model::{ArrayModel, Bound, CellLoad, Limit, LinkLoad, RayWork, Stag
 use pcs_sim::program::work;
 use pcs_sim::program::{ArrayProgram, Kernel, Workload};
 use pcs_sim::report::prediction::{CountedLoads, array_model};
+use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
 use pcs_sim::seam::{OpBatch, OpKind};
-use pcs_sim::simulation;
 use proptest::prelude::*;
 
 /// What the cells and links do for a ray, from their ops.
@@ -63,7 +63,7 @@ fn machine(spec: MachineSpec, host_ray: u64) -> Machine {
 
 fn run(mesh: &Mesh, program: &ArrayProgram, machine: &Machine, rays: &[Ray]) -> (Measured, Workload) {
     let workload = Workload::new(mesh, program, machine.times, rays).unwrap();
-    let outcome = simulation::run(&workload, &machine.spec, rays, 2, |_| Ok::<_, Infallible>(())).unwrap();
+    let outcome = run::run(&workload, &machine.spec, rays, &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap();
     (outcome.stats, workload)
 }
 
@@ -139,7 +139,8 @@ fn loads_are_those_of_the_ops() {
         let machine = machine(MachineSpec { link_mb_s, ..MachineSpec::default() }, 0);
         let program = program("pipeline", 1);
         let (stats, workload) = run(&scene.mesh, &program, &machine, &rays);
-        let counts = simulation::run(&workload, &machine.spec, &rays, 1, |_| Ok::<_, Infallible>(())).unwrap().counts;
+        let counts =
+            run::run(&workload, &machine.spec, &rays, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap().counts;
         let a_ray = |count: u64| count as f64 / rays.len() as f64;
         let work = RayWork {
             voxels: a_ray(counts.voxels),

@@ -10,8 +10,8 @@ use glam::Vec3;
 use pcs_sim::geometry::Ray;
 use pcs_sim::measure::Measured;
 use pcs_sim::program::ArrayProgram;
+use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
-use pcs_sim::simulation;
 
 /// Squares one behind the other, from z = 0 on.
 fn squares(count: u32) -> Mesh {
@@ -30,7 +30,7 @@ fn run(mode: &str, groups: usize, mesh: &Mesh, ray: Ray) -> Measured {
     let program = ArrayProgram { grid_coefficient: 1.0 / polygons, ..program(mode, groups) };
     let workload = workload(mesh, &program, &[ray]);
     assert!(workload.grids().all(|grid| grid.voxel_count() == 1));
-    simulation::run(&workload, &machine().spec, &[ray], 1, |_| Ok::<_, Infallible>(())).unwrap().stats
+    run::run(&workload, &machine().spec, &[ray], &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap().stats
 }
 
 /// Along z through all squares.

@@ -11,13 +11,14 @@ use crate::support::{fifo, spent};
 use glam::{DVec3, Vec3};
 use pcs_sim::geometry::{Polygons, Ray, brute_force};
 use pcs_sim::host::camera::ImageSize;
+use pcs_sim::host::policy::{HostRules, Policy};
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::{Branch, Limits, RayKind, Shader, reflect, refract};
-use pcs_sim::machine::{Array, Cycles, KernelTimes, MachineFile, MachineSpec};
+use pcs_sim::machine::{Cycles, KernelTimes, MachineFile, MachineSpec};
 use pcs_sim::program::Workload;
+use pcs_sim::run::{self, Picture, Rendered, Seen, Timed, Timing, Watching, Workers};
 use pcs_sim::scene::{Material, Mesh, ReadOptions, Scene, builtin};
 use pcs_sim::seam::{OpBatch, OpKind};
-use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, Seen, Timing};
 
 const POLICIES: [Policy; 3] = [Policy::SecondariesFirst, Policy::PrimariesFirst, Policy::ByGeneration];
 
@@ -39,19 +40,19 @@ fn plain(side: u32) -> Sampling {
 }
 
 fn untimed(picture: &Picture, threads: usize) -> Rendered {
-    simulation::render(picture, None, threads, |_| Ok::<_, Infallible>(())).unwrap()
+    run::render(picture, None, &Workers::new(threads), |_| Ok::<_, Infallible>(())).unwrap()
 }
 
 /// A timed image, and the ops that the host and the cells did.
 fn timed(picture: &Picture, spec: &MachineSpec, rules: HostRules) -> (Rendered, Vec<OpBatch>) {
     let mut batches = Vec::new();
-    let array = Array::new(spec, picture.workload.costs(), picture.workload.cells());
-    let rendered = simulation::render(picture, Some((array, rules)), 2, |seen| {
-        if let Seen::Sent(ops, _) = seen {
-            batches.push(ops.clone());
-        }
-        Ok::<_, Infallible>(())
-    });
+    let rendered =
+        run::render(picture, Some(Timed { spec, rules, watching: Watching::default() }), &Workers::new(2), |seen| {
+            if let Seen::Sent(ops, _) = seen {
+                batches.push(ops.clone());
+            }
+            Ok::<_, Infallible>(())
+        });
     (rendered.unwrap(), batches)
 }
 
@@ -187,7 +188,7 @@ fn latencies_and_counts_by_kind_add_up() {
     let picture = picture(&scene, &workload, 32, plain(1));
     let (rendered, batches) = timed(&picture, &MachineSpec::default(), HostRules::default());
     let timing = rendered.timing.unwrap();
-    let sum = |of: fn(&simulation::KindCounts) -> u64| rendered.kinds.iter().map(of).sum::<u64>();
+    let sum = |of: fn(&run::KindCounts) -> u64| rendered.kinds.iter().map(of).sum::<u64>();
     assert_eq!(sum(|kind| kind.rays), timing.stats.jobs);
     assert_eq!(sum(|kind| kind.rays), batches.len() as u64);
     assert_eq!(sum(|kind| kind.hits), rendered.counts.hits);

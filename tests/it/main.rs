@@ -33,6 +33,7 @@ mod replay;
 mod reports;
 mod scene_files;
 mod step;
+mod stopped;
 mod sweep;
 mod sweep_plots;
 mod timing_is_exact;

@@ -11,11 +11,11 @@ use pcs_sim::isa::FaultKind;
 use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::cells::figure7::{NUMBERS, numbers, us};
 use pcs_sim::program::{ArrayProgram, Counts, Workload};
+use pcs_sim::run::{self, Outcome, RunError, Workers};
 use pcs_sim::scene::{Mesh, builtin};
-use pcs_sim::simulation::{self, Outcome, RunError};
 
 fn run(workload: &Workload, rays: &[Ray], threads: usize) -> Outcome {
-    simulation::run(workload, &machine().spec, rays, threads, |_| Ok::<_, Infallible>(())).unwrap()
+    run::run(workload, &machine().spec, rays, &Workers::new(threads), |_| Ok::<_, Infallible>(())).unwrap()
 }
 
 fn both(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> [Outcome; 2] {
@@ -160,7 +160,7 @@ fn fault_in(array: &str, file: &str, text: &str, cell: usize) -> FaultKind {
     let options = CellOptions { folder: Some(folder.path("cells")), instruction_limit: 1_000_000, ..cell_options() };
     let workload = Workload::new(&scene.mesh, &program(array, 1), machine().times, &rays).unwrap();
     let workload = workload.with_programs(&options).unwrap();
-    match simulation::run(&workload, &machine().spec, &rays, 2, |_| Ok::<_, Infallible>(())) {
+    match run::run(&workload, &machine().spec, &rays, &Workers::new(2), |_| Ok::<_, Infallible>(())) {
         Err(RunError::Fault(fault)) => {
             assert_eq!((fault.cell, fault.message), (cell, 0));
             fault.kind

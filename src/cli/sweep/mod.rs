@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use pcs_sim::report::table::Column;
+use pcs_sim::run::Workers;
 use pcs_sim::sweep::{COLUMNS, Record, Sweep};
 
 use super::args::SweepArgs;
@@ -26,7 +27,7 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     bar.reset_eta();
     let latest = Latest::new(&sweep, &bar, args.watch);
     let state = Mutex::new((&mut record, latest, Ok(())));
-    sweep.run(&todo, |index, results| {
+    let ended = sweep.run(&todo, &Workers::on_all_cores(), |index, results| {
         let row = [sweep.point(index), results].concat();
         let mut guard = state.lock().unwrap_or_else(PoisonError::into_inner);
         let (record, latest, written) = &mut *guard;
@@ -37,6 +38,7 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
         bar.inc(1);
     });
     let (_, _, written) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    ended.map_err(|cancelled| Failure::Output(cancelled.to_string()))?;
     written.and_then(|()| record.write_table()).map_err(failed)?;
     bar.finish_and_clear();
     let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();

@@ -14,10 +14,10 @@ use pcs_sim::machine::{KernelTimes, Machine, MachineFile};
 use pcs_sim::measure::{FifoStats, Measured};
 use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::{ArrayProgram, Workload, work};
+use pcs_sim::run::{self, TracedBatch, Workers};
 use pcs_sim::scene::{Mesh, Scene, builtin};
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 use pcs_sim::seam::{Costs, Op, OpBatch};
-use pcs_sim::simulation::{self, TracedBatch};
 
 /// PCS.
 pub fn machine() -> Machine {
@@ -48,7 +48,8 @@ pub fn bits(hit: &Hit) -> [u32; 4] {
 /// The hits of a whole run.
 pub fn hits(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray], threads: usize) -> Vec<[u32; 4]> {
     let workload = workload(mesh, program, rays);
-    let outcome = simulation::run(&workload, &machine().spec, rays, threads, |_| Ok::<_, Infallible>(())).unwrap();
+    let outcome =
+        run::run(&workload, &machine().spec, rays, &Workers::new(threads), |_| Ok::<_, Infallible>(())).unwrap();
     outcome.hits.iter().map(bits).collect()
 }
 
@@ -60,14 +61,14 @@ pub fn cell_options() -> CellOptions {
 /// The hits of a whole run of cells that run programs.
 pub fn program_hits(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> Vec<[u32; 4]> {
     let workload = workload(mesh, program, rays).with_programs(&cell_options()).unwrap();
-    let outcome = simulation::run(&workload, &machine().spec, rays, 1, |_| Ok::<_, Infallible>(())).unwrap();
+    let outcome = run::run(&workload, &machine().spec, rays, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap();
     outcome.hits.iter().map(bits).collect()
 }
 
 /// The ops of a run.
 pub fn ops(workload: &Workload, rays: &[Ray]) -> Vec<OpBatch> {
     let mut batches = Vec::new();
-    simulation::trace(workload, rays, 1, |batch| {
+    run::trace(workload, rays, &Workers::new(1), |batch| {
         batches.push(batch.ops);
         Ok::<_, Infallible>(TracedBatch::default())
     })

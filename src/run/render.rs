@@ -3,14 +3,18 @@
 use glam::{DVec3, Vec3};
 
 use super::ahead;
-use super::closed_loop::{ClosedLoop, HostRules};
+use super::closed_loop::ClosedLoop;
+use super::timed::UNLIMITED;
+use super::trace::BATCH_LINES;
 use super::trees::{ByKind, Grower, KindCounts, TreeBatch};
-use super::{BATCH_LINES, RunError};
+use super::{RunError, Watching, Workers};
+use crate::error::InputError;
 use crate::geometry::Hit;
 use crate::host::camera::{ImageSize, View};
+use crate::host::policy::HostRules;
 use crate::host::sampling::{Pass, Sampling};
 use crate::host::shading::{Limits, Shader};
-use crate::machine::{Array, Cycles, Observed, Stuck, Unfinished};
+use crate::machine::{Array, Cycles, MachineSpec, Observed, Unfinished};
 use crate::measure::Measured;
 use crate::program::{Counts, Tracer, Workload};
 use crate::scene::{Mesh, Object, Scene};
@@ -97,26 +101,43 @@ impl KindLatencies {
     }
 }
 
-/// Makes an image; with an array, new and of the workload's cells, and its host's rules, it also times it.
+/// What times an image.
+#[derive(Clone, Debug)]
+pub struct Timed<'a> {
+    /// The machine.
+    pub spec: &'a MachineSpec,
+    /// What its host may do.
+    pub rules: HostRules,
+    /// What is watched of it over time.
+    pub watching: Watching,
+}
+
+/// Makes an image; with a machine, it also times it.
 ///
-/// `observe` sees it grow: for progress, to keep the ops, or to stop it by failing.
+/// `observe` sees it grow: for progress, or to keep the ops.
+///
+/// # Errors
+///
+/// If the machine cannot run the workload ([`Workload::check`]), or not for such a host
+/// ([`Workload::check_closed_loop`]); if the array or a cell's program cannot go on; if `observe` fails; and if it is told
+/// to stop.
 pub fn render<E>(
     picture: &Picture,
-    timing: Option<(Array, HostRules)>,
-    threads: usize,
+    timed: Option<Timed<'_>>,
+    workers: &Workers,
     mut observe: impl FnMut(Seen<'_>) -> Result<(), E>,
 ) -> Result<Rendered, RunError<E>> {
-    if timing.is_some() {
-        picture.workload.check_closed_loop()?;
-    }
-    let mut host = timing.map(|(array, rules)| ClosedLoop::new(array, picture.workload, rules));
+    let mut host = timed.map(|timed| timed.host(picture.workload)).transpose()?;
     let mut canvas = Canvas::new(picture);
-    let mut seen = |seen: Seen<'_>| observe(seen).map_err(RunError::Observer);
+    let mut seen = |seen: Seen<'_>| {
+        workers.cancel.check()?;
+        observe(seen).map_err(RunError::Observer)
+    };
     let first = Pass::first(picture.size, picture.sampling);
-    canvas.take_pass(picture, &first, threads, &mut host, &mut seen)?;
+    canvas.take_pass(picture, &first, workers.threads, &mut host, &mut seen)?;
     if picture.sampling.adaptive && picture.sampling.side > 1 {
         let second = Pass::second(picture.size, picture.sampling, &canvas.objects);
-        canvas.take_pass(picture, &second, threads, &mut host, &mut seen)?;
+        canvas.take_pass(picture, &second, workers.threads, &mut host, &mut seen)?;
     }
     if let Some(host) = &mut host {
         host.drain(&mut |ops, hit| seen(Seen::Sent(ops, hit)))?;
@@ -125,14 +146,19 @@ pub fn render<E>(
     Ok(Rendered { pixels: canvas.pixels, counts: canvas.counts, kinds: canvas.kinds, timing })
 }
 
-fn finish(mut host: ClosedLoop) -> Result<Timing, Stuck> {
-    let latencies = std::mem::take(&mut host.latencies).map(KindLatencies::new);
-    match host.into_array().finish_observed() {
-        Ok((stats, observed)) => Ok(Timing { stats, latencies, observed }),
-        Err(Unfinished::Stuck(stuck)) => Err(stuck),
-        // No array program has a cell work on after the last hit has left the array.
-        Err(Unfinished::Outlived(cycles)) => unreachable!("a cell outlived the last hit in cycle {cycles}"),
+impl Timed<'_> {
+    fn host(self, workload: &Workload) -> Result<ClosedLoop, InputError> {
+        workload.check(self.spec)?;
+        workload.check_closed_loop()?;
+        let array = self.watching.array(self.spec, workload.costs(), workload.cells(), UNLIMITED);
+        Ok(ClosedLoop::new(array, workload, self.rules))
     }
+}
+
+fn finish(mut host: ClosedLoop) -> Result<Timing, Unfinished> {
+    let latencies = std::mem::take(&mut host.latencies).map(KindLatencies::new);
+    let (stats, observed) = host.into_array().finish_observed()?;
+    Ok(Timing { stats, latencies, observed })
 }
 
 /// What is known of the image.

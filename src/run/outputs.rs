@@ -4,11 +4,16 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempPath;
 
 use crate::error::InputError;
+
+/// Result files under way, which stand in their places all whole or not at all. A handle: clones stand for the same files,
+/// so that a thread that is told to stop everything can remove them, whoever writes them.
+#[derive(Clone, Debug, Default)]
+pub struct Outputs(Arc<Mutex<Desk>>);
 
 /// A file under way: written beside its place, under another name, until it is finished.
 #[derive(Debug)]
@@ -33,6 +38,7 @@ struct Part {
     file: File,
     /// Its key in [`Desk::parts`].
     number: u64,
+    outputs: Outputs,
 }
 
 /// A folder for result files. Those that had to be made for it are removed again if they are still empty when it is
@@ -44,8 +50,8 @@ pub struct OutputFolder {
     made: Vec<PathBuf>,
 }
 
-/// The result files of this process. A thread that is told to stop everything must be able to remove them, whoever
-/// writes them.
+/// What is known of the files of some [`Outputs`].
+#[derive(Debug, Default)]
 struct Desk {
     /// The files that are not finished; a path that is dropped is removed.
     parts: BTreeMap<u64, TempPath>,
@@ -53,59 +59,20 @@ struct Desk {
     /// The folders that were made for result files, each after those in it.
     folders: Vec<PathBuf>,
     finished: Vec<PathBuf>,
+    abandoned: bool,
 }
 
-static DESK: Mutex<Desk> =
-    Mutex::new(Desk { parts: BTreeMap::new(), opened: 0, folders: Vec::new(), finished: Vec::new() });
-
-fn desk() -> MutexGuard<'static, Desk> {
-    DESK.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Removes all files that are not finished and the folders that were made for nothing, and lets no file be opened or
-/// finished any more: who tries is kept waiting, for the process is about to end. Returns the files that this process has
-/// finished.
-pub fn abandon() -> Vec<PathBuf> {
-    let mut desk = desk();
-    desk.parts.clear();
-    remove_empty(&desk.folders);
-    let finished = std::mem::take(&mut desk.finished);
-    std::mem::forget(desk);
-    finished
-}
-
-impl OutputFile {
-    /// Opens a file to be. Fails if it cannot be written there, or if it exists and `overwrite` was not asked for.
-    pub fn create(path: &Path, overwrite: bool) -> Result<OutputFile, InputError> {
-        let target = Target::open(&followed(path), path, overwrite)?;
+impl Outputs {
+    /// Opens a file to be. Fails if it cannot be written there, if it exists and `overwrite` was not asked for, and after
+    /// [`Outputs::abandon`].
+    pub fn file(&self, path: &Path, overwrite: bool) -> Result<OutputFile, InputError> {
+        let target = Target::open(self, &followed(path), path, overwrite)?;
         Ok(OutputFile { path: path.to_owned(), writer: BufWriter::with_capacity(1 << 16, target), overwrite })
     }
 
-    /// Where it will be, as the user named it.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Puts the whole file in its place.
-    pub fn finish(self) -> std::io::Result<PathBuf> {
-        let Target::Part(part) = self.writer.into_inner().map_err(|error| error.into_error())? else {
-            return Ok(self.path);
-        };
-        let mut desk = desk();
-        let Some(path) = desk.parts.remove(&part.number) else { return Ok(self.path) };
-        make_readable(&path)?;
-        let place = followed(&self.path);
-        let done = if self.overwrite { path.persist(place) } else { path.persist_noclobber(place) };
-        done.map_err(|error| error.error)?;
-        desk.finished.push(self.path.clone());
-        Ok(self.path)
-    }
-}
-
-impl OutputFolder {
-    /// Makes the folder, unless it is there.
-    pub fn create(path: &Path) -> std::io::Result<OutputFolder> {
-        let mut desk = desk();
+    /// Makes a folder for result files, unless it is there. Fails if it cannot be made, and after [`Outputs::abandon`].
+    pub fn folder(&self, path: &Path) -> std::io::Result<OutputFolder> {
+        let mut desk = self.open_desk()?;
         let missing = path.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists());
         let made: Vec<PathBuf> = missing.map(Path::to_owned).collect();
         desk.folders.extend_from_slice(&made);
@@ -113,6 +80,54 @@ impl OutputFolder {
         Ok(OutputFolder { path: path.to_owned(), made })
     }
 
+    /// Removes all files that are not finished and the folders that were made for nothing. No file can be opened or finished
+    /// any more. Returns the files that have been finished.
+    pub fn abandon(&self) -> Vec<PathBuf> {
+        let mut desk = self.desk();
+        desk.abandoned = true;
+        desk.parts.clear();
+        remove_empty(&desk.folders);
+        desk.finished.clone()
+    }
+
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The same, as long as the files have not been abandoned.
+    fn open_desk(&self) -> std::io::Result<MutexGuard<'_, Desk>> {
+        let desk = self.desk();
+        match desk.abandoned {
+            true => Err(std::io::Error::new(std::io::ErrorKind::Interrupted, "the files of this run were abandoned")),
+            false => Ok(desk),
+        }
+    }
+}
+
+impl OutputFile {
+    /// Where it will be, as the user named it.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Puts the whole file in its place. Fails if it cannot stand there, and after [`Outputs::abandon`].
+    pub fn finish(self) -> std::io::Result<PathBuf> {
+        let Target::Part(part) = self.writer.into_inner().map_err(|error| error.into_error())? else {
+            return Ok(self.path);
+        };
+        let mut desk = part.outputs.open_desk()?;
+        let Some(path) = desk.parts.remove(&part.number) else { return Ok(self.path) };
+        make_readable(&path)?;
+        let place = followed(&self.path);
+        let done = if self.overwrite { path.persist(place) } else { path.persist_noclobber(place) };
+        done.map_err(|error| error.error)?;
+        desk.finished.push(self.path.clone());
+        drop(desk);
+        Ok(self.path)
+    }
+}
+
+impl OutputFolder {
     /// Where it is, as the user named it.
     pub fn path(&self) -> &Path {
         &self.path
@@ -135,7 +150,7 @@ fn remove_empty(folders: &[PathBuf]) {
 
 impl Target {
     /// Opens `place`, which the user knows as `name`.
-    fn open(place: &Path, name: &Path, overwrite: bool) -> Result<Target, InputError> {
+    fn open(outputs: &Outputs, place: &Path, name: &Path, overwrite: bool) -> Result<Target, InputError> {
         let refuse = |reason: String| InputError::in_file(name, format!("cannot write the file: {reason}"));
         if place.is_dir() {
             return Err(refuse("it is a directory".to_owned()));
@@ -152,25 +167,25 @@ impl Target {
         if !folder.is_dir() {
             return Err(refuse(format!("there is no folder {}", folder.display())));
         }
-        Part::create(folder).map(Target::Part).map_err(|error| refuse(error.kind().to_string()))
+        Part::create(outputs, folder).map(Target::Part).map_err(|error| refuse(error.kind().to_string()))
     }
 }
 
 impl Part {
-    fn create(folder: &Path) -> std::io::Result<Part> {
-        let mut desk = desk();
+    fn create(outputs: &Outputs, folder: &Path) -> std::io::Result<Part> {
+        let mut desk = outputs.open_desk()?;
         let part = tempfile::Builder::new().prefix(".pcs-sim-").suffix(".part").tempfile_in(folder)?;
         let (file, path) = part.into_parts();
         let number = desk.opened;
         desk.opened += 1;
         desk.parts.insert(number, path);
-        Ok(Part { file, number })
+        Ok(Part { file, number, outputs: outputs.clone() })
     }
 }
 
 impl Drop for Part {
     fn drop(&mut self) {
-        desk().parts.remove(&self.number);
+        self.outputs.desk().parts.remove(&self.number);
     }
 }
 
