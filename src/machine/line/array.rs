@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::cell::{Cell, Halt};
+use super::cell::Cell;
+use super::cursor::Halt;
 use super::fifo::Fifo;
 use super::link::Link;
 use super::observers::{Observed, Observers};
