@@ -9,6 +9,8 @@ pub use closed_loop::{HostRules, Policy};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timing, render};
 pub use trees::{ByKind, KindCounts};
 
+use std::ops::RangeInclusive;
+
 use crate::error::InputError;
 use crate::geometry::{Hit, Ray};
 use crate::isa::Fault;
@@ -151,7 +153,7 @@ pub fn trace<E>(
     threads: usize,
     take: impl FnMut(TracedBatch) -> Result<TracedBatch, E>,
 ) -> Result<(), E> {
-    let per_batch = (BATCH_LINES / workload.cells()).clamp(16, 1024);
+    let per_batch = (BATCH_LINES / workload.cells()).clamp(*RAYS_PER_BATCH.start(), *RAYS_PER_BATCH.end());
     let first = |index: usize| index * per_batch;
     let make = |tracer: &mut Tracer<'_>, index: usize, mut batch: TracedBatch| {
         batch.reset(workload.cells());
@@ -171,6 +173,10 @@ pub fn trace<E>(
 
 /// Lines of ops (one a ray and cell) that a batch has at about the most: small enough to stay in a core's cache.
 const BATCH_LINES: usize = 4096;
+
+/// Rays of a batch, whatever the number of cells: fewer are not worth handing over between threads, and with more of them
+/// short runs would keep one thread busy and the others not.
+const RAYS_PER_BATCH: RangeInclusive<usize> = 16..=1024;
 
 impl TracedBatch {
     /// Empties the batch, for an array of `cells` cells.
