@@ -15,14 +15,14 @@ use pcs_sim::scene::Scene;
 use pcs_sim::simulation::{self, Outcome, RunError};
 
 use super::args::{ModelArgs, Typed};
-use super::{Failure, outputs, print, progress, run, unread};
+use super::{Failure, moot_flags, outputs, print, progress, run};
 
 /// `pcs-sim model SCENE [...]`
 pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     let options = args.options(typed);
     let spec = RunSpec::new(&options, None)?;
     let (machine, program) = (spec.machine.build()?, &spec.program);
-    unread::check_model(args, &options, &spec)?;
+    moot_flags::check_model(args, &options, &spec)?;
     check_outputs(args)?;
     let stats = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let spinner = progress::waiting("surveying the scene");
