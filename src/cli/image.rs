@@ -21,7 +21,7 @@ use super::args::{ImageArgs, Typed};
 use super::run::{cell_names, machine_line, memory_line, plural, workers};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress, unread};
+use super::{Failure, moot_flags, outputs, print, progress};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
@@ -54,7 +54,7 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let options = args.options(typed);
     let spec = RunSpec::of_image(&options, args.config.as_deref().map(RunSpec::read).transpose()?)?;
     let image = spec.image.clone().unwrap_or_default();
-    unread::check_image(args, &options, &spec, &image)?;
+    moot_flags::check_image(args, &options, &spec, &image)?;
     let machine = spec.machine.build()?;
     let mut files = open_outputs(args, &spec)?;
     let spinner = progress::waiting("preparing the scene");

@@ -11,6 +11,7 @@ mod figure7;
 mod image;
 mod interrupt;
 mod model;
+mod moot_flags;
 mod outputs;
 mod plot;
 mod progress;
@@ -19,7 +20,6 @@ mod run;
 mod scenes;
 mod step;
 mod sweep;
-mod unread;
 mod views;
 mod watch;
 

@@ -15,14 +15,14 @@ use pcs_sim::scene::Scene;
 
 use super::args::{ModelArgs, Typed};
 use super::run::{machine_line, plural, workers};
-use super::{Failure, outputs, print, progress, unread};
+use super::{Failure, moot_flags, outputs, print, progress};
 
 /// `pcs-sim model SCENE [...]`
 pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     let options = args.options(typed);
     let spec = RunSpec::new(&options, None)?;
     let (machine, program) = (spec.machine.build()?, &spec.program);
-    unread::check_model(args, &options, &spec)?;
+    moot_flags::check_model(args, &options, &spec)?;
     check_outputs(args)?;
     let stats = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let spinner = progress::waiting("surveying the scene");

@@ -17,11 +17,11 @@ use super::args::ReplayArgs;
 use super::run::machine_line;
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress, unread};
+use super::{Failure, moot_flags, outputs, print, progress};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
-    unread::check_replay(&args.options())?;
+    moot_flags::check_replay(&args.options())?;
     let machine = pcs_sim::run::machine_file(&args.options(), None)?.build()?;
     let views = [args.views.page.as_ref(), args.views.trace.as_ref()];
     let inputs = [Some(args.ops.as_path()), args.machine_file.machine.as_deref()];
@@ -77,11 +77,11 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
 fn costs(args: &ReplayArgs, machine: &Machine, trace: &ActivityTrace) -> Result<Costs, InputError> {
     let recorded = trace.costs();
     if trace.form() == Form::Cycles {
-        unread::check_replay_of_cycles(&args.options())?;
+        moot_flags::check_replay_of_cycles(&args.options())?;
         return Ok(recorded.clone());
     }
     let options = args.options();
-    let asked = |name: &str| args.machine_file.machine.is_some() || unread::prices(&options, name);
+    let asked = |name: &str| args.machine_file.machine.is_some() || moot_flags::prices(&options, name);
     let price = |name: &str| work::price(name, &machine.times, machine.instructions.as_ref());
     Ok(Costs::new(recorded.vocabulary().clone(), |unit| {
         let name = recorded.vocabulary().unit(unit).map_or("", |unit| unit.name.as_str());

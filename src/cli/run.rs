@@ -19,7 +19,7 @@ use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 use super::args::{RunArgs, Typed};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress, unread};
+use super::{Failure, moot_flags, outputs, print, progress};
 
 /// The files that a run writes.
 struct Outputs {
@@ -48,7 +48,7 @@ pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
         return Err(error.help("`pcs-sim image --config FILE` makes it again").into());
     }
     let spec = RunSpec::new(&options, base)?;
-    unread::check_run(&options, &spec)?;
+    moot_flags::check_run(&options, &spec)?;
     let machine = spec.machine.build()?;
     let mut files = open_outputs(args, &spec)?;
     let spinner = progress::waiting("preparing the scene");

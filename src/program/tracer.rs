@@ -1,4 +1,7 @@
 //! What the cells do for a ray: hits and ops, without a clock.
+//!
+//! `RayInGroup` has the six steps that a group of cells takes for a ray, in the order and with the numbers of docs/machine.md.
+//! The paper's P1, P2 and P3 (§4.2, figure 5) are `walk`, `slabs_test` and `intersection_test` in the third of them.
 
 use std::ops::ControlFlow;
 
@@ -87,22 +90,22 @@ impl<'a> Tracer<'a> {
         let ahead = self.workload.forward_ahead as u64;
         let known_before = if id == 0 { 0 } else { id as u64 + ahead };
         let passed_on = (id as u64 + 1 + ahead).min(count as u64).saturating_sub(known_before);
-        self.visit(id, passed_on, ray, &mut batch.cells)
+        self.trace_line(id, passed_on, ray, &mut batch.cells)
     }
 
     /// The same without the host's line, for who decides himself when the ray is sent. No ray is passed on ahead.
     pub fn trace_cells(&mut self, id: u32, ray: &Ray, cells: &mut [OpStream]) -> Hit {
-        self.visit(id, 1, ray, cells)
+        self.trace_line(id, 1, ray, cells)
     }
 
     /// Each cell reads and passes on so many rays (programs just the one), then works on this one.
-    fn visit(&mut self, id: u32, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+    fn trace_line(&mut self, id: u32, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
         let hit = match &mut self.programs {
             Some(programs) => programs.trace(id, ray, cells, &mut self.counts).unwrap_or_else(|fault| {
                 self.fault.get_or_insert(fault);
                 Hit::MISS
             }),
-            None => self.visit_groups(passed_on, ray, cells),
+            None => self.trace_groups(passed_on, ray, cells),
         };
         cells.iter_mut().for_each(|cell| cell.end_line(id));
         self.counts.hits += hit.is_hit() as u64;
@@ -110,12 +113,12 @@ impl<'a> Tracer<'a> {
     }
 
     /// The same where the cells take Figure 7's times.
-    fn visit_groups(&mut self, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+    fn trace_groups(&mut self, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
         let stages = self.workload.stages.count();
         for (index, (group, cells)) in self.workload.groups.iter().zip(cells.chunks_mut(stages)).enumerate() {
-            let mut visit = GroupVisit {
+            let mut in_group = RayInGroup {
                 workload: self.workload,
                 ray,
                 cells,
@@ -124,15 +127,16 @@ impl<'a> Tracer<'a> {
                 stopping: Stopping::default(),
                 hit: Hit::MISS,
             };
-            visit.start(passed_on);
-            if self.workload.stop_words.is_some() {
-                visit.walk_told(group, &mut self.mailbox, &mut self.counts);
-            } else {
-                visit.walk(group, &mut self.mailbox, &mut self.counts);
+            in_group.read_ray(passed_on);
+            in_group.start_kernels();
+            in_group.take_candidates(group, &mut self.mailbox, &mut self.counts);
+            in_group.end_candidates();
+            if index > 0 {
+                in_group.read_earlier_hit();
             }
-            visit.finish(index > 0);
-            ray_slabs = visit.ray_slabs;
-            nearest = nearest.nearer(visit.hit);
+            in_group.write_hit();
+            ray_slabs = in_group.ray_slabs;
+            nearest = nearest.nearer(in_group.hit);
             self.mailbox.clear();
         }
         nearest
@@ -143,7 +147,7 @@ impl<'a> Tracer<'a> {
         let workload = self.workload;
         let mut cells = [OpStream::default()];
         let Some(group) = workload.groups.first() else { return };
-        let mut visit = GroupVisit {
+        let mut in_group = RayInGroup {
             workload,
             ray,
             cells: &mut cells,
@@ -155,14 +159,14 @@ impl<'a> Tracer<'a> {
         let mut t_enter = 0.0;
         group.grid.walk(ray, workload.polygons.beyond_margin(ray.origin), |voxel| {
             for &polygon in voxel.polygons {
-                visit.candidate(polygon, &mut self.counts);
+                in_group.candidate(polygon, &mut self.counts);
             }
-            let work = cycles(&visit.cells[0], workload.costs());
-            visit.cells[0].clear();
+            let work = cycles(&in_group.cells[0], workload.costs());
+            in_group.cells[0].clear();
             let at = group.grid.voxel_center(ray.at((t_enter + voxel.t_exit) / 2.0));
             sample.weights.push(Weight { at, amount: (work + workload.costs().of(GRID_VOXEL)).0 as f64 });
             t_enter = voxel.t_exit;
-            visit.done_in(voxel.t_exit)
+            in_group.done_in(voxel.t_exit)
         });
     }
 }
@@ -188,7 +192,7 @@ struct Entered {
 }
 
 /// One ray in one group of cells.
-struct GroupVisit<'a> {
+struct RayInGroup<'a> {
     workload: &'a Workload,
     ray: &'a Ray,
     cells: &'a mut [OpStream],
@@ -198,12 +202,17 @@ struct GroupVisit<'a> {
     hit: Hit,
 }
 
-impl GroupVisit<'_> {
-    /// Every cell reads so many rays, this one among them if it does not know it yet; its first kernel starts on it.
-    fn start(&mut self, passed_on: u64) {
+impl RayInGroup<'_> {
+    /// Step 1, the ray: every cell reads it and passes it on. Where rays are passed on ahead, these are `passed_on` rays up to
+    /// one further on: several at first, none at the end.
+    fn read_ray(&mut self, passed_on: u64) {
         if passed_on > 0 {
             self.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, passed_on * RAY_WORDS));
         }
+    }
+
+    /// Step 2, the starts: each cell's first kernel starts. The others do at the first candidate that reaches them.
+    fn start_kernels(&mut self) {
         self.work(0, GRID_START, 1);
         let stages = self.workload.stages;
         if let Some(slabs) = stages.slabs.filter(|&slabs| slabs > 0) {
@@ -215,7 +224,28 @@ impl GroupVisit<'_> {
         }
     }
 
-    /// The grid's walk, and what becomes of each candidate.
+    /// Part of step 2 for the slabs: their start.
+    fn enter_slabs(&mut self, cell: usize) {
+        self.entered.slabs = true;
+        self.work(cell, SLABS_START, 1);
+    }
+
+    /// Part of step 2 for the intersection: its start.
+    fn enter_intersection(&mut self) {
+        self.entered.intersection = true;
+        self.work(self.workload.stages.intersection, INTERSECTION_START, 1);
+    }
+
+    /// Step 3, the candidates: the grid's walk finds them, and each goes through the kernels that follow.
+    fn take_candidates(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
+        if self.workload.stop_words.is_some() {
+            self.walk_told(group, mailbox, counts);
+        } else {
+            self.walk(group, mailbox, counts);
+        }
+    }
+
+    /// P1: the grid's walk, and what becomes of each candidate.
     fn walk(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
         let workload = self.workload;
         let mut voxels = 0;
@@ -302,6 +332,7 @@ impl GroupVisit<'_> {
         }
     }
 
+    /// P2: a candidate whose slabs the ray misses is dropped.
     #[inline]
     fn slabs_test(&mut self, cell: usize, polygon: u32) -> bool {
         if !self.entered.slabs {
@@ -313,6 +344,7 @@ impl GroupVisit<'_> {
         self.workload.slabs.meets(self.ray_slabs.get_or_insert_with(new), polygon)
     }
 
+    /// P3: a candidate is intersected, and kept if it is the nearest so far.
     #[inline]
     fn intersection_test(&mut self, polygon: u32) {
         if !self.entered.intersection {
@@ -322,39 +354,35 @@ impl GroupVisit<'_> {
         self.hit = self.workload.polygons.nearer(self.ray, polygon, self.hit);
     }
 
-    fn enter_slabs(&mut self, cell: usize) {
-        self.entered.slabs = true;
-        self.work(cell, SLABS_START, 1);
-    }
-
-    fn enter_intersection(&mut self) {
-        self.entered.intersection = true;
-        self.work(self.workload.stages.intersection, INTERSECTION_START, 1);
-    }
-
     #[inline]
     fn work(&mut self, cell: usize, unit: Unit, count: u64) {
         self.cells[cell].push(OpKind::Work(unit), count);
     }
 
-    /// END goes down the stages; then the earlier group's hit, to be merged where the intersection is.
-    fn finish(&mut self, has_earlier_group: bool) {
+    /// Step 4, the end: END goes down the stages.
+    fn end_candidates(&mut self) {
         let last = self.workload.stages.intersection;
-        for stage in 0..=last {
-            let cell = &mut self.cells[stage];
-            if stage > 0 {
-                cell.push(OpKind::ReadY, CANDIDATE_WORDS);
-            }
+        for stage in 0..last {
+            self.cells[stage].push(OpKind::WriteY, CANDIDATE_WORDS);
+            self.cells[stage + 1].push(OpKind::ReadY, CANDIDATE_WORDS);
+        }
+    }
+
+    /// Step 5, the earlier group's hit: every stage reads it, and all but the last pass it on. The last merges it with its
+    /// own, which takes no time.
+    fn read_earlier_hit(&mut self) {
+        let last = self.workload.stages.intersection;
+        for (stage, cell) in self.cells.iter_mut().enumerate() {
+            cell.push(OpKind::ReadY, HIT_WORDS);
             if stage < last {
-                cell.push(OpKind::WriteY, CANDIDATE_WORDS);
-            }
-            if has_earlier_group {
-                cell.push(OpKind::ReadY, HIT_WORDS);
-            }
-            if stage == last || has_earlier_group {
                 cell.push(OpKind::WriteY, HIT_WORDS);
             }
         }
+    }
+
+    /// Step 6, the answer: the last stage writes the nearer hit.
+    fn write_hit(&mut self) {
+        self.cells[self.workload.stages.intersection].push(OpKind::WriteY, HIT_WORDS);
     }
 }
 

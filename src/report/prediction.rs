@@ -146,7 +146,7 @@ fn counts(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> 
 }
 
 fn memory(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> Vec<Row> {
-    let bill = &prediction.bill;
+    let sizes = &prediction.sizes;
     let grids =
         |of: fn(&crate::geometry::Grid) -> usize| run.map(|run| run.workload.grids().map(of).sum::<usize>() as f64);
     let references = grids(|grid| grid.reference_count());
@@ -156,16 +156,16 @@ fn memory(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> 
     };
     let paper = &prediction.paper;
     let mut rows = vec![
-        Row::new("voxels a polygon", bill.voxels_per_polygon())
+        Row::new("voxels a polygon", sizes.voxels_per_polygon())
             .paper(paper.voxels_per_polygon)
-            .counted(references.map(|references| references / bill.polygons.max(1.0))),
-        Row::new("polygons a voxel", bill.polygons_per_voxel())
+            .counted(references.map(|references| references / sizes.polygons.max(1.0))),
+        Row::new("polygons a voxel", sizes.polygons_per_voxel())
             .paper(paper.polygons_per_voxel)
             .counted(references.zip(voxels).map(|(references, voxels)| references / voxels.max(1.0))),
-        Row::new("words of grids", bill.grid_words()).paper(paper.grid_words).counted(words(|memory| memory.grid.0)),
+        Row::new("words of grids", sizes.grid_words()).paper(paper.grid_words).counted(words(|memory| memory.grid.0)),
     ];
     if array.has_slabs() {
-        let slabs = bill.slabs_words();
+        let slabs = sizes.slabs_words();
         rows.push(Row::new("words of slabs", slabs).paper(slabs).counted(words(|memory| memory.slabs.0)));
     }
     rows

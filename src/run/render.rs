@@ -1,5 +1,7 @@
 //! A whole image: trees of rays on all threads, ahead of the host and the array in a closed loop.
 
+use std::ops::RangeInclusive;
+
 use glam::{DVec3, Vec3};
 
 use super::ahead;
@@ -22,6 +24,9 @@ use crate::seam::OpBatch;
 
 /// About the rays of a tree, to make batches of a good size.
 const RAYS_PER_TREE: usize = 8;
+
+/// Trees of a batch: as many rays, about, as a batch of primary rays has.
+const TREES_PER_BATCH: RangeInclusive<usize> = 4..=128;
 
 /// What is to be seen, and how well.
 #[derive(Clone, Copy, Debug)]
@@ -194,7 +199,7 @@ impl Canvas {
         let view = View::new(&picture.scene.camera, picture.size);
         let worker =
             || Grower { tracer: Tracer::new(picture.workload), costs: picture.workload.costs(), shader: &shader, view };
-        let per_batch = (BATCH_LINES / cells / RAYS_PER_TREE).clamp(4, 128);
+        let per_batch = (BATCH_LINES / cells / RAYS_PER_TREE).clamp(*TREES_PER_BATCH.start(), *TREES_PER_BATCH.end());
         let samples = |index: usize| index * per_batch..pass.len().min((index + 1) * per_batch);
         let make =
             |grower: &mut Grower<'_>, index: usize, batch: TreeBatch| grower.grow(pass, samples(index), cells, batch);

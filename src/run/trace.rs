@@ -27,7 +27,7 @@ pub fn trace<E>(
     workers: &Workers,
     take: impl FnMut(TracedBatch) -> Result<TracedBatch, E>,
 ) -> Result<(), E> {
-    let per_batch = (BATCH_LINES / workload.cells()).clamp(16, 1024);
+    let per_batch = (BATCH_LINES / workload.cells()).clamp(*RAYS_PER_BATCH.start(), *RAYS_PER_BATCH.end());
     let first = |index: usize| index * per_batch;
     let make = |tracer: &mut Tracer<'_>, index: usize, mut batch: TracedBatch| {
         batch.reset(workload.cells());
@@ -47,6 +47,10 @@ pub fn trace<E>(
 
 /// Lines of ops (one a ray and cell) that a batch has at about the most: small enough to stay in a core's cache.
 pub(super) const BATCH_LINES: usize = 4096;
+
+/// Rays of a batch, whatever the number of cells: fewer are not worth handing over between threads, and with more of them
+/// short runs would keep one thread busy and the others not.
+const RAYS_PER_BATCH: std::ops::RangeInclusive<usize> = 16..=1024;
 
 impl TracedBatch {
     /// Empties the batch, for an array of `cells` cells.

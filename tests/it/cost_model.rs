@@ -268,7 +268,7 @@ fn factors(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> [(&'static str,
         ("voxels", work.voxels / counted.voxels),
         ("candidates", work.candidates / counted.candidates),
         ("survivors", work.survivors / counted.survivors),
-        ("references", predicted.bill.references / counted.references),
+        ("references", predicted.sizes.references / counted.references),
         ("cycles", predicted.bound.cycles_per_ray / counted.cycles),
     ]
 }
@@ -316,7 +316,7 @@ fn the_documented_errors_are_these() {
             whole.voxels / paper.voxels,
             stopping.voxels / paper.voxels,
             whole.candidates / paper.candidates,
-            whole.references / pipeline.bill.polygons / paper.voxels_per_polygon,
+            whole.references / pipeline.sizes.polygons / paper.voxels_per_polygon,
             whole.voxels / work.voxels,
             whole.candidates / work.candidates,
             whole.survivors / work.survivors,

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::cell::{Cell, Halt};
+use super::cell::Cell;
+use super::cursor::Halt;
 use super::fifo::Fifo;
 use super::link::Link;
 use super::observers::{Observed, Observers};
@@ -51,8 +52,8 @@ use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 pub struct Array {
     /// `links[i]` leads into cell i, and on Z out of it to the left; the last one leads back to the host, on Y only.
     links: Vec<Link>,
-    host: Station,
-    cells: Vec<Station>,
+    host: CellAt,
+    cells: Vec<CellAt>,
     batches: VecDeque<OpBatch>,
     /// How many batches have been dropped from the front of `batches`.
     dropped: usize,
@@ -69,7 +70,7 @@ pub struct Array {
 
 /// A cell and its place in the batches.
 #[derive(Debug)]
-struct Station {
+struct CellAt {
     cell: Cell,
     /// The number of the batch that it is in, counted from the start of the run.
     batch: usize,
@@ -96,9 +97,11 @@ impl Array {
         Array::until(spec, costs, cells, Cycles(u64::MAX))
     }
 
-    /// The same, but nothing happens in cycle `limit` or later.
+    /// An array that ends with the cycle before `limit`: nothing happens in that cycle or later, and ops that are not done by
+    /// then are no fault. It is how statistics end with the host's last read where a cell works on after it; see
+    /// [`Unfinished::Outlived`].
     pub fn until(spec: &MachineSpec, costs: &Costs, cells: usize, limit: Cycles) -> Array {
-        let station = || Station { cell: Cell::new(limit.0), batch: 0, done: 0, halt: Halt::OutOfOps };
+        let station = || CellAt { cell: Cell::new(limit.0), batch: 0, done: 0, halt: Halt::OutOfOps };
         Array {
             links: (0..=cells).map(|_| Link::new(spec)).collect(),
             host: station(),
@@ -224,9 +227,9 @@ impl Array {
     fn run_host(&mut self) -> bool {
         let Array { host, links, batches, dropped, returned, observers, prices, .. } = self;
         let output = &mut links[0];
-        let before = host.place();
+        let before = host.progress();
         while let Some(batch) = batches.get(host.batch - *dropped) {
-            let Station { cell, done, .. } = host;
+            let CellAt { cell, done, .. } = host;
             let seen =
                 observers.as_mut().and_then(|all| all.run_host(cell, &batch.host, done, output, (prices, returned)));
             host.halt = seen.unwrap_or_else(|| cell.run_host(batch.host.ops(), done, output, returned, (prices, ())));
@@ -234,7 +237,7 @@ impl Array {
                 break;
             }
         }
-        let moved = host.place() != before;
+        let moved = host.progress() != before;
         self.follow_link(0);
         moved
     }
@@ -244,10 +247,10 @@ impl Array {
         let (left, right) = self.links.split_at_mut(index + 1);
         let (input, output) = (&mut left[index], &mut right[0]);
         let (station, prices) = (&mut self.cells[index], &self.prices);
-        let before = station.place();
+        let before = station.progress();
         while let Some(batch) = self.batches.get(station.batch - self.dropped) {
             let stream = &batch.cells[index];
-            let Station { cell, done, .. } = station;
+            let CellAt { cell, done, .. } = station;
             let observers = self.observers.as_mut();
             let seen =
                 observers.and_then(|all| all.run_cell(index, cell, stream, done, (input, output), (prices, is_last)));
@@ -256,7 +259,7 @@ impl Array {
                 break;
             }
         }
-        if station.place() == before {
+        if station.progress() == before {
             return false;
         }
         self.follow_link(index);
@@ -311,7 +314,7 @@ impl Array {
     fn stall_to_limit(&mut self) {
         let Array { host, links, batches, dropped, observers, prices, .. } = self;
         let observers = &mut **observers.get_or_insert_default();
-        let batch = |station: &Station| batches.get(station.batch - *dropped);
+        let batch = |station: &CellAt| batches.get(station.batch - *dropped);
         if let Some(&op) = batch(host).and_then(|batch| batch.host.ops().get(host.done)) {
             observers.stall_host_to_limit(&mut host.cell, (host.halt, op), &links[0], prices);
         }
@@ -401,7 +404,7 @@ impl Array {
         Some(blocked)
     }
 
-    fn station(&self, actor: Actor) -> &Station {
+    fn station(&self, actor: Actor) -> &CellAt {
         match actor {
             Actor::Host => &self.host,
             Actor::Station(index) => &self.cells[index],
@@ -409,7 +412,7 @@ impl Array {
     }
 }
 
-impl Station {
+impl CellAt {
     /// Goes to the start of the next batch, if it has done all of this one.
     fn next_batch(&mut self) -> bool {
         let done = self.halt == Halt::OutOfOps;
@@ -420,7 +423,7 @@ impl Station {
         done
     }
 
-    fn place(&self) -> (usize, usize, u64) {
+    fn progress(&self) -> (usize, usize, u64) {
         (self.batch, self.done, self.cell.now.left)
     }
 }

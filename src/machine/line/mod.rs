@@ -16,6 +16,7 @@
 
 mod array;
 mod cell;
+mod cursor;
 mod fifo;
 mod link;
 mod observers;

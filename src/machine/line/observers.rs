@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::cell::{Cell, Halt};
+use super::cell::Cell;
+use super::cursor::Halt;
 use super::link::Link;
 use super::prices::Prices;
 use super::probe::Probe;

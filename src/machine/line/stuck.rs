@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::cell::Halt;
+use super::cursor::Halt;
 use crate::measure::Actor;
 use crate::quantities::{Cycles, Words};
 use crate::seam::{Channel, Op, OpKind};

@@ -11,8 +11,8 @@ const MOST_ENTRIES: u64 = 1024;
 /// Follows one FIFO.
 #[derive(Debug)]
 pub struct FifoLane {
-    seen: Seen,
-    place: Place,
+    tally: Tally,
+    cursor: FifoCursor,
     write_run: Run,
     read_run: Run,
     both_run: Run,
@@ -20,7 +20,7 @@ pub struct FifoLane {
 
 /// What has been entered.
 #[derive(Debug)]
-struct Seen {
+struct Tally {
     timeline: Timeline<FifoBin>,
     /// For each occupancy, the cycles for which it was held.
     held: Vec<u64>,
@@ -32,7 +32,7 @@ struct Seen {
 
 /// How far a FIFO has been followed. It is copied out of the lane meanwhile, to stay in registers.
 #[derive(Clone, Copy, Debug, Default)]
-struct Place {
+struct FifoCursor {
     /// Writes and reads before these have been followed.
     writes: u64,
     reads: u64,
@@ -52,13 +52,13 @@ impl Bin for FifoBin {
 impl FifoLane {
     pub fn new(capacity: u64, bins: usize) -> FifoLane {
         FifoLane {
-            seen: Seen {
+            tally: Tally {
                 timeline: Timeline::new(bins),
                 held: vec![0; capacity as usize + 1],
                 passed: vec![0; capacity as usize + 1],
                 capacity,
             },
-            place: Place::default(),
+            cursor: FifoCursor::default(),
             write_run: Run { usual: 1 },
             read_run: Run { usual: 1 },
             both_run: Run { usual: 1 },
@@ -68,66 +68,66 @@ impl FifoLane {
     /// Goes on as far as both sequences are known. To be called after every stretch of reads and after every stretch of
     /// writes, before the FIFO forgets their times.
     pub fn follow(&mut self, fifo: &Fifo) {
-        let FifoLane { seen, write_run, read_run, both_run, .. } = self;
+        let FifoLane { tally, write_run, read_run, both_run, .. } = self;
         let (written, read) = (fifo.words_written(), fifo.words_read());
-        let mut place = self.place;
-        while place.writes < written && place.reads < read {
-            let (write, read_in) = (fifo.write_time(place.writes), fifo.read_time(place.reads));
-            let (writes, reads) = (written - place.writes, read - place.reads);
+        let mut cursor = self.cursor;
+        while cursor.writes < written && cursor.reads < read {
+            let (write, read_in) = (fifo.write_time(cursor.writes), fifo.read_time(cursor.reads));
+            let (writes, reads) = (written - cursor.writes, read - cursor.reads);
             // As times rise, words come one a cycle if the last of them comes as many cycles later.
-            let Place { writes: first_in, reads: first_out, .. } = place;
+            let FifoCursor { writes: first_in, reads: first_out, .. } = cursor;
             let writes_on = |count| fifo.write_time(first_in + count - 1) == write + count - 1;
             let reads_on = |count| fifo.read_time(first_out + count - 1) == read_in + count - 1;
             if write < read_in {
                 // Mostly a message comes in, and one goes out before the next comes in.
                 let count = write_run.usual;
                 let passes = count < writes && count <= reads && writes_on(count) && reads_on(count);
-                if passes && fifo.write_time(place.writes + count) >= read_in + count {
+                if passes && fifo.write_time(cursor.writes + count) >= read_in + count {
                     let apart = count.min(read_in - write);
-                    if place.swing(seen, (write, apart), read_in.max(write + count), place.level() + apart) {
-                        place.skip(count);
+                    if cursor.swing(tally, (write, apart), read_in.max(write + count), cursor.level() + apart) {
+                        cursor.skip(count);
                         continue;
                     }
                 }
                 let count = write_run.length(writes, writes_on).min(read_in - write);
-                place.rise(seen, write, count);
+                cursor.rise(tally, write, count);
             } else if read_in < write {
                 let count = read_run.usual;
                 let passes = count < reads && count <= writes && writes_on(count) && reads_on(count);
-                if passes && fifo.read_time(place.reads + count) >= write + count {
+                if passes && fifo.read_time(cursor.reads + count) >= write + count {
                     let apart = count.min(write - read_in);
-                    if place.swing(seen, (read_in, apart), write.max(read_in + count), place.level() - apart) {
-                        place.skip(count);
+                    if cursor.swing(tally, (read_in, apart), write.max(read_in + count), cursor.level() - apart) {
+                        cursor.skip(count);
                         continue;
                     }
                 }
                 let count = read_run.length(reads, reads_on).min(write - read_in);
-                place.fall(seen, read_in, count);
+                cursor.fall(tally, read_in, count);
             } else {
                 // A word comes and a word goes: nothing changes, for as long as both go on.
-                place.skip(both_run.length(writes.min(reads), |count| writes_on(count) && reads_on(count)));
+                cursor.skip(both_run.length(writes.min(reads), |count| writes_on(count) && reads_on(count)));
             }
         }
-        self.place = place;
+        self.cursor = cursor;
     }
 
     /// What the FIFO held in a run of `cycles` cycles.
     pub fn finish(mut self, fifo: &Fifo, cycles: u64) -> FifoProfile {
         self.follow(fifo);
-        let FifoLane { mut seen, mut place, .. } = self;
-        while place.writes < fifo.words_written() {
-            place.rise(&mut seen, fifo.write_time(place.writes).min(cycles), 1);
+        let FifoLane { mut tally, mut cursor, .. } = self;
+        while cursor.writes < fifo.words_written() {
+            cursor.rise(&mut tally, fifo.write_time(cursor.writes).min(cycles), 1);
         }
-        while place.reads < fifo.words_read() {
-            place.fall(&mut seen, fifo.read_time(place.reads).min(cycles), 1);
+        while cursor.reads < fifo.words_read() {
+            cursor.fall(&mut tally, fifo.read_time(cursor.reads).min(cycles), 1);
         }
-        place.hold_until(&mut seen, cycles);
-        let (histogram, step) = seen.histogram();
-        FifoProfile { bins: seen.timeline.finish(cycles).0, histogram, step }
+        cursor.hold_until(&mut tally, cycles);
+        let (histogram, step) = tally.histogram();
+        FifoProfile { bins: tally.timeline.finish(cycles).0, histogram, step }
     }
 }
 
-impl Place {
+impl FifoCursor {
     fn level(&self) -> u64 {
         self.writes - self.reads
     }
@@ -136,8 +136,8 @@ impl Place {
     /// from `start` on, and back likewise from `turn` on. This is the way of nearly all words. False, and nothing is
     /// done, if it must be followed step by step.
     #[inline(always)]
-    fn swing(&mut self, seen: &mut Seen, (start, apart): (u64, u64), turn: u64, far: u64) -> bool {
-        let done = self.since < start && seen.swing((self.level(), far), self.since, (start, apart), turn);
+    fn swing(&mut self, tally: &mut Tally, (start, apart): (u64, u64), turn: u64, far: u64) -> bool {
+        let done = self.since < start && tally.swing((self.level(), far), self.since, (start, apart), turn);
         if done {
             self.since = turn + apart - 1;
         }
@@ -153,31 +153,31 @@ impl Place {
 
     /// `count` words are written, one a cycle, the first in cycle `at`.
     #[inline(always)]
-    fn rise(&mut self, seen: &mut Seen, at: u64, count: u64) {
-        let held = self.hold_until(seen, at);
+    fn rise(&mut self, tally: &mut Tally, at: u64, count: u64) {
+        let held = self.hold_until(tally, at);
         self.writes += count;
         if count > 1 {
-            self.slope(seen, held + 1, count - 1, |passed| held + 1 + passed);
+            self.slope(tally, held + 1, count - 1, |passed| held + 1 + passed);
         }
     }
 
     /// `count` words are read, one a cycle, the first in cycle `at`.
     #[inline(always)]
-    fn fall(&mut self, seen: &mut Seen, at: u64, count: u64) {
-        let held = self.hold_until(seen, at);
+    fn fall(&mut self, tally: &mut Tally, at: u64, count: u64) {
+        let held = self.hold_until(tally, at);
         self.reads += count;
         if count > 1 {
-            self.slope(seen, held + 1 - count, count - 1, |passed| held - 1 - passed);
+            self.slope(tally, held + 1 - count, count - 1, |passed| held - 1 - passed);
         }
     }
 
     /// The occupancy stays as it is up to, and without, cycle `until`. Returns it.
     #[inline(always)]
-    fn hold_until(&mut self, seen: &mut Seen, until: u64) -> u64 {
+    fn hold_until(&mut self, tally: &mut Tally, until: u64) -> u64 {
         let occupancy = self.level();
         let from = std::mem::replace(&mut self.since, until);
         if from < until {
-            seen.hold(occupancy, from, until);
+            tally.hold(occupancy, from, until);
         }
         occupancy
     }
@@ -185,14 +185,14 @@ impl Place {
     /// For `count` cycles, the occupancy changes by one a cycle and is never that of a full FIFO: `level` tells it from the
     /// cycles passed, `lowest` is the lowest.
     #[inline(always)]
-    fn slope(&mut self, seen: &mut Seen, lowest: u64, count: u64, level: impl Fn(u64) -> u64) {
+    fn slope(&mut self, tally: &mut Tally, lowest: u64, count: u64, level: impl Fn(u64) -> u64) {
         let from = self.since;
         self.since += count;
-        seen.slope(lowest, from, self.since, level);
+        tally.slope(lowest, from, self.since, level);
     }
 }
 
-impl Seen {
+impl Tally {
     /// Cycles by occupancy, and how many occupancies share an entry.
     fn histogram(&self) -> (Vec<Cycles>, Words) {
         let step = (self.capacity / MOST_ENTRIES + 1).next_power_of_two();
@@ -216,7 +216,7 @@ impl Seen {
         }
     }
 
-    /// See [`Place::swing`]: the occupancy was `near` from cycle `since` on. False if that spans bins.
+    /// See [`FifoCursor::swing`]: the occupancy was `near` from cycle `since` on. False if that spans bins.
     #[inline(always)]
     fn swing(&mut self, (near, far): (u64, u64), since: u64, (start, apart): (u64, u64), turn: u64) -> bool {
         let there = start + apart - 1;
@@ -241,7 +241,7 @@ impl Seen {
         self.passed[past] = self.passed[past].wrapping_sub(times);
     }
 
-    /// Another one in each of the cycles `from..until`; see [`Place::slope`].
+    /// Another one in each of the cycles `from..until`; see [`FifoCursor::slope`].
     #[inline(always)]
     fn slope(&mut self, lowest: u64, from: u64, until: u64, level: impl Fn(u64) -> u64) {
         let count = until - from;

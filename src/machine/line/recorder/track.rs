@@ -1,7 +1,7 @@
 //! What the host or one cell did.
 
 use super::Window;
-use crate::machine::line::cell::Halt;
+use crate::machine::line::cursor::Halt;
 use crate::machine::line::states::{IDLE, MOVING, is_waiting};
 use crate::machine::line::watcher::Watcher;
 use crate::measure::{JobSpan, StateId, StationRecord, Stretch};
