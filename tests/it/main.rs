@@ -13,6 +13,7 @@ mod command_line;
 mod cost_model;
 mod cost_model_bounds;
 mod deadlock;
+mod documents;
 mod figure7;
 mod hits_are_right;
 mod images;
