@@ -43,6 +43,7 @@ class Allowed:
 
 ALLOWED = [
     Allowed("help/*", "*: stdout", "flags are added"),
+    Allowed("sweep/*", "*: stderr", "a sweep can set an image's parameters", "intersection_start, intersection_polygon"),
 ]
 
 
