@@ -52,6 +52,7 @@ ALLOWED = [
     Allowed("programs/cycle-limit", "*", "the limit counts instructions: --instruction-limit"),
     Allowed("programs/refused", "6: stderr", "the limit counts instructions: --instruction-limit"),
     Allowed("bad/*", "*", "a trace's ops are named by code; files may have any encoding", r"whose ops are|units of work"),
+    Allowed("sweep/*", "*: stderr", "a sweep can set an image's parameters", "intersection_start, intersection_polygon"),
 ]
 
 

@@ -1,5 +1,5 @@
 //! A run: described, as a value ([`RunOptions`] are what can be asked of one, a [`RunSpec`] is what it then is), and done:
-//! primary rays by [`run`], whole images by [`render`], recorded ops by [`replay`].
+//! primary rays by [`run()`], whole images by [`render()`], recorded ops by [`replay()`].
 //!
 //! Whatever runs a workload first checks that the machine can.
 
