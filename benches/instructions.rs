@@ -6,10 +6,11 @@ use std::time::Instant;
 
 use pcs_sim::host::camera::{ImageSize, primary_rays};
 use pcs_sim::isa::Processor;
-use pcs_sim::machine::OpBatch;
+use pcs_sim::machine::MachineFile;
 use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::{ArrayProgram, MachineFile, Tracer, Workload};
+use pcs_sim::program::{ArrayProgram, Tracer, Workload};
 use pcs_sim::scene::builtin;
+use pcs_sim::seam::OpBatch;
 
 const REPEATS: usize = 5;
 
@@ -21,7 +22,7 @@ fn main() {
     let machine = MachineFile::standard().and_then(|file| file.build()).expect("the standard machine");
     let rays = primary_rays(&scene.camera, ImageSize { width, height: width });
     let cycles = machine.instructions.expect("the standard machine has them");
-    let options = CellOptions { cycles, folder: None, cycle_limit: Processor::CYCLE_LIMIT };
+    let options = CellOptions { cycles, folder: None, instruction_limit: Processor::INSTRUCTION_LIMIT };
     println!("{}, {} rays; the best of {REPEATS} runs", scene.name, rays.len());
     println!("{:<12} {:>14} {:>10} {:>24}", "program", "instructions", "seconds", "million instructions/s");
     for name in ["pipeline", "broadcast", "hybrid"] {

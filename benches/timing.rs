@@ -5,7 +5,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use pcs_sim::machine::{Array, MachineSpec, OpBatch, OpKind, Words, Work};
+use pcs_sim::machine::MachineFile;
+use pcs_sim::machine::{Array, MachineSpec, Words};
+use pcs_sim::program::work::{self, GRID_START, GRID_VOXEL, INTERSECTION_POLYGON, SLABS_POLYGON, SLABS_START};
+use pcs_sim::seam::{Costs, OpBatch, OpKind};
 
 const RAYS: u32 = 1024;
 const BATCHES: usize = 40;
@@ -19,8 +22,10 @@ fn broadcast(cells: usize) -> OpBatch {
         for cell in 0..cells {
             let ops = &mut batch.cells[cell];
             ops.push(OpKind::PassX, 8);
-            ops.push(OpKind::Compute(Work::Grid), 600 + 156 * varying(ray, cell, 20));
-            ops.push(OpKind::Compute(Work::Slabs), 180 + 260 * varying(ray, cell + 50, 8));
+            ops.push(OpKind::Work(GRID_START), 1);
+            ops.push(OpKind::Work(GRID_VOXEL), varying(ray, cell, 20));
+            ops.push(OpKind::Work(SLABS_START), 1);
+            ops.push(OpKind::Work(SLABS_POLYGON), varying(ray, cell + 50, 8));
             if cell > 0 {
                 ops.push(OpKind::ReadY, 5);
             }
@@ -38,17 +43,17 @@ fn pipeline() -> OpBatch {
         batch.host.push(OpKind::WriteX, 8);
         batch.host.end_line(ray);
         batch.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, 8));
-        batch.cells[0].push(OpKind::Compute(Work::Grid), 600);
-        batch.cells[1].push(OpKind::Compute(Work::Slabs), 180);
+        batch.cells[0].push(OpKind::Work(GRID_START), 1);
+        batch.cells[1].push(OpKind::Work(SLABS_START), 1);
         for candidate in 0..30 {
-            batch.cells[0].push(OpKind::Compute(Work::Grid), 156 * (1 + varying(ray, candidate, 6)));
+            batch.cells[0].push(OpKind::Work(GRID_VOXEL), 1 + varying(ray, candidate, 6));
             batch.cells[0].push(OpKind::WriteY, 1);
             batch.cells[1].push(OpKind::ReadY, 1);
-            batch.cells[1].push(OpKind::Compute(Work::Slabs), 260);
+            batch.cells[1].push(OpKind::Work(SLABS_POLYGON), 1);
             if varying(ray, candidate, 10) == 0 {
                 batch.cells[1].push(OpKind::WriteY, 1);
                 batch.cells[2].push(OpKind::ReadY, 1);
-                batch.cells[2].push(OpKind::Compute(Work::Intersection), 600);
+                batch.cells[2].push(OpKind::Work(INTERSECTION_POLYGON), 1);
             }
         }
         batch.cells[0].push(OpKind::WriteY, 1);
@@ -85,15 +90,21 @@ fn varying(ray: u32, salt: usize, range: u64) -> u64 {
     (mixed.wrapping_mul(0x94D0_49BB_1331_11EB) >> 33) % range
 }
 
+/// Figure 7.
+fn costs() -> Costs {
+    let machine = MachineFile::standard().and_then(|file| file.build()).expect("the standard machine");
+    work::costs(&work::vocabulary(false), &machine.times, None)
+}
+
 /// Seconds and words of a run over the same batch many times.
 fn run(batch: &OpBatch, fifo_words: u64, probed: bool) -> (f64, u64) {
     let spec = MachineSpec { fifo_words: Words(fifo_words), ..MachineSpec::default() };
-    let array = Array::new(&spec, batch.cells.len());
+    let array = Array::new(&spec, &costs(), batch.cells.len());
     let mut array = if probed { array.probed() } else { array };
     let batches: Vec<OpBatch> = (0..BATCHES).map(|_| batch.clone()).collect();
     let start = Instant::now();
     for batch in batches {
-        array.feed(batch);
+        array.feed(batch).expect("an array can do it");
         array.run().expect("it never gets stuck");
     }
     let stats = array.finish().expect("it ends");

@@ -7,22 +7,23 @@ use std::time::Instant;
 
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::camera::{ImageSize, primary_rays};
+use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::MachineSpec;
-use pcs_sim::program::{ArrayProgram, MachineFile, Workload};
+use pcs_sim::program::{ArrayProgram, Workload};
+use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::builtin;
-use pcs_sim::simulation;
 
 const REPEATS: usize = 7;
 
 fn functional(workload: &Workload, rays: &[Ray], threads: usize) -> f64 {
     let start = Instant::now();
-    simulation::trace(workload, rays, threads, Ok::<_, Infallible>).expect("tracing cannot fail");
+    run::trace(workload, rays, &Workers::new(threads), Ok::<_, Infallible>).expect("tracing cannot fail");
     start.elapsed().as_secs_f64()
 }
 
 fn whole(workload: &Workload, spec: &MachineSpec, rays: &[Ray], threads: usize) -> (f64, u64) {
     let start = Instant::now();
-    let outcome = simulation::run(workload, spec, rays, threads, |_| Ok::<_, Infallible>(())).expect("it ends");
+    let outcome = run::run(workload, spec, rays, &Workers::new(threads), |_| Ok::<_, Infallible>(())).expect("it ends");
     (start.elapsed().as_secs_f64(), outcome.stats.fifos.iter().map(|fifo| fifo.words.0).sum())
 }
 

@@ -17,40 +17,173 @@
 //! and write blocks. So the work falls into two halves:
 //!
 //! - the **functional half** ([`geometry`] and [`program`]) turns rays into hits and into what each cell does, op by op:
-//!   read 8 words, compute 600 cycles, write a word. Rays are independent of each other; all cores work on them.
+//!   read 8 words, walk 12 voxels, write a word. Rays are independent of each other; all cores work on them.
 //!   The cells take Figure 7's times, or run programs that compute the hits themselves ([`isa`], [`program::cells`]);
-//! - the **timing half** ([`machine`]) turns ops into cycles. It knows no rays;
-//! - the **op stream** ([`machine::OpStream`]) lies between them. Recorded, it is an activity trace, which can be timed
-//!   again under any machine without the scene.
+//! - the **timing half** ([`machine`], above all [`machine::line`]) knows what a unit of work costs, and turns ops into
+//!   cycles. It knows no rays. What it saw is in the terms of [`measure`], which fit any machine;
+//! - the **[`seam`]** between them is the op. Recorded, ops are an [activity trace](seam::activity_trace), which can be
+//!   timed again under any machine without the scene.
 //!
-//! [`simulation`] runs both halves together. [`scene`] reads or generates what is traced, [`host`] makes rays and images,
-//! [`report`] tells what came out, and [`model`] what the paper's equations expect to.
+//! A [`run`] describes what is traced on which machine. [`scene`] reads or generates it, [`host`] makes rays and images,
+//! and [`model`] is what the paper's equations expect. With the feature `report` (in `cli`, and so by default) there are
+//! reports and plots, and sweeps of many runs.
+//!
+//! # A scene on the array
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use pcs_sim::machine::Cycles;
+//! use pcs_sim::run::{self, RunOptions, RunSpec, Workers};
+//!
+//! let mut options = RunOptions::default(); // the macro-pipeline on PCS, unless told otherwise
+//! options.set("scene", "room")?;
+//! options.set("size", "16x12")?;
+//! let spec = RunSpec::new(&options, None)?;
+//!
+//! let machine = spec.machine.build()?;
+//! let scene = spec.load_scene()?;
+//! let rays = spec.load_rays(&scene)?;
+//! let workload = spec.lay_out(&scene, &machine, &rays)?;
+//! let outcome = run::run(&workload, &machine.spec, &rays, &Workers::new(2), |_| Ok::<(), std::io::Error>(()))?;
+//!
+//! assert_eq!((outcome.stats.cycles, outcome.counts.hits), (Cycles(805_210), 185));
+//! assert!(outcome.stats.stations.iter().all(|cell| cell.total() == outcome.stats.cycles));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # A machine of your own
+//!
+//! A machine file is a text; changes, as flags make them, are laid over it:
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use pcs_sim::machine::{Cycles, MachineFile, MachineOptions, Words};
+//! use pcs_sim::program::work;
+//! use pcs_sim::seam::Channel;
+//!
+//! let mut file = MachineFile::standard()?;
+//! let none = MachineOptions::default();
+//! MachineOptions { link_mb_s: Some(20.0), y_fifo_words: Some(64), grid_voxel: Some(3.9), ..none }.change(&mut file);
+//! let machine = file.build()?;
+//!
+//! assert_eq!(machine.spec.link_rate().cycles_per_word, 4); // 4 bytes at 20 Mbyte/s, in cycles of 50 ns
+//! assert_eq!(machine.spec.fifo_words_of(Channel::Y), Words(64));
+//! let costs = work::costs(&work::vocabulary(false), &machine.times, None);
+//! assert_eq!((costs.of(work::GRID_START), costs.of(work::GRID_VOXEL)), (Cycles(600), Cycles(78)));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Ops by hand, and a look inside
+//!
+//! The timing half takes ops from anywhere. Here one cell starts a ray and walks 10 voxels; a probe keeps the run over
+//! time:
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use pcs_sim::machine::{Array, Cycles, MachineFile};
+//! use pcs_sim::program::work;
+//! use pcs_sim::seam::{OpBatch, OpKind};
+//!
+//! let mut batch = OpBatch::new(1);
+//! batch.host.push(OpKind::WriteX, 8);
+//! batch.host.end_line(0);
+//! batch.cells[0].push(OpKind::PassX, 8);
+//! batch.cells[0].push(OpKind::Work(work::GRID_START), 1);
+//! batch.cells[0].push(OpKind::Work(work::GRID_VOXEL), 10);
+//! batch.cells[0].push(OpKind::WriteY, 5);
+//! batch.cells[0].end_line(0);
+//!
+//! let machine = MachineFile::standard()?.build()?;
+//! let costs = work::costs(&work::vocabulary(false), &machine.times, None);
+//! let mut array = Array::new(&machine.spec, &costs, 1).probed();
+//! array.feed(batch)?;
+//! let (measured, observed) = array.finish_observed()?;
+//!
+//! // Read in cycles 1 to 8, 600 + 10 * 156 cycles of work, 5 words written, and a cycle until the host has the last one.
+//! assert_eq!(measured.cycles, Cycles(9 + 2160 + 5 + 1));
+//! let profile = observed.profile.ok_or("it was probed")?;
+//! assert_eq!(profile.latency.max, Cycles(2175));
+//! let works = profile.stations[0].iter().map(|times| measured.topology.states.works(times)).sum::<Cycles>();
+//! assert_eq!(works, Cycles(8 + 2160 + 5));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # A recorded trace under another machine
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use pcs_sim::machine::{Array, Cycles, MachineFile, MachineOptions};
+//! use pcs_sim::program::work;
+//! use pcs_sim::seam::activity_trace::ActivityTrace;
+//!
+//! let path = std::env::temp_dir().join(format!("pcs-sim-tour-{}.ops", std::process::id()));
+//! let units = "unit gs grid_start grid 600\nunit gv grid_voxel grid 156\n";
+//! let ops = "0 host w8\n0 0 x8 gs1 gv10 o5\n";
+//! std::fs::write(&path, format!("pcs-sim trace 2 cells 1 answer 5\n{units}{ops}"))?;
+//! let mut trace = ActivityTrace::open(&path, &work::cycles_vocabulary())?;
+//!
+//! let mut file = MachineFile::standard()?;
+//! MachineOptions { grid_voxel: Some(3.9), latency_cycles: Some(10), ..MachineOptions::default() }.change(&mut file);
+//! let machine = file.build()?;
+//! let costs = work::costs(trace.costs().vocabulary(), &machine.times, machine.instructions.as_ref());
+//! let mut array = Array::new(&machine.spec, &costs, trace.cells());
+//! trace.for_each_batch(|batch| Ok::<_, Box<dyn std::error::Error>>(array.feed(batch)?))?;
+//! assert_eq!(array.finish()?.cycles, Cycles(7 + 10 + 1 + 600 + 10 * 78 + 5 + 10));
+//! # std::fs::remove_file(path)?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # A deadlock caught
+//!
+//! A run that cannot end says who waits for whom. Here cell 0 has more words for Y than the FIFO holds, before it sends
+//! on the ray that cell 1 waits for:
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use pcs_sim::machine::{Array, Cycles, MachineSpec, StuckKind, Unfinished, WaitFor, Words};
+//! use pcs_sim::program::work;
+//! use pcs_sim::seam::{Channel, Costs, OpBatch, OpKind};
+//!
+//! let mut batch = OpBatch::new(2);
+//! batch.host.push(OpKind::WriteX, 8);
+//! batch.host.end_line(0);
+//! for (kind, words) in [(OpKind::ReadX, 8), (OpKind::WriteY, 600), (OpKind::WriteX, 8)] {
+//!     batch.cells[0].push(kind, words);
+//! }
+//! for (kind, words) in [(OpKind::ReadX, 8), (OpKind::ReadY, 600), (OpKind::WriteY, 5)] {
+//!     batch.cells[1].push(kind, words);
+//! }
+//! batch.cells.iter_mut().for_each(|ops| ops.end_line(0));
+//!
+//! let costs = Costs::new(work::vocabulary(false), |_| Cycles(1));
+//! let mut array = Array::new(&MachineSpec::default(), &costs, 2);
+//! array.feed(batch)?;
+//! let Err(Unfinished::Stuck(stuck)) = array.finish() else { return Err("it must be stuck".into()) };
+//! assert_eq!((stuck.kind, stuck.waits.len()), (StuckKind::Deadlock, 2));
+//! let full = WaitFor::Room { channel: Channel::Y, capacity: Words(512) };
+//! assert_eq!((stuck.waits[0].for_what, stuck.waits[0].since), (full, Cycles(521)));
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! # Guarantees
 //!
-//! - **Exact.** Cycles are integers, and every statistic is what ticking each cycle would count. The tests keep such a
-//!   ticking model and compare every field.
-//! - **Deterministic.** The same inputs give the same bytes, whatever the number of threads.
+//! Each with the test in `tests/it` that holds it.
+//!
+//! - **Exact.** Cycles are integers, and every statistic is what ticking each cycle would count (`timing_is_exact`,
+//!   `profile_is_exact`, `recording_is_exact`: against a model that ticks).
+//! - **Deterministic.** The same inputs give the same bytes, whatever the number of threads (`command_line`, `modes_agree`).
 //! - **The same hits.** Every mode, number of cells, partition and FIFO depth gives the same hits, to the bit, as testing
-//!   every polygon with annex A.3: the filters' margins bound what 32-bit rounding can do ([`geometry::rounding`]).
-//! - **Accounted for.** Every cycle of every cell is in exactly one state, so the states sum to the run.
-//!
-//! # In a few lines
-//!
-//! ```
-//! use pcs_sim::host::camera::{ImageSize, primary_rays};
-//! use pcs_sim::program::{ArrayProgram, MachineFile, Workload};
-//! use pcs_sim::{scene::builtin, simulation};
-//!
-//! let scene = builtin::generate("room", None, None)?;
-//! let rays = primary_rays(&scene.camera, ImageSize { width: 16, height: 12 });
-//! let machine = MachineFile::standard()?.build()?;
-//! let pipeline = ArrayProgram::standard("pipeline").ok_or("no such program")??;
-//! let workload = Workload::new(&scene.mesh, &pipeline, machine.times, &rays)?;
-//! let outcome = simulation::run(&workload, &machine.spec, &rays, 2, |_| Ok::<(), std::io::Error>(()))?;
-//! println!("{} in {}", outcome.counts.hits, outcome.stats.cycles);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//!   every polygon with annex A.3 (`modes_agree`, `programs_agree`): the filters' margins bound what 32-bit rounding can
+//!   do ([`geometry::rounding`]).
+//! - **Accounted for.** Every cycle of every cell is in exactly one state, so the states sum to the run
+//!   (`timing_is_exact`, `sweep`).
+//! - **A replay is the run.** A recorded trace gives the very statistics of the run that recorded it (`replay`).
+//! - **No run hangs.** One that cannot end is told apart, with its waits (`deadlock`).
 
 pub mod error;
 pub mod geometry;
@@ -58,9 +191,15 @@ pub mod host;
 mod input;
 pub mod isa;
 pub mod machine;
+pub mod measure;
 pub mod model;
+mod parameters;
 pub mod program;
+pub mod quantities;
+#[cfg(feature = "report")]
 pub mod report;
+pub mod run;
 pub mod scene;
-pub mod simulation;
+pub mod seam;
+#[cfg(feature = "report")]
 pub mod sweep;

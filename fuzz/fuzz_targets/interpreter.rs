@@ -2,10 +2,10 @@
 
 use libfuzzer_sys::fuzz_target;
 use pcs_sim::isa::{Executable, InstructionCycles, Processor, Queues, object};
-use pcs_sim::machine::OpStream;
+use pcs_sim::seam::OpStream;
 
 thread_local! {
-    static CYCLES: InstructionCycles = pcs_sim::program::MachineFile::standard()
+    static CYCLES: InstructionCycles = pcs_sim::machine::MachineFile::standard()
         .and_then(|machine| machine.build())
         .ok()
         .and_then(|machine| machine.instructions)

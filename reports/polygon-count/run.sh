@@ -41,3 +41,4 @@ awk -F, -v svg=cost.svg '
     }
     function Y(us) { return 290 - 54 * log(us / 100) / log(2) }
 ' cost.csv | tee fit.txt
+awk -v OFS=, -f exponents.awk cost.csv > exponents.csv

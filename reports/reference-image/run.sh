@@ -28,3 +28,11 @@ for other in pipeline broadcast sun3; do
     rm $other.png
 done
 cat $times
+# What the page says, as tables.
+table() {
+    awk -v OFS=, -f "$1.awk" $2 > "$1.csv"
+}
+table results "pipeline.txt broadcast.txt sun3.txt"
+table kinds untimed.txt
+table cells "pipeline.txt broadcast.txt sun3.txt"
+table medians times.csv

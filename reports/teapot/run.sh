@@ -26,6 +26,11 @@ for partition in regular work; do
         image "PCS groups of three" $partition 10 $cells --program hybrid-3 --cells $cells --partition $partition
     done
 done
+# The rays of the image by kind, which are the same in every run.
+awk -F'[:,]' '
+    BEGIN { print "kind,rays" }
+    /"(primary|shadow|reflected|refracted)": \{/ { gsub(/[ "]/, "", $1); kind = $1 }
+    kind != "" && /"rays":/ { print kind "," $2 + 0; kind = "" }' stats.json > kinds.csv
 rm stats.json
 table times best.awk published.csv all.csv
 plot times times "The teapot, 512 x 512, three lights: seconds for the whole image" x=cells y=seconds by=machine

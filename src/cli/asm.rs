@@ -5,10 +5,9 @@ use std::path::Path;
 
 use pcs_sim::error::InputError;
 use pcs_sim::isa::{Executable, Program, Sources, assemble, listing, object};
-use pcs_sim::program::MachineFile;
+use pcs_sim::machine::MachineFile;
 
 use super::cell_args::AsmArgs;
-use super::run::instruction_cycles;
 use super::{Failure, outputs, print};
 
 /// Assembles; without a file named for it, one result goes to stdout.
@@ -37,5 +36,5 @@ pub fn asm(args: &AsmArgs) -> Result<(), Failure> {
 /// A program under the instructions' costs of a machine file.
 pub fn executable(program: Program, machine: Option<&Path>) -> Result<Executable, InputError> {
     let machine = machine.map_or_else(MachineFile::standard, MachineFile::read)?.build()?;
-    Ok(Executable::new(program, &instruction_cycles(&machine)?))
+    Ok(Executable::new(program, &machine.instruction_cycles()?))
 }

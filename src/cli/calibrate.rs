@@ -5,9 +5,9 @@ use std::path::Path;
 
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Processor;
-use pcs_sim::program::MachineFile;
+use pcs_sim::machine::MachineFile;
 use pcs_sim::program::cells::calibrate::calibrate as fit;
-use pcs_sim::program::cells::figure7::measure;
+use pcs_sim::program::cells::figure7::numbers;
 use pcs_sim::program::cells::{CellOptions, machine_text};
 
 use super::cell_args::CalibrateArgs;
@@ -23,8 +23,9 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     };
     let machine = MachineFile::parse(path, &text)?.build()?;
     let cycles = fit(&machine.spec, args.cell_programs.clone())?;
-    let options = CellOptions { cycles, folder: args.cell_programs.clone(), cycle_limit: Processor::CYCLE_LIMIT };
-    let numbers = measure(machine.times, Some(&options))?;
+    let options =
+        CellOptions { cycles, folder: args.cell_programs.clone(), instruction_limit: Processor::INSTRUCTION_LIMIT };
+    let numbers = numbers(&machine.times, Some(&options))?;
     let text = machine_text(path, &text, &machine.spec, &cycles, &numbers)?;
     if output.is_none() {
         return print(&text);

@@ -47,9 +47,9 @@ pub struct StepArgs {
     /// A machine file of your own, which says what instructions cost [default: PCS].
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
-    /// The most cycles that the program may compute for one message [default: 1000000000].
+    /// The most instructions that the program may execute for one message [default: 200000000].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub cycle_limit: Option<u64>,
+    pub instruction_limit: Option<u64>,
 }
 
 /// `pcs-sim figure7`.

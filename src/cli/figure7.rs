@@ -1,10 +1,10 @@
 //! `pcs-sim figure7`: the six numbers of the paper's Figure 7, measured.
 
 use pcs_sim::isa::Processor;
+use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::MachineSpec;
-use pcs_sim::program::MachineFile;
 use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::cells::figure7::{NUMBERS, measure, us};
+use pcs_sim::program::cells::figure7::{NUMBERS, numbers, us};
 use pcs_sim::report::summary::{aligned, table};
 
 use super::cell_args::Figure7Args;
@@ -13,12 +13,15 @@ use super::{Failure, print};
 /// Prints what the paper says, what each kind of cell takes, and the differences.
 pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
     let machine = args.machine.as_deref().map_or_else(MachineFile::standard, MachineFile::read)?.build()?;
-    let timings = measure(machine.times, None)?;
+    let timings = numbers(&machine.times, None)?;
     let programs = match machine.instructions {
         Some(cycles) => {
-            let options =
-                CellOptions { cycles, folder: args.cell_programs.clone(), cycle_limit: Processor::CYCLE_LIMIT };
-            Some(measure(machine.times, Some(&options))?)
+            let options = CellOptions {
+                cycles,
+                folder: args.cell_programs.clone(),
+                instruction_limit: Processor::INSTRUCTION_LIMIT,
+            };
+            Some(numbers(&machine.times, Some(&options))?)
         }
         None => {
             eprintln!("note: the machine file does not say what instructions cost; `pcs-sim calibrate` adds it");

@@ -5,25 +5,23 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
-use pcs_sim::host::sampling::Sampling;
-use pcs_sim::host::shading::Limits;
-use pcs_sim::host::{camera, image};
-use pcs_sim::machine::Array;
-use pcs_sim::program::{Machine, MachineFile, Workload};
-use pcs_sim::report::files::OutputFile;
+use pcs_sim::host::image;
+use pcs_sim::machine::Machine;
+use pcs_sim::program::Workload;
 use pcs_sim::report::kinds::{self, RaysByKind};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{activity, bottleneck, hits};
+use pcs_sim::report::{bottleneck, hits};
+use pcs_sim::run::{self, ImageSpec, OutputFile, Picture, Rendered, RunSpec, Seen, Switch, Timed};
 use pcs_sim::scene::Scene;
-use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, RunError, Seen};
+use pcs_sim::seam::activity_trace::TraceWriter;
 
-use super::args::{ImageArgs, PolicyName, Switch};
-use super::run::{array_program, cell_names, machine_file, machine_line, memory_line, plural, scene, threads};
+use super::args::{ImageArgs, Typed};
+use super::run::{cell_names, machine_line, memory_line, plural, workers};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress, run, unread};
+use super::{Failure, moot_flags, outputs, print, progress};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
@@ -43,35 +41,34 @@ struct Outputs {
 
 /// What an image is made of.
 struct Setup {
+    spec: RunSpec,
+    image: ImageSpec,
     scene: Scene,
-    program: pcs_sim::program::ArrayProgram,
-    machine_file: MachineFile,
     machine: Machine,
     workload: Workload,
 }
 
 /// Makes the image.
-pub fn image(args: &ImageArgs) -> Result<(), Failure> {
+pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let format = format(args)?;
-    check(args)?;
-    let machine_file = machine_file(&args.machine)?;
-    let machine = machine_file.build()?;
-    let program = array_program(&args.program)?;
-    unread::check_image(args, &program)?;
-    let mut files = open_outputs(args)?;
+    let options = args.options(typed);
+    let spec = RunSpec::of_image(&options, args.config.as_deref().map(RunSpec::read).transpose()?)?;
+    let image = spec.image.clone().unwrap_or_default();
+    moot_flags::check_image(args, &options, &spec, &image)?;
+    let machine = spec.machine.build()?;
+    let mut files = open_outputs(args, &spec)?;
     let spinner = progress::waiting("preparing the scene");
-    let scene = scene(&args.scene, &args.shape)?;
-    let rays = camera::primary_rays(&scene.camera, args.shape.size);
-    let workload = run::workload(&args.cells, &scene, &program, &machine, &rays)?;
-    workload.check_memory(machine.spec.memory_words)?;
-    workload.check_fifos(machine.spec.fifo_words)?;
+    let scene = spec.load_scene()?;
+    let rays = spec.load_rays(&scene)?;
+    let workload = spec.lay_out(&scene, &machine, &rays)?;
+    workload.check(&machine.spec)?;
     spinner.finish_and_clear();
-    let setup = Setup { scene, program, machine_file, machine, workload };
+    let setup = Setup { spec, image, scene, machine, workload };
     setup.machine.notes.iter().chain(&setup.scene.notes).for_each(|note| eprintln!("note: {note}"));
     let mut found = Vec::new();
     let rendered = render(args, &setup, &mut files, &mut found)?;
     print(&report(&setup, &rendered))?;
-    let written = write_outputs(args, format, &setup, &rendered, &found, files)?;
+    let written = write_outputs(format, &setup, &rendered, &found, files)?;
     print(&outputs::list(&written))
 }
 
@@ -84,17 +81,14 @@ fn format(args: &ImageArgs) -> Result<Format, InputError> {
     }
 }
 
-fn check(args: &ImageArgs) -> Result<(), InputError> {
-    let share = args.light.min_contribution;
-    if !(0.0..=1.0).contains(&share) {
-        return Err(InputError::new(format!("--min-contribution is {share}, it must be from 0 to 1")));
-    }
-    Ok(())
-}
-
-fn open_outputs(args: &ImageArgs) -> Result<Outputs, InputError> {
+fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
     let (stats, hits, ops) = (args.results.stats.as_ref(), args.tracing.hits.as_ref(), args.tracing.ops.as_ref());
-    let inputs = [Some(Path::new(&args.scene)), args.program.program.as_deref(), args.machine.machine.as_deref()];
+    let inputs = [
+        Some(Path::new(&spec.scene)),
+        args.program.program.as_deref(),
+        args.machine_file.machine.as_deref(),
+        args.config.as_deref(),
+    ];
     outputs::check_distinct(
         &[Some(&args.output), stats, hits, ops, args.views.page.as_ref(), args.views.trace.as_ref()],
         &inputs,
@@ -109,58 +103,45 @@ fn open_outputs(args: &ImageArgs) -> Result<Outputs, InputError> {
     })
 }
 
-fn rules(args: &ImageArgs) -> HostRules {
-    let default = HostRules::default();
-    let policy = args.host.policy.map_or(default.policy, |policy| match policy {
-        PolicyName::Secondaries => Policy::SecondariesFirst,
-        PolicyName::Primaries => Policy::PrimariesFirst,
-        PolicyName::Generation => Policy::ByGeneration,
-    });
-    let open_samples = args.host.open_samples.map_or(default.open_samples, |samples| samples as usize);
-    HostRules { policy, in_flight: args.host.in_flight, open_samples }
-}
-
 fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<Hit>) -> Result<Rendered, Failure> {
     let picture = Picture {
         scene: &setup.scene,
         workload: &setup.workload,
-        size: args.shape.size,
-        sampling: Sampling { side: args.light.samples, adaptive: args.light.adaptive },
-        limits: Limits { depth: args.light.depth, contribution: args.light.min_contribution },
+        size: setup.spec.size,
+        sampling: setup.image.sampling(),
+        limits: setup.image.limits(),
     };
-    let timing = (args.host.timing == Switch::On).then(|| {
-        let array = Array::new(&setup.machine.spec, setup.workload.cells());
-        (files.views.fit(array), rules(args))
+    let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
+    let timed = (setup.image.timing == Switch::On).then(|| Timed {
+        spec: &setup.machine.spec,
+        rules: setup.image.rules(),
+        watching: files.views.watching(),
     });
-    let unwritable = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
-    if let Some(file) = &mut files.ops {
-        activity::write_header(file, setup.workload.cells()).map_err(unwritable)?;
-    }
-    let watch = || Watch::new(&setup.machine.spec, cell_names(&setup.workload));
+    let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
+    let form = args.tracing.ops_form.into();
+    let writer = files.ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
+    let mut writer = writer.transpose().map_err(|error| Failure::Output(unwritable(error)))?;
+    let keeps_hits = files.hits.is_some();
+    let watch = || Watch::new(setup.machine.spec.clock(), cell_names(&setup.workload));
     let mut live = Live::new(progress::samples(), args.results.watch.then(watch));
-    let result = simulation::render(&picture, timing, threads(args.tracing.threads), |seen| match seen {
+    let result = run::render(&picture, timed, &workers(args.tracing.threads), |seen| match seen {
         Seen::Samples { done, of, array } => {
             live.set(done as u64, of as u64);
             array.into_iter().for_each(|array| live.show(array));
             Ok(())
         }
         Seen::Sent(ops, hit) => {
-            found.extend(files.hits.is_some().then_some(*hit));
-            files.ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, ops))
+            found.extend(keeps_hits.then_some(*hit));
+            writer.as_mut().map_or(Ok(()), |writer| writer.write(ops)).map_err(unwritable)
         }
     });
     live.finish();
-    result.map_err(|error| match error {
-        RunError::Stuck(stuck) => stuck.into(),
-        RunError::Fault(fault) => fault.into(),
-        RunError::Unfit(error) => error.into(),
-        RunError::Observer(error) => unwritable(error),
-    })
+    Ok(result?)
 }
 
 /// What runs, in one line.
 fn title(setup: &Setup, rendered: &Rendered) -> String {
-    let Setup { scene, program, workload, .. } = setup;
+    let Setup { spec: RunSpec { program, .. }, scene, workload, .. } = setup;
     let rays: u64 = rendered.kinds.iter().map(|kind| kind.rays).sum();
     let polygons = grouped(workload.polygons().len() as u64);
     let per_pixel = rays as f64 / rendered.pixels.len().max(1) as f64;
@@ -181,18 +162,17 @@ fn report(setup: &Setup, rendered: &Rendered) -> String {
     [
         title,
         machine_line(spec),
-        summary::speed(stats, spec),
+        summary::speed(stats, spec.clock()),
         memory_line(&setup.workload),
-        format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec)))),
+        format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n", bottleneck::sentence(stats, spec)),
+        format!("{}\n", bottleneck::sentence(stats)),
     ]
     .join("\n")
 }
 
 fn write_outputs(
-    args: &ImageArgs,
     format: Format,
     setup: &Setup,
     rendered: &Rendered,
@@ -200,17 +180,17 @@ fn write_outputs(
     files: Outputs,
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
-    let (size, pixels) = (args.shape.size, &rendered.pixels);
+    let (size, pixels) = (setup.spec.size, &rendered.pixels);
     outputs::finish(files.image, &mut written, |file| match format {
         Format::Png => image::write_png(file, size, pixels).map_err(|error| error.to_string()),
         Format::Pfm => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
     })?;
     if let Some(timing) = &rendered.timing {
-        let configuration = configuration(setup);
+        let configuration = Configuration::new(&setup.spec, &setup.workload);
         outputs::finish(files.stats, &mut written, |file| {
             let kinds = RaysByKind::new(&rendered.kinds, timing);
             let (spec, counts) = (&setup.machine.spec, &rendered.counts);
-            let json = stats::image_to_json(&timing.stats, spec, counts, &kinds, &configuration)?;
+            let json = stats::image_to_json(&timing.stats, spec.clock(), counts, &kinds, &configuration)?;
             file.write_all(json.as_bytes())
         })?;
         let spec = &setup.machine.spec;
@@ -221,7 +201,7 @@ fn write_outputs(
         }
         let seen = views::Seen {
             caption: &Caption { title: title(setup, rendered), machine: machine_line(spec) },
-            spec,
+            clock: spec.clock(),
             stats: &timing.stats,
             observed: &timing.observed,
             cell_names: &cell_names(&setup.workload),
@@ -233,8 +213,4 @@ fn write_outputs(
     outputs::finish(files.hits, &mut written, |file| hits::write(file, setup.workload.polygons(), found))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
     Ok(written)
-}
-
-fn configuration(setup: &Setup) -> Configuration {
-    Configuration::new(&setup.scene, &setup.workload, &setup.program, &setup.machine_file)
 }

@@ -1,11 +1,11 @@
 //! Ctrl-C, for every command alike: it stops at once, leaves no file half-written, and says how far it came.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use indicatif::ProgressBar;
-use pcs_sim::report::files;
 use pcs_sim::report::summary::grouped;
+use pcs_sim::run::Outputs;
 
 use super::Failure;
 
@@ -21,12 +21,30 @@ struct Stage {
 
 static STAGE: Mutex<Option<Stage>> = Mutex::new(None);
 
+/// The result files of the command.
+static OUTPUTS: LazyLock<Outputs> = LazyLock::new(Outputs::default);
+
+/// Held by who ends the process: the command, or the signal.
+static ENDING: Mutex<()> = Mutex::new(());
+
+/// The result files of the command, which a signal abandons.
+pub fn outputs() -> &'static Outputs {
+    &OUTPUTS
+}
+
+/// Waits for the process to end, if a signal has begun to end it: what then fails for want of files is not told.
+pub fn settle() {
+    // The process ends with the lock held, whoever ends it.
+    std::mem::forget(ENDING.lock());
+}
+
 /// From here on, a signal to stop ends the process: exit status 130.
 ///
 /// Signals are taken on a thread of their own, so it does not matter what the command is doing.
 pub fn listen() -> Result<(), Failure> {
     let handler = ctrlc::set_handler(|| {
-        let finished = files::abandon();
+        let _ending = ENDING.lock();
+        let finished = OUTPUTS.abandon();
         let stage = STAGE.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let told = told(stage.as_ref(), &finished);
         if let Some(stage) = stage {

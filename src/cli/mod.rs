@@ -11,6 +11,7 @@ mod figure7;
 mod image;
 mod interrupt;
 mod model;
+mod moot_flags;
 mod outputs;
 mod plot;
 mod progress;
@@ -19,20 +20,20 @@ mod run;
 mod scenes;
 mod step;
 mod sweep;
-mod unread;
 mod views;
 mod watch;
 
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::Parser;
 use clap::error::ErrorKind;
+use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
-use args::{Cli, Command};
+use args::{Cli, Command, Typed};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
+use pcs_sim::run::RunError;
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -59,35 +60,47 @@ impl From<Fault> for Failure {
     }
 }
 
-impl From<Stuck> for Failure {
-    fn from(stuck: Stuck) -> Failure {
-        Failure::Stuck(stuck)
+impl<E: std::fmt::Display> From<RunError<E>> for Failure {
+    fn from(error: RunError<E>) -> Failure {
+        match error {
+            RunError::Stuck(stuck) => Failure::Stuck(stuck),
+            RunError::Fault(fault) => fault.into(),
+            RunError::Unfit(error) => error.into(),
+            RunError::Batch(error) => InputError::new(error.to_string()).into(),
+            RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
+                Failure::Output(error.to_string())
+            }
+        }
     }
 }
 
 /// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed, 130 for one that was stopped.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
+    let parsed = Cli::command().try_get_matches().and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) => {
             let _ = error.print();
             let asked_for = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
             return ExitCode::from(if asked_for { 0 } else { 2 });
         }
     };
-    match interrupt::listen().and_then(|()| command(&cli)) {
+    let ended = interrupt::listen().and_then(|()| command(&cli, &matches));
+    interrupt::settle();
+    match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => report(&failure),
     }
 }
 
-fn command(cli: &Cli) -> Result<(), Failure> {
+fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
+    let typed = &Typed(matches.subcommand().map_or(matches, |(_, matches)| matches));
     match &cli.command {
-        None => run::run(&cli.run),
-        Some(Command::Image(args)) => image::image(args),
+        None => run::run(&cli.run, typed),
+        Some(Command::Image(args)) => image::image(args, typed),
         Some(Command::Replay(args)) => replay::replay(args),
         Some(Command::Sweep(args)) => sweep::sweep(args),
-        Some(Command::Model(args)) => model::model(args),
+        Some(Command::Model(args)) => model::model(args, typed),
         Some(Command::Plot(args)) => plot::plot(args),
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Figure7(args)) => figure7::figure7(args),

@@ -5,28 +5,31 @@ use std::io::Write;
 
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
+use pcs_sim::machine::Machine;
 use pcs_sim::model::Survey;
-use pcs_sim::program::{ArrayProgram, Machine, Workload};
+use pcs_sim::program::{ArrayProgram, Workload};
 use pcs_sim::report::summary::grouped;
 use pcs_sim::report::{bottleneck, prediction};
+use pcs_sim::run::{self, Outcome, RunSpec};
 use pcs_sim::scene::Scene;
-use pcs_sim::simulation::{self, Outcome, RunError};
 
-use super::args::ModelArgs;
-use super::{Failure, outputs, print, progress, run, unread};
+use super::args::{ModelArgs, Typed};
+use super::run::{machine_line, plural, workers};
+use super::{Failure, moot_flags, outputs, print, progress};
 
 /// `pcs-sim model SCENE [...]`
-pub fn model(args: &ModelArgs) -> Result<(), Failure> {
-    let machine = run::machine_file(&args.machine)?.build()?;
-    let program = run::array_program(&args.program)?;
-    unread::check_model(args, &program)?;
+pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
+    let options = args.options(typed);
+    let spec = RunSpec::new(&options, None)?;
+    let (machine, program) = (spec.machine.build()?, &spec.program);
+    moot_flags::check_model(args, &options, &spec)?;
     check_outputs(args)?;
     let stats = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let spinner = progress::waiting("surveying the scene");
-    let scene = run::scene(&args.scene, &args.shape)?;
-    let rays = run::rays(args.rays.as_deref(), &args.shape, &scene)?;
-    let array = prediction::array_model(&program, &machine);
-    let (polygons, sub_volumes) = Workload::sub_volumes(&scene.mesh, &program, machine.times, &rays)?;
+    let scene = spec.load_scene()?;
+    let rays = spec.load_rays(&scene)?;
+    let array = prediction::array_model(program, &machine);
+    let (polygons, sub_volumes) = Workload::sub_volumes(&scene.mesh, program, machine.times, &rays)?;
     let survey = Survey::new(&polygons, &sub_volumes, &rays);
     let too_large = |error| InputError::new(format!("{error}"));
     let predicted = survey.predict(&array, program.grid_coefficient).map_err(too_large)?;
@@ -35,7 +38,7 @@ pub fn model(args: &ModelArgs) -> Result<(), Failure> {
     for note in machine.notes.iter().chain(&scene.notes) {
         eprintln!("note: {note}");
     }
-    let outcome = if args.predict_only { None } else { Some(simulate(args, &scene, &program, &machine, &rays)?) };
+    let outcome = if args.predict_only { None } else { Some(simulate(args, &scene, program, &machine, &rays)?) };
     let run = outcome.as_ref().map(|(workload, outcome)| prediction::Run {
         workload,
         counts: &outcome.counts,
@@ -44,17 +47,17 @@ pub fn model(args: &ModelArgs) -> Result<(), Failure> {
     let rows = prediction::rows(&predicted, &array, run);
     print(&format!(
         "{}\n{}\n\n{}\n{}",
-        title(&scene, &program, polygons.len(), rays.len()),
-        run::machine_line(&machine.spec),
+        title(&scene, program, polygons.len(), rays.len()),
+        machine_line(&machine.spec),
         prediction::to_table(&rows),
         prediction::sentences(&predicted, &best, &array),
     ))?;
     if let Some((_, outcome)) = &outcome {
-        print(&format!("Measured: {}\n", bottleneck::sentence(&outcome.stats, &machine.spec)))?;
+        print(&format!("Measured: {}\n", bottleneck::sentence(&outcome.stats)))?;
     }
     let mut written = Vec::new();
     outputs::finish(stats, &mut written, |file| {
-        let json = prediction::to_json((&scene.name, &program), &rows, &predicted, &best, &array)?;
+        let json = prediction::to_json((&scene.name, program), &rows, &predicted, &best, &array)?;
         file.write_all(json.as_bytes())
     })?;
     print(&outputs::list(&written))
@@ -63,9 +66,9 @@ pub fn model(args: &ModelArgs) -> Result<(), Failure> {
 fn check_outputs(args: &ModelArgs) -> Result<(), InputError> {
     let inputs = [
         Some(std::path::Path::new(&args.scene)),
-        args.rays.as_deref(),
+        args.rays.rays.as_deref(),
         args.program.program.as_deref(),
-        args.machine.machine.as_deref(),
+        args.machine_file.machine.as_deref(),
     ];
     outputs::check_distinct(&[args.results.stats.as_ref()], &inputs)
 }
@@ -79,20 +82,13 @@ fn simulate(
     rays: &[Ray],
 ) -> Result<(Workload, Outcome), Failure> {
     let workload = Workload::new(&scene.mesh, program, machine.times, rays)?;
-    workload.check_memory(machine.spec.memory_words)?;
     let bar = progress::rays(rays.len() as u64);
-    let outcome = simulation::run(&workload, &machine.spec, rays, run::threads(args.threads), |batch| {
+    let outcome = run::run(&workload, &machine.spec, rays, &workers(args.threads), |batch| {
         bar.inc(batch.hits.len() as u64);
         Ok::<_, Infallible>(())
     });
     bar.finish_and_clear();
-    match outcome {
-        Ok(outcome) => Ok((workload, outcome)),
-        Err(RunError::Stuck(stuck)) => Err(Failure::Stuck(stuck)),
-        Err(RunError::Fault(fault)) => Err(fault.into()),
-        Err(RunError::Unfit(error)) => Err(error.into()),
-        Err(RunError::Observer(never)) => match never {},
-    }
+    Ok((workload, outcome?))
 }
 
 fn title(scene: &Scene, program: &ArrayProgram, polygons: usize, rays: usize) -> String {
@@ -100,7 +96,7 @@ fn title(scene: &Scene, program: &ArrayProgram, polygons: usize, rays: usize) ->
         "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays",
         program.name,
         program.cells(),
-        run::plural(program.groups, "group"),
+        plural(program.groups, "group"),
         program.stages.len(),
         program.grid_coefficient,
         scene.name,

@@ -4,13 +4,23 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::report::files::OutputFile;
+use pcs_sim::run::{OutputFile, OutputFolder};
 
-use super::Failure;
+use super::{Failure, interrupt};
 
 /// Opens a result file, if one is asked for.
 pub fn open(path: Option<&Path>, force: bool) -> Result<Option<OutputFile>, InputError> {
-    path.map(|path| OutputFile::create(path, force)).transpose()
+    path.map(|path| create(path, force)).transpose()
+}
+
+/// Opens a result file.
+pub fn create(path: &Path, force: bool) -> Result<OutputFile, InputError> {
+    interrupt::outputs().file(path, force)
+}
+
+/// Makes a folder for result files, unless it is there.
+pub fn folder(path: &Path) -> std::io::Result<OutputFolder> {
+    interrupt::outputs().folder(path)
 }
 
 /// Fails if two results have the same file, or if a result would replace an input.

@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use pcs_sim::error::InputError;
-use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::plot::curves::{self, Axes};
 use pcs_sim::report::table::{Column, CsvTable, Table};
+use pcs_sim::run::OutputFile;
 
 use super::args::PlotArgs;
 use super::{Failure, outputs, print};
@@ -62,5 +62,5 @@ fn choose<'a>(words: &'a [String], columns: &[Column]) -> Result<Choice<'a>, Inp
 fn open(args: &PlotArgs, ending: &str) -> Result<OutputFile, InputError> {
     let mut name = args.output.clone().into_os_string();
     name.push(format!(".{ending}"));
-    OutputFile::create(&PathBuf::from(name), args.force)
+    outputs::create(&PathBuf::from(name), args.force)
 }

@@ -5,23 +5,21 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
-use pcs_sim::host::{camera, image, ray_file};
-use pcs_sim::isa::{InstructionCycles, Processor};
-use pcs_sim::machine::{Array, MachineSpec};
-use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::{ArrayProgram, Kernel, Machine, MachineFile, Workload};
-use pcs_sim::report::files::OutputFile;
+use pcs_sim::host::image;
+use pcs_sim::machine::{Machine, MachineSpec};
+use pcs_sim::program::{Kernel, Workload};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{activity, bottleneck, hits, stats};
-use pcs_sim::scene::{ReadOptions, Scene, builtin};
-use pcs_sim::simulation::{self, Outcome, RunError};
+use pcs_sim::report::{bottleneck, hits, stats};
+use pcs_sim::run::{self, Outcome, OutputFile, RunSpec, Workers};
+use pcs_sim::scene::Scene;
+use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
-use super::args::{CellArgs, CellsRun, MachineArgs, Mode, ProgramArgs, RunArgs, ShapeArgs};
+use super::args::{RunArgs, Typed};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress, unread};
+use super::{Failure, moot_flags, outputs, print, progress};
 
 /// The files that a run writes.
 struct Outputs {
@@ -34,171 +32,49 @@ struct Outputs {
 
 /// What a run is made of.
 struct Setup {
+    spec: RunSpec,
     scene: Scene,
-    program: ArrayProgram,
-    machine_file: MachineFile,
     machine: Machine,
     rays: Vec<Ray>,
     workload: Workload,
 }
 
 /// `pcs-sim [--mode ...] [...]`
-pub fn run(args: &RunArgs) -> Result<(), Failure> {
-    let machine_file = machine_file(&args.machine)?;
-    let machine = machine_file.build()?;
-    let program = array_program(&args.program)?;
-    unread::check_run(args, &program)?;
-    let mut files = open_outputs(args)?;
+pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
+    let options = args.options(typed);
+    let base = args.config.as_deref().map(RunSpec::read).transpose()?;
+    if base.as_ref().is_some_and(|base| base.image.is_some()) {
+        let error = InputError::new("the configuration is that of a whole image");
+        return Err(error.help("`pcs-sim image --config FILE` makes it again").into());
+    }
+    let spec = RunSpec::new(&options, base)?;
+    moot_flags::check_run(&options, &spec)?;
+    let machine = spec.machine.build()?;
+    let mut files = open_outputs(args, &spec)?;
     let spinner = progress::waiting("preparing the scene");
-    let scene = scene(&args.scene.scene, &args.scene.shape)?;
-    let rays = rays(args.scene.rays.as_deref(), &args.scene.shape, &scene)?;
-    let workload = workload(&args.cells, &scene, &program, &machine, &rays)?;
-    workload.check_memory(machine.spec.memory_words)?;
-    workload.check_fifos(machine.spec.fifo_words)?;
+    let scene = spec.load_scene()?;
+    let rays = spec.load_rays(&scene)?;
+    let workload = spec.lay_out(&scene, &machine, &rays)?;
+    workload.check(&machine.spec)?;
     spinner.finish_and_clear();
-    let setup = Setup { scene, program, machine_file, machine, rays, workload };
+    let setup = Setup { spec, scene, machine, rays, workload };
     notes(&setup);
-    let outcome = simulate(&setup, threads(args.tracing.threads), args.results.watch, &mut files)?;
+    let outcome = simulate(
+        &setup,
+        (workers(args.tracing.threads), args.results.watch, args.tracing.ops_form.into()),
+        &mut files,
+    )?;
     print(&report(&setup, &outcome))?;
-    let written = write_outputs(args, &setup, &outcome, files)?;
+    let written = write_outputs(&setup, &outcome, files)?;
     print(&outputs::list(&written))
 }
 
-/// How many threads to use: so many, or one a core.
-pub fn threads(count: Option<u16>) -> usize {
-    let cores = || std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    count.map_or_else(cores, usize::from)
+/// The threads to use: so many, or one a core.
+pub fn workers(count: Option<u16>) -> Workers {
+    count.map_or_else(Workers::on_all_cores, |count| Workers::new(count.into()))
 }
 
-/// The machine: PCS or a file's, changed by the flags.
-pub fn machine_file(args: &MachineArgs) -> Result<MachineFile, InputError> {
-    let mut file = args.machine.as_deref().map_or_else(MachineFile::standard, MachineFile::read)?;
-    fn set<T: Copy>(field: &mut T, flag: Option<T>) {
-        *field = flag.unwrap_or(*field);
-    }
-    set(&mut file.clock_ns, args.clock_ns);
-    set(&mut file.word_bytes, args.word_bytes);
-    set(&mut file.fifo_words, args.fifo_words);
-    set(&mut file.link_mb_s, args.link_mb_s);
-    set(&mut file.rate_counts, args.rate_counts);
-    set(&mut file.latency_cycles, args.latency_cycles);
-    file.memory_words = args.memory_words.or(file.memory_words);
-    set(&mut file.host_ray_us, args.host_ray_us);
-    set(&mut file.host_hit_us, args.host_hit_us);
-    set(&mut file.times_us.grid_start, args.grid_start);
-    set(&mut file.times_us.grid_voxel, args.grid_voxel);
-    set(&mut file.times_us.slabs_start, args.slabs_start);
-    set(&mut file.times_us.slabs_polygon, args.slabs_polygon);
-    set(&mut file.times_us.intersection_start, args.intersection_start);
-    set(&mut file.times_us.intersection_polygon, args.intersection_polygon);
-    Ok(file)
-}
-
-/// The array program: a standard one or a file's, changed by the flags.
-pub fn array_program(args: &ProgramArgs) -> Result<ArrayProgram, InputError> {
-    let mut program = match &args.program {
-        Some(path) => named_program(path)?,
-        None => standard_program(args.mode.unwrap_or(Mode::Pipeline).program())?,
-    };
-    let is_pipeline = program == standard_program(Mode::Pipeline.program())?;
-    let stages = program.stages.len();
-    if let Some(cells) = args.cells {
-        if cells == 0 || !cells.is_multiple_of(stages) {
-            let message = format!("{cells} cells are no whole number of groups of {stages}");
-            let help = format!("program '{}' takes {stages}, {}, {}, ... cells", program.name, 2 * stages, 3 * stages);
-            return Err(InputError::new(message).help(help));
-        }
-        program.groups = cells / stages;
-    }
-    program.groups = args.groups.unwrap_or(program.groups);
-    if is_pipeline && program.groups != 1 {
-        let message = format!("the macro-pipeline is one group of {stages} cells, not {} groups", program.groups);
-        return Err(InputError::new(message).help("several macro-pipelines side by side are --program hybrid-3"));
-    }
-    program.partition = args.partition.unwrap_or(program.partition);
-    program.grid_coefficient = args.grid_coefficient.unwrap_or(program.grid_coefficient);
-    program.mailbox |= args.mailbox;
-    program.stop_words = args.stop_words.or(program.stop_words);
-    program.forward_ahead = args.forward_ahead.unwrap_or(program.forward_ahead);
-    program.check()?;
-    Ok(program)
-}
-
-fn standard_program(name: &str) -> Result<ArrayProgram, InputError> {
-    ArrayProgram::standard(name).unwrap_or_else(|| Err(InputError::new(format!("there is no standard program {name}"))))
-}
-
-/// A program file, or a standard program where there is no such file.
-fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
-    match path.to_str().filter(|_| !path.exists()).and_then(ArrayProgram::standard) {
-        Some(standard) => standard,
-        None => ArrayProgram::read(path),
-    }
-}
-
-/// The scene laid out for the array, with the cells' programs if they run any.
-pub fn workload(
-    args: &CellArgs,
-    scene: &Scene,
-    program: &ArrayProgram,
-    machine: &Machine,
-    rays: &[Ray],
-) -> Result<Workload, InputError> {
-    let workload = Workload::new(&scene.mesh, program, machine.times, rays)?;
-    match args.cells_run {
-        Some(CellsRun::Programs) => workload.with_programs(&cell_options(args, machine)?),
-        Some(CellsRun::Timings) | None => Ok(workload),
-    }
-}
-
-/// How the cells run programs.
-fn cell_options(args: &CellArgs, machine: &Machine) -> Result<CellOptions, InputError> {
-    let cycles = machine.instructions.ok_or_else(|| {
-        let error =
-            InputError::new("the machine file does not say what instructions cost: instruction_cycles is missing");
-        error.help("`pcs-sim calibrate --machine FILE` adds it")
-    })?;
-    let cycle_limit = args.cycle_limit.unwrap_or(Processor::CYCLE_LIMIT);
-    Ok(CellOptions { cycles, folder: args.cell_programs.clone(), cycle_limit })
-}
-
-/// What instructions cost, which a machine file need not say.
-pub fn instruction_cycles(machine: &Machine) -> Result<InstructionCycles, InputError> {
-    machine.instructions.ok_or_else(|| {
-        let error =
-            InputError::new("the machine file does not say what instructions cost: instruction_cycles is missing");
-        error.help("`pcs-sim calibrate --machine FILE` adds it")
-    })
-}
-
-/// A built-in scene or a file's.
-pub fn scene(scene: &str, args: &ShapeArgs) -> Result<Scene, InputError> {
-    let path = Path::new(scene);
-    if is_builtin(scene) {
-        return builtin::generate(scene, args.size_factor, args.resolution);
-    }
-    if args.size_factor.is_some() {
-        let error = InputError::new("--size-factor is for built-in scenes, not for files");
-        return Err(error.help("`pcs-sim scenes` lists the built-in scenes"));
-    }
-    let default = ReadOptions::default();
-    pcs_sim::scene::load(path, &ReadOptions { resolution: args.resolution.unwrap_or(default.resolution) })
-}
-
-/// Whether a scene is the name of a built-in one, not that of a file.
-pub fn is_builtin(scene: &str) -> bool {
-    !scene.contains(['.', '/', '\\'])
-}
-
-/// The rays: the camera's, or a file's.
-pub fn rays(file: Option<&Path>, shape: &ShapeArgs, scene: &Scene) -> Result<Vec<Ray>, InputError> {
-    match file {
-        Some(path) => ray_file::read(path),
-        None => Ok(camera::primary_rays(&scene.camera, shape.size)),
-    }
-}
-
-fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
+fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
     let named = [
         args.results.stats.as_ref(),
         args.tracing.hits.as_ref(),
@@ -208,10 +84,11 @@ fn open_outputs(args: &RunArgs) -> Result<Outputs, InputError> {
         args.views.trace.as_ref(),
     ];
     let inputs = [
-        Some(Path::new(&args.scene.scene)),
-        args.scene.rays.as_deref(),
+        Some(Path::new(&spec.scene)),
+        spec.rays.as_deref(),
         args.program.program.as_deref(),
-        args.machine.machine.as_deref(),
+        args.machine_file.machine.as_deref(),
+        args.config.as_deref(),
     ];
     outputs::check_distinct(&named, &inputs)?;
     let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
@@ -231,30 +108,29 @@ fn notes(setup: &Setup) {
     }
 }
 
-fn simulate(setup: &Setup, threads: usize, watch: bool, files: &mut Outputs) -> Result<Outcome, Failure> {
+fn simulate(
+    setup: &Setup,
+    (workers, watch, form): (Workers, bool, Form),
+    files: &mut Outputs,
+) -> Result<Outcome, Failure> {
     let spec = &setup.machine.spec;
     let mut live = Live::new(
         progress::rays(setup.rays.len() as u64),
-        watch.then(|| Watch::new(spec, cell_names(&setup.workload))),
+        watch.then(|| Watch::new(spec.clock(), cell_names(&setup.workload))),
     );
-    let failed = |error: std::io::Error| Failure::Output(format!("cannot write the ops: {error}"));
+    let failed = |error: std::io::Error| format!("cannot write the ops: {error}");
     let Outputs { ops, views, .. } = files;
-    if let Some(file) = ops {
-        activity::write_header(file, setup.workload.cells()).map_err(failed)?;
-    }
-    let array = views.fit(Array::new(spec, setup.workload.cells()));
-    let outcome = simulation::run_in(array, &setup.workload, &setup.rays, threads, |batch, array| {
+    let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
+    let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
+    let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
+    let watched = (spec, &views.watching());
+    let outcome = run::run_watched(&setup.workload, watched, &setup.rays, &workers, |batch, array| {
         live.inc(batch.hits.len() as u64);
         live.show(array);
-        ops.as_mut().map_or(Ok(()), |file| activity::write_batch(file, &batch.ops))
+        writer.as_mut().map_or(Ok(()), |writer| writer.write(&batch.ops)).map_err(failed)
     });
     live.finish();
-    outcome.map_err(|error| match error {
-        RunError::Stuck(stuck) => stuck.into(),
-        RunError::Fault(fault) => fault.into(),
-        RunError::Unfit(error) => error.into(),
-        RunError::Observer(error) => failed(error),
-    })
+    Ok(outcome?)
 }
 
 fn report(setup: &Setup, outcome: &Outcome) -> String {
@@ -265,7 +141,7 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
     let mut lines = vec![
         title(setup),
         machine_line(spec),
-        summary::speed(&outcome.stats, spec),
+        summary::speed(&outcome.stats, spec.clock()),
         format!(
             "{} rays hit ({:.1} %); {} voxels, {} slabs tests and {} intersection tests a ray",
             grouped(hits),
@@ -281,13 +157,13 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
         lines.join("\n"),
         summary::cells(&outcome.stats, &names),
         summary::fifos(&outcome.stats),
-        bottleneck::sentence(&outcome.stats, spec),
+        bottleneck::sentence(&outcome.stats),
     )
 }
 
 /// What runs, in one line.
 fn title(setup: &Setup) -> String {
-    let Setup { scene, program, rays, workload, .. } = setup;
+    let Setup { spec: RunSpec { program, .. }, scene, rays, workload, .. } = setup;
     format!(
         "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays",
         program.name,
@@ -352,28 +228,26 @@ pub fn plural(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
-fn write_outputs(args: &RunArgs, setup: &Setup, outcome: &Outcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
+fn write_outputs(setup: &Setup, outcome: &Outcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let polygons = setup.workload.polygons();
-    let Setup { scene, program, machine_file, workload, .. } = setup;
-    let configuration = Configuration::new(scene, workload, program, machine_file);
+    let configuration = Configuration::new(&setup.spec, &setup.workload);
     outputs::finish(files.stats, &mut written, |file| {
         let spec = &setup.machine.spec;
-        let json = stats::to_json(&outcome.stats, spec, Some(&outcome.counts), Some(&configuration))?;
+        let json = stats::to_json(&outcome.stats, spec.clock(), Some(&outcome.counts), Some(&configuration))?;
         file.write_all(json.as_bytes())
     })?;
     outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
     outputs::finish(files.image, &mut written, |file| {
         let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
-        image::write_png(file, args.scene.shape.size, &pixels)
+        image::write_png(file, setup.spec.size, &pixels)
     })?;
-    write_views(args, setup, outcome, &configuration, files.views, &mut written)?;
+    write_views(setup, outcome, &configuration, files.views, &mut written)?;
     Ok(written)
 }
 
 fn write_views(
-    args: &RunArgs,
     setup: &Setup,
     outcome: &Outcome,
     configuration: &Configuration,
@@ -383,10 +257,10 @@ fn write_views(
     let spec = &setup.machine.spec;
     let caption = &Caption { title: title(setup), machine: machine_line(spec) };
     let cell_names = &cell_names(&setup.workload);
-    let image = page_image(args, setup, outcome, &views)?;
+    let image = page_image(setup, outcome, &views)?;
     let seen = Seen {
         caption,
-        spec,
+        clock: spec.clock(),
         stats: &outcome.stats,
         observed: &outcome.observed,
         cell_names,
@@ -397,13 +271,13 @@ fn write_views(
 }
 
 /// The traced picture, if a view shows it and the rays are those of a picture.
-fn page_image(args: &RunArgs, setup: &Setup, outcome: &Outcome, views: &Views) -> Result<Option<Vec<u8>>, Failure> {
-    if !views.show_image() || args.scene.rays.is_some() {
+fn page_image(setup: &Setup, outcome: &Outcome, views: &Views) -> Result<Option<Vec<u8>>, Failure> {
+    if !views.show_image() || setup.spec.rays.is_some() {
         return Ok(None);
     }
     let (polygons, mut png) = (setup.workload.polygons(), Vec::new());
     let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
-    image::write_png(&mut png, args.scene.shape.size, &pixels)
+    image::write_png(&mut png, setup.spec.size, &pixels)
         .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
     Ok(Some(png))
 }

@@ -5,12 +5,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::machine::{Array, Cycles, MachineSpec, Observed, Recording, RunStats};
-use pcs_sim::report::files::{OutputFile, OutputFolder};
+use pcs_sim::machine::Observed;
+use pcs_sim::measure::{Clock, Measured};
+use pcs_sim::quantities::Cycles;
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::trace::{Format, Trace};
+use pcs_sim::run::{OutputFile, OutputFolder, Watching};
 
 use super::args::ViewArgs;
 use super::{Failure, outputs};
@@ -28,9 +30,9 @@ pub struct Views {
 pub struct Seen<'a> {
     /// What ran.
     pub caption: &'a Caption,
-    pub spec: &'a MachineSpec,
-    pub stats: &'a RunStats,
-    /// What the array saw that the views fitted.
+    pub clock: Clock,
+    pub stats: &'a Measured,
+    /// What was seen of the array.
     pub observed: &'a Observed,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
@@ -45,7 +47,7 @@ impl Views {
     pub fn open(args: &ViewArgs, force: bool) -> Result<Views, InputError> {
         let trace = |path: &PathBuf| {
             let format = Format::of(path)?;
-            Ok((OutputFile::create(path, force)?, format))
+            Ok((outputs::create(path, force)?, format))
         };
         Ok(Views {
             plot: args.plot.as_ref().map(|folder| prepare_folder(folder, force)).transpose()?,
@@ -56,11 +58,10 @@ impl Views {
         })
     }
 
-    /// The array, with what the views need to see.
-    pub fn fit(&self, array: Array) -> Array {
-        let probes = self.plot.is_some() || self.page.is_some();
-        let array = if probes { array.probed() } else { array };
-        if self.trace.is_some() { array.recorded(self.window.clone(), Recording::MOST_EVENTS) } else { array }
+    /// What the views need to see of an array.
+    pub fn watching(&self) -> Watching {
+        let profile = self.plot.is_some() || self.page.is_some();
+        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()) }
     }
 
     /// Whether a view shows the traced picture.
@@ -70,11 +71,11 @@ impl Views {
 
     /// Writes the views of a run.
     pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
-        let &Seen { caption, spec, stats, cell_names, configuration, image, .. } = run;
+        let &Seen { caption, clock, stats, cell_names, configuration, image, .. } = run;
         if let Some(profile) = &run.observed.profile {
-            let page = Page { caption, spec, stats, profile, cell_names, configuration, image };
+            let page = Page { caption, clock, stats, profile, cell_names, configuration, image };
             let (pictures, html) = rayon::join(
-                || self.plot.as_ref().map(|_| plot::pictures(profile, spec, caption, cell_names)).transpose(),
+                || self.plot.as_ref().map(|_| plot::pictures(profile, clock, caption, cell_names)).transpose(),
                 || self.page.as_ref().map(|_| page::html(&page)).transpose(),
             );
             let pictures = pictures.map_err(|error| Failure::Output(error.to_string()))?;
@@ -85,7 +86,7 @@ impl Views {
             outputs::finish(self.page, written, |file| file.write_all(html.unwrap_or_default().as_bytes()))?;
         }
         let (Some((file, format)), Some(recording)) = (self.trace, &run.observed.recording) else { return Ok(()) };
-        let trace = Trace { caption, spec, cell_names, recording };
+        let trace = Trace { caption, clock, cell_names, recording };
         outputs::finish(Some(file), written, |file| trace.write(format, file))?;
         trace.notes(format).iter().for_each(|note| eprintln!("note: {note}"));
         Ok(())
@@ -94,7 +95,7 @@ impl Views {
 
 fn prepare_folder(folder: &Path, force: bool) -> Result<OutputFolder, InputError> {
     let failed = |error: std::io::Error| InputError::in_file(folder, format!("cannot be written: {}", error.kind()));
-    let prepared = OutputFolder::create(folder).map_err(failed)?;
+    let prepared = outputs::folder(folder).map_err(failed)?;
     let empty = std::fs::read_dir(folder).map_err(failed)?.next().is_none();
     if empty || force {
         return Ok(prepared);
@@ -111,7 +112,7 @@ fn write_plots(
     for picture in pictures {
         for (ending, bytes) in [("svg", picture.rendered.svg.as_bytes()), ("png", &picture.rendered.png)] {
             let path = folder.join(format!("{}.{ending}", picture.name));
-            let file = OutputFile::create(&path, force)?;
+            let file = outputs::create(&path, force)?;
             outputs::finish(Some(file), written, |file| file.write_all(bytes))?;
         }
     }

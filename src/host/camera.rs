@@ -1,17 +1,51 @@
 //! Primary rays.
 
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::Ray;
 use crate::scene::Camera;
 
 /// Size of an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct ImageSize {
     /// Pixels a line.
     pub width: u32,
     /// Lines.
     pub height: u32,
+}
+
+/// The largest number of pixels: rays are numbered in 32 bits, and kept in memory.
+const MOST_PIXELS: u64 = 1 << 26;
+
+impl std::str::FromStr for ImageSize {
+    type Err = String;
+
+    /// `640x480`.
+    fn from_str(text: &str) -> Result<ImageSize, String> {
+        let (width, height) = text.split_once(['x', 'X']).ok_or("expected a width and a height, as in 640x480")?;
+        let side = |side: &str| side.parse::<u32>().ok().filter(|&n| n > 0).ok_or("width and height must be 1 or more");
+        let size = ImageSize { width: side(width)?, height: side(height)? };
+        if size.width as u64 * size.height as u64 > MOST_PIXELS {
+            return Err(format!("an image can have at most {MOST_PIXELS} pixels"));
+        }
+        Ok(size)
+    }
+}
+
+impl TryFrom<String> for ImageSize {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<ImageSize, String> {
+        text.parse()
+    }
+}
+
+impl From<ImageSize> for String {
+    fn from(size: ImageSize) -> String {
+        format!("{}x{}", size.width, size.height)
+    }
 }
 
 impl ImageSize {

@@ -47,15 +47,9 @@ impl Fault {
 
     /// The error, where the field stands in the file.
     pub fn in_text(self, path: &Path, text: &str) -> InputError {
-        let mut lines =
-            text.lines().enumerate().map(|(index, line)| (index + 1, line.split("//").next().unwrap_or("")));
-        let found = lines.find_map(|(number, line)| Some((number, line, line.find(&format!("{}:", self.field))?)));
-        let error = match found {
-            Some((number, line, at)) => {
-                let column = line[..at].chars().count() + 1;
-                let width = line[at..].trim_end().trim_end_matches(',').chars().count();
-                InputError::in_text(path, text, number, column, width, self.message)
-            }
+        let file = Text { file: path, text };
+        let error = match ron_text::field(file, self.field) {
+            Some(place) => file.error(place, self.message),
             None => InputError::in_file(path, self.message),
         };
         InputError { help: self.help.map(str::to_owned), ..error }

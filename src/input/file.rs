@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use super::reading;
 use crate::error::InputError;
 
 const GIB: u64 = 1 << 30;
@@ -25,7 +26,10 @@ pub(crate) fn read(path: &Path, gib: u64) -> Result<Vec<u8>, InputError> {
     let mut bytes = Vec::new();
     let length = file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)? as u64;
     match length > most {
-        false => Ok(bytes),
+        false => {
+            reading::note(path, &bytes);
+            Ok(bytes)
+        }
         true if about.is_file() => Err(too_large()),
         true => Err(endless(path)),
     }

@@ -2,5 +2,6 @@
 
 pub(crate) mod fields;
 pub(crate) mod file;
+pub(crate) mod reading;
 pub(crate) mod ron_text;
 pub(crate) mod text;

@@ -1,12 +1,14 @@
 //! RON text whose values know where they stand.
 
+use std::fmt;
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use ron::Options;
 use ron::error::{Error, Position, SpannedError};
 use ron::extensions::Extensions;
 use ron::value::RawValue;
-use serde::de::{Deserialize, DeserializeOwned, Deserializer};
+use serde::de::{Deserialize, DeserializeOwned, Deserializer, MapAccess, Visitor};
 
 use super::text::{Text, nearest};
 use crate::error::InputError;
@@ -43,9 +45,49 @@ impl<'a, T> Located<'a, T> {
 
 /// Reads a part of a RON file, or all of it.
 pub(crate) fn read<'a, T: Deserialize<'a>>(file: Text, part: &'a str) -> Result<T, InputError> {
-    // An optional value is written without `Some`.
-    let options = Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
-    options.from_str(part).map_err(|error| explain(file, part, &error))
+    options().from_str(part).map_err(|error| explain(file, part, &error))
+}
+
+/// An optional value is written without `Some`.
+fn options() -> Options {
+    Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
+}
+
+/// Where a field with its value stands in a RON file, in bytes: one of the whole, or of a struct within it.
+pub(crate) fn field(file: Text, name: &str) -> Option<Range<usize>> {
+    let (name, value) = field_in(file.text, name)?;
+    Some(file.offset_of(name)..file.offset_of(value) + value.len())
+}
+
+fn field_in<'a>(part: &'a str, name: &str) -> Option<(&'a str, &'a str)> {
+    let Fields(fields) = options().from_str(part).ok()?;
+    let own = fields.iter().find(|field| field.0 == name).copied();
+    own.or_else(|| fields.iter().find_map(|(_, value)| field_in(value, name)))
+}
+
+/// The fields of any struct, as text.
+struct Fields<'a>(Vec<(&'a str, &'a str)>);
+
+impl<'de: 'a, 'a> Deserialize<'de> for Fields<'a> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct AnyStruct;
+        impl<'de> Visitor<'de> for AnyStruct {
+            type Value = Fields<'de>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a struct")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Fields<'de>, A::Error> {
+                let mut fields = Vec::new();
+                while let Some((name, value)) = map.next_entry::<&str, Located<()>>()? {
+                    fields.push((name, value.text));
+                }
+                Ok(Fields(fields))
+            }
+        }
+        deserializer.deserialize_any(AnyStruct)
+    }
 }
 
 fn explain(file: Text, part: &str, error: &SpannedError) -> InputError {

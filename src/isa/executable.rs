@@ -2,10 +2,11 @@
 
 use super::cycles::InstructionCycles;
 use super::encoding::{Field, Instruction};
+use super::kernels::OTHER;
 use super::program::Program;
 use super::register::{Queue, Register};
-use super::table::Opcode;
-use crate::machine::Work;
+use super::table::{Class, Opcode};
+use crate::seam::Activity;
 
 /// Where an instruction finds a word that it has read from a queue, by the field that names the queue.
 const QUEUE_SLOTS: [u8; 3] = [60, 61, 62];
@@ -19,17 +20,22 @@ pub(super) struct Step {
     pub opcode: Opcode,
     /// Places in the register file: what is written, or read, by the instruction's fields.
     pub slots: [u8; 3],
-    pub work: Work,
+    pub work: Activity,
     /// Whether it needs more than its opcode says: an invalid word, queues, an event that is counted, an end.
     pub special: bool,
-    pub cycles: u16,
+    /// The class that it is counted in, or [`UNCOUNTED`].
+    pub class: u8,
     /// The constant, or the target's address.
     pub constant: i32,
 }
 
+/// The place behind all classes: of instructions that take no time of their own.
+pub(super) const UNCOUNTED: u8 = Class::ALL.len() as u8;
+
 /// A program that can be run.
 #[derive(Clone, Debug)]
 pub struct Executable {
+    cycles: InstructionCycles,
     pub(super) program: Program,
     pub(super) steps: Vec<Step>,
     /// The instructions, or why a word is none.
@@ -48,15 +54,15 @@ impl Executable {
         let counted: Vec<(u32, usize)> = counters.iter().enumerate().flat_map(addresses).collect();
         let step = |(address, decoded): (usize, &Result<Instruction, _>)| {
             let mut step = match decoded {
-                Ok(instruction) => Step::new(instruction, address, cycles),
+                Ok(instruction) => Step::new(instruction, address),
                 Err(_) => Step::INVALID,
             };
-            step.work = program.work.get(address).copied().unwrap_or(Work::Other);
+            step.work = program.work.get(address).copied().unwrap_or(OTHER);
             step.special |= counted.iter().any(|&(at, _)| at as usize == address);
             step
         };
         let steps = instructions.iter().enumerate().map(step).collect();
-        Executable { program, steps, instructions, counted, counters }
+        Executable { cycles: *cycles, program, steps, instructions, counted, counters }
     }
 
     /// The program.
@@ -69,9 +75,14 @@ impl Executable {
         &self.counters
     }
 
+    /// Cycles of an instruction of a class, by its place among them.
+    pub(super) fn cycles_of(&self, class: u8) -> u64 {
+        Class::ALL.get(class as usize).map_or(0, |&class| self.cycles.of(class) as u64)
+    }
+
     /// Cycles that an instruction computes, without those of the words that it moves.
     pub fn cycles_at(&self, address: u32) -> u64 {
-        self.steps.get(address as usize).map_or(0, |step| step.cycles as u64)
+        self.steps.get(address as usize).map_or(0, |step| self.cycles_of(step.class))
     }
 }
 
@@ -79,13 +90,13 @@ impl Step {
     const INVALID: Step = Step {
         opcode: Opcode::Halt,
         slots: [RESULT_SLOT; 3],
-        work: Work::Other,
+        work: OTHER,
         special: true,
-        cycles: 0,
+        class: UNCOUNTED,
         constant: 0,
     };
 
-    fn new(instruction: &Instruction, address: usize, cycles: &InstructionCycles) -> Step {
+    fn new(instruction: &Instruction, address: usize) -> Step {
         use super::table::Format;
         let entry = instruction.opcode.entry();
         let queues = instruction.words() > 0;
@@ -110,9 +121,9 @@ impl Step {
         Step {
             opcode: instruction.opcode,
             slots,
-            work: Work::Other,
+            work: OTHER,
             special: queues || matches!(instruction.opcode, Opcode::Done | Opcode::Halt),
-            cycles: if free { 0 } else { cycles.of(entry.class).min(InstructionCycles::MOST) as u16 },
+            class: if free { UNCOUNTED } else { entry.class as u8 },
             constant: if targets { instruction.constant.wrapping_add(address as i32) } else { instruction.constant },
         }
     }

@@ -59,8 +59,8 @@ pub enum FaultKind {
     },
     /// An integer divided by 0.
     DivisionByZero,
-    /// More cycles for one message than the limit.
-    CycleLimit(u64),
+    /// More instructions for one message than the limit.
+    InstructionLimit(u64),
     /// More words written for one message than the limit.
     WordLimit(u64),
     /// A read from a queue to which nothing more comes for this message.
@@ -106,7 +106,9 @@ impl fmt::Display for FaultKind {
                 write!(f, "no word can be written at address {address}: the data memory has {words} words")
             }
             FaultKind::DivisionByZero => f.write_str("an integer is divided by 0"),
-            FaultKind::CycleLimit(limit) => write!(f, "more than {limit} cycles for one message: --cycle-limit"),
+            FaultKind::InstructionLimit(limit) => {
+                write!(f, "more than {limit} instructions for one message, which is the limit")
+            }
             FaultKind::WordLimit(limit) => write!(f, "more than {limit} words written for one message"),
             FaultKind::Starved(queue) => write!(f, "it reads {}, but no more words come", channel(*queue)),
             FaultKind::Unread(queue, 1) => {

@@ -12,7 +12,7 @@
 //! | [`assemble`] | source text to a [`Program`], with errors that point |
 //! | [`object`], [`listing`], [`words`] | programs as object files and listings; words as people write them |
 //! | [`Executable`] | a program under given [`InstructionCycles`], ready to run |
-//! | [`Processor`] | a cell that runs one: words in, words and [ops](crate::machine::OpStream) out |
+//! | [`Processor`] | a cell that runs one: words in, words and [ops](crate::seam::OpStream) out |
 //!
 //! A program is started on a *message* (a ray): at its first instruction, with all registers 0 and the data memory as
 //! it was loaded; `done` ends the message. So nothing passes from one message to the next. A program that never says
@@ -23,6 +23,7 @@ mod cycles;
 pub mod encoding;
 mod executable;
 mod fault;
+pub mod kernels;
 pub mod listing;
 pub mod object;
 mod processor;

@@ -14,10 +14,10 @@
 use std::path::Path;
 
 use super::assembler::{Sources, assemble};
+use super::kernels::OTHER;
 use super::program::{Program, SourceFile, SourceLine};
 use crate::error::InputError;
 use crate::input::fields;
-use crate::machine::Work;
 
 /// The first line of an object file.
 const HEADER: &str = "pcs object";
@@ -49,7 +49,7 @@ fn parse(path: &Path, text: String) -> Result<Program, InputError> {
             (_, Ok(word)) if is_word => match in_data {
                 Some(false) => {
                     program.code.push(word);
-                    program.work.push(Work::Other);
+                    program.work.push(OTHER);
                     program.lines.push(SourceLine { file: 0, line: number });
                 }
                 Some(true) => program.data.push(word),

@@ -1,12 +1,15 @@
 //! The interpreter: a cell that executes a program, without a clock.
 
+use bitvec::vec::BitVec;
+
 use super::encoding::Instruction;
-use super::executable::{Executable, RESULT_SLOT, Step, queue_slot};
+use super::executable::{Executable, RESULT_SLOT, Step, UNCOUNTED, queue_slot};
 use super::fault::{Fault, FaultKind};
+use super::kernels::{OTHER, unit};
 use super::queues::Queues;
 use super::register::{Queue, Register};
-use super::table::Opcode;
-use crate::machine::{OpKind, OpStream, Work};
+use super::table::{Class, Opcode};
+use crate::seam::{Activity, OpKind, OpStream};
 
 /// Why a cell stands still.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,46 +31,55 @@ pub struct Processor<'a> {
     /// The rest of the memory, behind the data: the scene, which programs can only read.
     scene: &'a [u32],
     data: Vec<u32>,
-    /// Addresses in the data memory that the message has changed.
+    /// Addresses in the data memory that the message has changed, each once.
     changed: Vec<u32>,
+    /// Which those are.
+    is_changed: BitVec,
     registers: [u32; 64],
     address: u32,
     /// Why the instruction at its address has failed, until that is told.
     failed: Option<FaultKind>,
     /// It has executed the `done` or `halt` at its address.
     ended: bool,
-    /// Cycles computed for the message, and how many of them have been put down as ops.
-    cycles: u64,
-    noted: u64,
-    work: Work,
-    cycle_limit: u64,
+    /// Instructions executed for the message, by class, and how many of each have been put down as ops.
+    classes: Classes,
+    noted: Classes,
+    work: Activity,
+    instruction_limit: u64,
+    /// Instructions executed before the message.
+    before: u64,
     executed: u64,
     counts: Vec<u64>,
 }
+
+/// Counts by class, that of instructions that take no time behind them; as many as need no check of bounds.
+type Classes = [u64; 16];
 
 /// The most words that may be written for one message.
 const WORD_LIMIT: u64 = 1 << 24;
 
 impl<'a> Processor<'a> {
-    /// Limit of cycles for one message, unless another is asked for: 50 s of PCS.
-    pub const CYCLE_LIMIT: u64 = 1_000_000_000;
+    /// Limit of instructions for one message, unless another is asked for: some ten seconds of PCS, or of ours.
+    pub const INSTRUCTION_LIMIT: u64 = 200_000_000;
 
     /// A cell that has done nothing yet. `data` is its data memory, from address 0 on, and `scene` what follows.
-    pub fn new(executable: &'a Executable, data: &'a [u32], scene: &'a [u32], cycle_limit: u64) -> Processor<'a> {
+    pub fn new(executable: &'a Executable, data: &'a [u32], scene: &'a [u32], instruction_limit: u64) -> Processor<'a> {
         Processor {
             executable,
             loaded: data,
             scene,
             data: data.to_vec(),
             changed: Vec::new(),
+            is_changed: BitVec::repeat(false, data.len()),
             registers: [0; 64],
             address: 0,
             failed: None,
             ended: false,
-            cycles: 0,
-            noted: 0,
-            work: Work::Other,
-            cycle_limit,
+            classes: Classes::default(),
+            noted: Classes::default(),
+            work: OTHER,
+            instruction_limit,
+            before: 0,
             executed: 0,
             counts: vec![0; executable.counters().len()],
         }
@@ -85,7 +97,7 @@ impl<'a> Processor<'a> {
 
     /// Cycles computed for the message so far, without those of the words moved.
     pub fn cycles(&self) -> u64 {
-        self.cycles
+        (0..UNCOUNTED).map(|class| self.classes[class as usize] * self.executable.cycles_of(class)).sum()
     }
 
     /// Instructions executed since the cell was made.
@@ -133,22 +145,23 @@ impl<'a> Processor<'a> {
     /// Executes instructions that work between registers and memory, up to so many, as far as the next one is such.
     fn run_plain(&mut self, most: u64, ops: &mut OpStream) {
         let steps = self.executable.steps.as_slice();
-        let (mut address, mut cycles, mut executed) = (self.address, self.cycles, 0);
+        let (mut address, mut classes, mut executed) = (self.address, self.classes, 0);
+        let before = self.executed - self.before;
         while executed < most {
             let Some(step) = steps.get(address as usize).filter(|step| !step.special) else { break };
             if step.work != self.work {
-                self.cycles = cycles;
+                self.classes = classes;
                 self.note(ops);
                 self.work = step.work;
             }
-            cycles += step.cycles as u64;
+            classes[(step.class & 15) as usize] += 1;
             executed += 1;
-            match self.execute(step, address, cycles) {
+            match self.execute(step, address, before + executed) {
                 FAILED => break,
                 next => address = next,
             }
         }
-        (self.address, self.cycles) = (address, cycles);
+        (self.address, self.classes) = (address, classes);
         self.executed += executed;
     }
 
@@ -194,7 +207,7 @@ impl<'a> Processor<'a> {
                 self.ended = true;
                 return Ok(Some(if instruction.opcode == Opcode::Done { Stop::Done } else { Stop::Halted }));
             }
-            _ => match self.execute(&step, address, self.cycles) {
+            _ => match self.execute(&step, address, self.executed - self.before) {
                 FAILED => return Err(self.failed.take().unwrap_or(FaultKind::Halted)),
                 next => self.address = next,
             },
@@ -240,21 +253,24 @@ impl<'a> Processor<'a> {
         Ok(())
     }
 
-    /// Adds an instruction's cycles, after putting those of another kernel down.
+    /// Counts an instruction, after putting those of another kernel down.
     fn charge(&mut self, step: Step, ops: &mut OpStream) {
         if step.work != self.work {
             self.note(ops);
             self.work = step.work;
         }
-        self.cycles += step.cycles as u64;
+        self.classes[step.class as usize] += 1;
         self.executed += 1;
     }
 
-    /// Puts the cycles computed so far down as an op.
+    /// Puts the instructions executed so far down as ops, one a class.
     fn note(&mut self, ops: &mut OpStream) {
-        if self.cycles > self.noted {
-            ops.push(OpKind::Compute(self.work), self.cycles - self.noted);
-            self.noted = self.cycles;
+        for class in Class::ALL {
+            let (counted, noted) = (self.classes[class as usize], &mut self.noted[class as usize]);
+            if counted > *noted {
+                ops.push(OpKind::Work(unit(self.work, class)), counted - *noted);
+                *noted = counted;
+            }
         }
     }
 
@@ -266,9 +282,11 @@ impl<'a> Processor<'a> {
         self.ended = false;
         self.registers = [0; 64];
         self.address = 0;
-        (self.cycles, self.noted) = (0, 0);
+        (self.classes, self.noted) = (Classes::default(), Classes::default());
+        self.before = self.executed;
         for address in self.changed.drain(..) {
             self.data[address as usize] = self.loaded[address as usize];
+            self.is_changed.set(address as usize, false);
         }
         None
     }
@@ -279,9 +297,9 @@ impl<'a> Processor<'a> {
     }
 
     /// Does what an instruction does, between registers and memory, and gives the address of the next; or [`FAILED`], and
-    /// leaves in `failed` why. `cycles` are those of the message, the instruction's own among them.
+    /// leaves in `failed` why. `executed` counts the message's instructions, this one among them.
     #[inline(always)]
-    fn execute(&mut self, step: &Step, address: u32, cycles: u64) -> u32 {
+    fn execute(&mut self, step: &Step, address: u32, executed: u64) -> u32 {
         let [first, second, third] = step.slots.map(|slot| self.registers[(slot & 63) as usize]);
         let (a, b, i) = (second, third, step.constant as u32);
         let (fa, fb) = (f32::from_bits(a), f32::from_bits(b));
@@ -327,19 +345,19 @@ impl<'a> Processor<'a> {
             Opcode::Feq => (fa == fb) as u32,
             Opcode::Flt => (fa < fb) as u32,
             Opcode::Fle => (fa <= fb) as u32,
-            Opcode::Beq => return self.branch(first == second, i, next, cycles),
-            Opcode::Bne => return self.branch(first != second, i, next, cycles),
-            Opcode::Blt => return self.branch((first as i32) < second as i32, i, next, cycles),
-            Opcode::Bge => return self.branch(first as i32 >= second as i32, i, next, cycles),
-            Opcode::Bltu => return self.branch(first < second, i, next, cycles),
-            Opcode::Bgeu => return self.branch(first >= second, i, next, cycles),
-            Opcode::Fblt => return self.branch(f32::from_bits(first) < f32::from_bits(second), i, next, cycles),
-            Opcode::Fble => return self.branch(f32::from_bits(first) <= f32::from_bits(second), i, next, cycles),
-            Opcode::Jmp => return self.branch(true, i, next, cycles),
-            Opcode::Jr => return self.branch(true, first, next, cycles),
+            Opcode::Beq => return self.branch(first == second, i, next, executed),
+            Opcode::Bne => return self.branch(first != second, i, next, executed),
+            Opcode::Blt => return self.branch((first as i32) < second as i32, i, next, executed),
+            Opcode::Bge => return self.branch(first as i32 >= second as i32, i, next, executed),
+            Opcode::Bltu => return self.branch(first < second, i, next, executed),
+            Opcode::Bgeu => return self.branch(first >= second, i, next, executed),
+            Opcode::Fblt => return self.branch(f32::from_bits(first) < f32::from_bits(second), i, next, executed),
+            Opcode::Fble => return self.branch(f32::from_bits(first) <= f32::from_bits(second), i, next, executed),
+            Opcode::Jmp => return self.branch(true, i, next, executed),
+            Opcode::Jr => return self.branch(true, first, next, executed),
             Opcode::Call => {
                 self.registers[(step.slots[0] & 63) as usize] = next;
-                return self.branch(true, i, next, cycles);
+                return self.branch(true, i, next, executed);
             }
             Opcode::Done | Opcode::Halt => return next,
         };
@@ -349,14 +367,14 @@ impl<'a> Processor<'a> {
 
     /// The address behind a branch. Every loop has one that is taken, so the limit is held here.
     #[inline(always)]
-    fn branch(&mut self, taken: bool, to: u32, next: u32, cycles: u64) -> u32 {
+    fn branch(&mut self, taken: bool, to: u32, next: u32, executed: u64) -> u32 {
         if !taken {
             next
-        } else if cycles <= self.cycle_limit {
+        } else if executed <= self.instruction_limit {
             // Beyond all programs in any case, and not to be taken for a failure.
             to.min(FAILED - 1)
         } else {
-            self.fail(FaultKind::CycleLimit(self.cycle_limit))
+            self.fail(FaultKind::InstructionLimit(self.instruction_limit))
         }
     }
 
@@ -366,7 +384,9 @@ impl<'a> Processor<'a> {
         match self.data.get_mut(address as usize) {
             Some(word) => {
                 *word = value;
-                self.changed.push(address);
+                if !self.is_changed.replace(address as usize, true) {
+                    self.changed.push(address);
+                }
                 true
             }
             None => self.fail(FaultKind::Store { address, words }) != FAILED,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use crate::machine::Work;
+use crate::seam::Activity;
 
 /// A program for a cell: instructions, and the data memory as it is before the loader fills it in.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct Program {
     /// The instruction words. The program starts at the first one, whose address is 0.
     pub code: Vec<u32>,
     /// What each instruction works for.
-    pub work: Vec<Work>,
+    pub work: Vec<Activity>,
     /// Where each instruction stands in the source.
     pub lines: Vec<SourceLine>,
     /// The words of data memory, from address 0 of the memory on.

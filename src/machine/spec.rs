@@ -1,6 +1,8 @@
 //! The machine's parameters, as data.
 
-use super::units::{Cycles, Words};
+use crate::measure::Clock;
+use crate::quantities::{Cycles, Words};
+use crate::seam::Channel;
 
 /// An array's clock, links and FIFOs (§4.2, and the readings that the machine file explains).
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +21,8 @@ pub struct MachineSpec {
     pub latency: Cycles,
     /// Words of memory of a cell; unlimited if `None`.
     pub memory_words: Option<Words>,
+    /// Words that the FIFOs of X, Y and Z hold, where that is not `fifo_words`.
+    pub channel_words: [Option<Words>; 3],
 }
 
 /// What a link's rate counts.
@@ -28,6 +32,18 @@ pub enum RateCounts {
     Link,
     /// The words of each channel by itself.
     Channel,
+}
+
+impl std::str::FromStr for RateCounts {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<RateCounts, &'static str> {
+        match text.to_ascii_lowercase().as_str() {
+            "link" => Ok(RateCounts::Link),
+            "channel" => Ok(RateCounts::Channel),
+            _ => Err("expected link or channel"),
+        }
+    }
 }
 
 /// A link's rate in cycles.
@@ -50,6 +66,7 @@ impl Default for MachineSpec {
             rate_counts: RateCounts::Link,
             latency: Cycles(1),
             memory_words: None,
+            channel_words: [None; 3],
         }
     }
 }
@@ -57,6 +74,11 @@ impl Default for MachineSpec {
 impl MachineSpec {
     /// The largest FIFO that can be simulated, in words.
     pub const MAX_FIFO_WORDS: u64 = 1 << 20;
+
+    /// Words that each FIFO of a channel holds.
+    pub fn fifo_words_of(&self, channel: Channel) -> Words {
+        self.channel_words[channel as usize].unwrap_or(self.fifo_words)
+    }
 
     /// The rate of a link in cycles.
     pub fn link_rate(&self) -> LinkRate {
@@ -79,7 +101,12 @@ impl MachineSpec {
 
     /// A number of cycles in seconds of simulated time.
     pub fn seconds(&self, cycles: Cycles) -> f64 {
-        cycles.0 as f64 * self.clock_ns * 1e-9
+        self.clock().seconds(cycles)
+    }
+
+    /// The array's clock.
+    pub fn clock(&self) -> Clock {
+        Clock { cycle_ns: self.clock_ns }
     }
 
     /// Whether the link's rate is no whole number of cycles a word, and so had to be rounded.

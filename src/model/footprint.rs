@@ -22,7 +22,9 @@ pub struct Footprint {
 impl Footprint {
     /// nb_voxel/poly: voxels with edges `edge` that the polygons meet, each polygon by itself.
     pub fn voxels(&self, edge: DVec3) -> f64 {
-        self.count + (self.widths / edge).element_sum() + self.shadows.dot(edge) / edge.element_product()
+        // In a volume without width, a voxel may be too small for its size to be a number above 0.
+        let size = edge.element_product().max(f64::MIN_POSITIVE);
+        self.count + (self.widths / edge).element_sum() + self.shadows.dot(edge) / size
     }
 
     /// The footprint of a convex polygon's part inside a volume that a grid fills.

@@ -28,7 +28,7 @@ mod survey;
 pub mod throughput;
 
 pub use footprint::Footprint;
-pub use prediction::{Bill, Paper, Prediction};
+pub use prediction::{PaperFormulas, Prediction, Sizes};
 pub use sketch::RayWork;
 pub use survey::Survey;
 pub use throughput::{ArrayModel, Bound, CellLoad, Limit, LinkLoad, Links, Stage, Times};

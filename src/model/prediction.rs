@@ -11,7 +11,7 @@ use crate::geometry::voxels::Lattice;
 
 /// The counts that the paper's formulas give: whole walks of rays from everywhere, polygons that lie anyhow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Paper {
+pub struct PaperFormulas {
     /// nb_steps by [`grid::steps_bound`].
     pub voxels: f64,
     /// nb_filter1 by [`grid::candidates`].
@@ -26,7 +26,7 @@ pub struct Paper {
 
 /// Sizes over all groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bill {
+pub struct Sizes {
     /// P, a polygon in several sub-volumes counted in each.
     pub polygons: f64,
     /// nb_voxel.
@@ -35,7 +35,7 @@ pub struct Bill {
     pub references: f64,
 }
 
-impl Bill {
+impl Sizes {
     /// nb_voxel/poly.
     pub fn voxels_per_polygon(&self) -> f64 {
         self.references / self.polygons.max(1.0)
@@ -63,9 +63,9 @@ pub struct Prediction {
     /// coeff_grid.
     pub coefficient: f64,
     /// By the paper's formulas, for comparison.
-    pub paper: Paper,
+    pub paper: PaperFormulas,
     /// Grids and slabs.
-    pub bill: Bill,
+    pub sizes: Sizes,
     /// What each group does for a ray.
     pub groups: Vec<RayWork>,
     /// What each cell does for a ray.
@@ -95,7 +95,8 @@ impl Group {
     pub fn new(sketch: &Sketch<'_>, polygons: f64, coefficient: f64, thinnest: f64) -> Group {
         let lattice = Lattice::cubic(sketch.volume(), grid::voxels(coefficient, polygons), thinnest);
         // A flat volume has voxels without width, through which nothing moves.
-        let edge = lattice.voxel_extent().max(DVec3::splat(f64::MIN_POSITIVE.sqrt()));
+        let least = f64::MIN_POSITIVE.sqrt();
+        let edge = lattice.voxel_extent().max(DVec3::splat(least));
         let voxels = lattice.voxel_count() as f64;
         Group {
             polygons,
@@ -103,17 +104,17 @@ impl Group {
             references: sketch.all.voxels(edge),
             area: sketch.area,
             perimeter: sketch.perimeter,
-            edge: edge.element_product().cbrt(),
+            edge: edge.element_product().cbrt().max(least),
             work: sketch.work(edge),
         }
     }
 
-    fn paper(&self, coefficient: f64) -> Paper {
+    fn paper(&self, coefficient: f64) -> PaperFormulas {
         let polygons = self.polygons.max(1.0);
         let per_polygon = grid::voxels_per_polygon(self.area / polygons, self.perimeter / polygons, self.edge);
         let per_voxel = grid::polygons_per_voxel(per_polygon, coefficient);
         let steps = grid::steps_bound(coefficient, self.polygons);
-        Paper {
+        PaperFormulas {
             voxels: steps,
             candidates: grid::candidates(steps, per_voxel),
             voxels_per_polygon: per_polygon,
@@ -126,13 +127,15 @@ impl Group {
 impl Prediction {
     pub(super) fn new(groups: Vec<Group>, array: &ArrayModel, coefficient: f64) -> Prediction {
         let sum = |of: fn(&Group) -> f64| groups.iter().map(of).sum::<f64>();
-        let bill = Bill { polygons: sum(|g| g.polygons), voxels: sum(|g| g.voxels), references: sum(|g| g.references) };
-        let papers: Vec<(f64, Paper)> = groups.iter().map(|group| (group.polygons, group.paper(coefficient))).collect();
-        let total = |of: fn(&Paper) -> f64| papers.iter().map(|(_, paper)| of(paper)).sum::<f64>();
-        let mean = |of: fn(&Paper) -> f64| {
-            papers.iter().map(|(polygons, paper)| polygons * of(paper)).sum::<f64>() / bill.polygons.max(1.0)
+        let sizes =
+            Sizes { polygons: sum(|g| g.polygons), voxels: sum(|g| g.voxels), references: sum(|g| g.references) };
+        let papers: Vec<(f64, PaperFormulas)> =
+            groups.iter().map(|group| (group.polygons, group.paper(coefficient))).collect();
+        let total = |of: fn(&PaperFormulas) -> f64| papers.iter().map(|(_, paper)| of(paper)).sum::<f64>();
+        let mean = |of: fn(&PaperFormulas) -> f64| {
+            papers.iter().map(|(polygons, paper)| polygons * of(paper)).sum::<f64>() / sizes.polygons.max(1.0)
         };
-        let paper = Paper {
+        let paper = PaperFormulas {
             voxels: total(|paper| paper.voxels),
             candidates: total(|paper| paper.candidates),
             voxels_per_polygon: mean(|paper| paper.voxels_per_polygon),
@@ -142,7 +145,7 @@ impl Prediction {
         let work: Vec<RayWork> = groups.iter().map(|group| group.work).collect();
         let (cells, links, host) = (array.cell_loads(&work), array.link_loads(&work), array.host_load());
         let bound = Bound::new(host, &cells, &links, array.links);
-        Prediction { coefficient, paper, bill, groups: work, cells, links, host, bound }
+        Prediction { coefficient, paper, sizes, groups: work, cells, links, host, bound }
     }
 
     /// What all groups together do for a ray.

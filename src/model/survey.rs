@@ -12,6 +12,17 @@ use crate::geometry::{Polygons, Ray, Slabs};
 /// How many of the rays are looked at.
 const SAMPLE: usize = 2000;
 
+/// How many of them the search for the best coefficient looks at: it compares ten predictions, and what is amiss in a
+/// smaller sample is amiss in all of them alike.
+const SEARCH_SAMPLE: usize = SAMPLE / 4;
+
+/// The coefficients of the grids that the search really builds: one that stands for the coarse grids, and the annex's.
+const COARSE: f64 = 4.0;
+const FINE: f64 = 50.0;
+
+/// Coefficients above this one are nearer to the fine grid: about the geometric mean of the two.
+const NEARER_TO_FINE: f64 = 14.0;
+
 /// The coefficients among which the best is sought.
 const COEFFICIENTS: [f64; 10] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
 
@@ -41,10 +52,10 @@ impl<'a> Survey<'a> {
 
     /// The coefficient with the fewest cycles a ray, of 0.5, 1, 2, 5, ... 500, and what to expect of it.
     pub fn best_coefficient(&self, array: &ArrayModel) -> Result<(f64, Prediction), GridTooLarge> {
-        let few = Survey { rays: sample_of(&self.rays, SAMPLE / 4), slabs: self.slabs.clone(), ..*self };
-        let sketches = [few.sketch(array, 4.0)?, few.sketch(array, 50.0)?];
+        let few = Survey { rays: sample_of(&self.rays, SEARCH_SAMPLE), slabs: self.slabs.clone(), ..*self };
+        let sketches = [few.sketch(array, COARSE)?, few.sketch(array, FINE)?];
         let price = |&coefficient: &f64| {
-            let prediction = few.price(&sketches[usize::from(coefficient > 14.0)], array, coefficient);
+            let prediction = few.price(&sketches[usize::from(coefficient > NEARER_TO_FINE)], array, coefficient);
             (coefficient, prediction)
         };
         let priced: Vec<(f64, Prediction)> = COEFFICIENTS.par_iter().map(price).collect();

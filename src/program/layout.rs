@@ -4,12 +4,13 @@ use crate::error::InputError;
 use crate::geometry::grid::GridTooLarge;
 use crate::geometry::partition::SubVolume;
 use crate::geometry::{Bounds, Grid, Partition, Polygons, Ray, Slabs, partition};
+use crate::machine::KernelTimes;
 use crate::scene::Mesh;
 
 use super::array_program::{ArrayProgram, Stages};
-use super::kernel::KernelTimes;
 use super::stop_words::StopWords;
-use super::trace::{Tracer, WorkSample};
+use super::tracer::{Tracer, WorkSample};
+use super::work;
 use super::workload::{Group, Workload};
 
 /// One ray in so many is traced ahead to find where the work is (§4.1: 1.5 % of the pixels).
@@ -56,6 +57,7 @@ impl Workload {
             groups: Vec::new(),
             stages: program.placement(),
             times,
+            costs: work::costs(&work::vocabulary(false), &times, None),
             mailbox: program.mailbox,
             stop_words: program.stop_words.map(|ahead| StopWords { ahead, last: program.stages.len() - 1 }),
             forward_ahead: program.forward_ahead,

@@ -5,15 +5,13 @@
 
 mod array_program;
 pub mod cells;
-mod kernel;
 mod layout;
-mod machine_file;
+pub mod messages;
 mod stop_words;
-mod trace;
+mod tracer;
+pub mod work;
 mod workload;
 
 pub use array_program::{ArrayProgram, Kernel, Stages};
-pub use kernel::{HostTimes, KernelTimes, Times};
-pub use machine_file::{Machine, MachineFile, TimesUs};
-pub use trace::{Counts, Tracer, send_ray};
+pub use tracer::{Counts, Tracer, send_ray};
 pub use workload::{CellMemory, Workload};

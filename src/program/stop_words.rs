@@ -24,10 +24,8 @@
 //! stay unread in the end. [`StopWords::least_fifo_words`] is what they need to find room, and then nothing can ever block:
 //! whoever waits for a word waits for the answer to a VOXEL that has been sent, with all candidates before it.
 
-use crate::machine::{OpKind, OpStream};
-
-/// Words of a VOXEL message, and of the WORD that answers it.
-const VOXEL_WORDS: u64 = 1;
+use super::messages::VOXEL_WORDS;
+use crate::seam::{OpKind, OpStream};
 
 /// The protocol between the cells of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

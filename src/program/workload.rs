@@ -2,13 +2,15 @@
 
 use crate::error::InputError;
 use crate::geometry::{Grid, Polygons, Slabs, slabs};
-use crate::machine::{OpBatch, Words};
+use crate::machine::{HostTimes, KernelTimes, MachineSpec};
+use crate::quantities::Words;
+use crate::seam::{Channel, Costs, OpBatch};
 
 use super::array_program::{Kernel, Stages};
 use super::cells::{CellOptions, CellPrograms};
-use super::kernel::{HostTimes, KernelTimes};
+use super::messages::RAY_WORDS;
 use super::stop_words::StopWords;
-use super::trace::RAY_WORDS;
+use super::work;
 
 /// A scene's polygons with the grids and slabs that an array program gives its cells.
 #[derive(Clone, Debug)]
@@ -18,6 +20,8 @@ pub struct Workload {
     pub(super) groups: Vec<Group>,
     pub(super) stages: Stages,
     pub(super) times: KernelTimes,
+    /// What units of work cost on the machine that it was laid out for.
+    pub(super) costs: Costs,
     pub(super) mailbox: bool,
     pub(super) stop_words: Option<StopWords>,
     pub(super) forward_ahead: u32,
@@ -67,12 +71,18 @@ impl Workload {
             return Err(error.help("leave them out, or let the cells run timings"));
         }
         let programs = CellPrograms::new(&self, options)?;
-        Ok(Workload { programs: Some(programs), ..self })
+        let costs = work::costs(&work::vocabulary(true), &self.times, Some(&options.cycles));
+        Ok(Workload { programs: Some(programs), costs, ..self })
     }
 
     /// How the cells run programs, if they do.
     pub fn cell_options(&self) -> Option<&CellOptions> {
         self.programs.as_ref().map(|programs| &programs.options)
+    }
+
+    /// What units of work cost on the machine that it was laid out for. The ops do not depend on it.
+    pub fn costs(&self) -> &Costs {
+        &self.costs
     }
 
     /// What the host spends.
@@ -149,8 +159,15 @@ impl Workload {
         Err(InputError::new(message).help(help))
     }
 
+    /// Fails if a machine cannot run this: for want of memory in some cell, or of room for stop words. Whatever runs or
+    /// replays a workload begins with it.
+    pub fn check(&self, spec: &MachineSpec) -> Result<(), InputError> {
+        self.check_memory(spec.memory_words)?;
+        self.check_fifos(spec.fifo_words_of(Channel::Z))
+    }
+
     /// Fails if the FIFOs are too shallow for the stop words that are on their way at the end of a run.
-    pub fn check_fifos(&self, fifo_words: Words) -> Result<(), InputError> {
+    fn check_fifos(&self, fifo_words: Words) -> Result<(), InputError> {
         let Some(words) = self.stop_words.filter(|words| words.least_fifo_words() > fifo_words.0) else {
             return Ok(());
         };
@@ -160,7 +177,7 @@ impl Workload {
     }
 
     /// Fails if some cell needs more memory than it has.
-    pub fn check_memory(&self, memory: Option<Words>) -> Result<(), InputError> {
+    fn check_memory(&self, memory: Option<Words>) -> Result<(), InputError> {
         let Some(memory) = memory else { return Ok(()) };
         let largest = (0..self.cells()).max_by_key(|&cell| (self.memory_of(cell).total(), std::cmp::Reverse(cell)));
         let Some((cell, need)) = largest.map(|cell| (cell, self.memory_of(cell))).filter(|l| l.1.total() > memory)

@@ -1,6 +1,7 @@
 //! One sentence on what limits the machine.
 
-use crate::machine::{CellStats, Cycles, MachineSpec, RateCounts, RunStats, Work};
+use crate::measure::{Actor, Measured, StateKind, StateTimes, Toward};
+use crate::quantities::Cycles;
 
 /// What works for more than this share of the run is what the rest waits for.
 const SATURATED: f64 = 0.85;
@@ -8,54 +9,65 @@ const SATURATED: f64 = 0.85;
 /// A share of the run that is worth a word.
 const NOTABLE: f64 = 0.10;
 
+/// What a first cell waits for the host longer than limits the rest.
+const STARVED: f64 = 0.5;
+
 /// Names what limits the array, and why.
-pub fn sentence(stats: &RunStats, spec: &MachineSpec) -> String {
-    let by_work = |a: &(usize, &CellStats), b: &(usize, &CellStats)| work(a.1).cmp(&work(b.1)).then(b.0.cmp(&a.0));
-    let Some((index, busiest)) = stats.cells.iter().enumerate().max_by(by_work) else {
-        return "There are no cells.".to_owned();
-    };
-    let works = format!("works {} of the time, {}", percent(work(busiest), stats.cycles), main_work(busiest));
-    if share(work(busiest), stats) > SATURATED {
-        return format!("Cell {index} limits the array: it {works}{}.", effect(stats, index));
+pub fn sentence(run: &Measured) -> String {
+    let Some(index) = run.busiest() else { return "There are no cells.".to_owned() };
+    let states = &run.topology.states;
+    let busiest = &run.stations[index];
+    let works = states.works(busiest);
+    let told = format!("works {} of the time, {}", percent(works, run.cycles), main_work(run, busiest));
+    if run.share(works) > SATURATED {
+        return format!("Cell {index} limits the array: it {told}{}.", effect(run, index));
     }
-    if let Some(sentence) = link_limits(stats, spec).or_else(|| host_limits(stats)) {
+    if let Some(sentence) = link_limits(run).or_else(|| host_limits(run)) {
         return sentence;
     }
-    let blocked = stats.cells.iter().map(|cell| cell.blocked_x + cell.blocked_y).max().unwrap_or_default();
-    let why = if share(blocked, stats) > NOTABLE {
-        let blocked = percent(blocked, stats.cycles);
+    let blocked = run.stations.iter().map(|station| states.blocked(station)).max().unwrap_or_default();
+    let why = if run.share(blocked) > NOTABLE {
+        let blocked = percent(blocked, run.cycles);
         format!("but full FIFOs block a cell for {blocked}: deeper ones, or work cut more evenly, would let it go on")
     } else {
         "and the cells take turns at being waited for, as the work of a ray is uneven over them".to_owned()
     };
-    format!("No cell limits the array by itself: the busiest, cell {index}, {works}, {why}.")
+    format!("No cell limits the array by itself: the busiest, cell {index}, {told}, {why}.")
 }
 
-fn share(part: Cycles, stats: &RunStats) -> f64 {
-    if stats.cycles.0 == 0 { 0.0 } else { part.0 as f64 / stats.cycles.0 as f64 }
-}
-
-fn work(cell: &CellStats) -> Cycles {
-    cell.busy.total() + cell.moving
+/// How a sentence tells what a cell works on.
+fn doing(activity: &str) -> String {
+    match activity {
+        "grid" => "walking the grid".to_owned(),
+        "slabs" => "on slabs tests".to_owned(),
+        "intersection" => "on intersection tests".to_owned(),
+        "other" => "on other work".to_owned(),
+        another => format!("on {another}"),
+    }
 }
 
 /// "96.2 % on the slabs test", or moving words, whichever takes most.
-fn main_work(cell: &CellStats) -> String {
-    let names = ["walking the grid", "on slabs tests", "on intersection tests", "on other work"];
-    let works = Work::ALL.into_iter().zip(names).map(|(kind, name)| (cell.busy.of(kind), name));
-    let (most, name) = works.chain([(cell.moving, "moving words")]).max_by_key(|entry| entry.0).unwrap_or_default();
-    format!("{} of it {name}", percent(most, work(cell)))
+fn main_work(run: &Measured, times: &StateTimes) -> String {
+    let states = &run.topology.states;
+    let works = states.by_activity(times).map(|(name, cycles)| (cycles, doing(name)));
+    let moving = states.sum(times, |state| state.kind == StateKind::Moves);
+    let most = works.chain([(moving, "moving words".to_owned())]).max_by_key(|entry| entry.0);
+    let (most, name) = most.unwrap_or_default();
+    format!("{} of it {name}", percent(most, states.works(times)))
 }
 
 /// What the limiting cell does to its neighbours.
-fn effect(stats: &RunStats, index: usize) -> String {
-    // On Z, which leads to the left, it is the left one that lacks words.
-    let blocked = |cell: &CellStats| cell.blocked_x + cell.blocked_y + cell.waiting_z;
-    let blocked = stats.cells[..index].iter().map(blocked).max().unwrap_or_default();
-    let waiting = |cell: &CellStats| cell.waiting_x + cell.waiting_y + cell.blocked_z;
-    let waiting = stats.cells[index + 1..].iter().map(waiting).max().unwrap_or_default();
-    let part = |cycles: Cycles| percent(cycles, stats.cycles);
-    let significant = |cycles: Cycles| share(cycles, stats) > NOTABLE;
+fn effect(run: &Measured, index: usize) -> String {
+    let held_up = |stations: &[StateTimes], side: Toward| {
+        let toward = |times| {
+            run.topology.states.sum(times, |state| state.stands_at.as_ref().is_some_and(|(_, toward)| *toward == side))
+        };
+        stations.iter().map(toward).max().unwrap_or_default()
+    };
+    let blocked = held_up(&run.stations[..index], Toward::Downstream);
+    let waiting = held_up(&run.stations[index + 1..], Toward::Upstream);
+    let part = |cycles: Cycles| percent(cycles, run.cycles);
+    let significant = |cycles: Cycles| run.share(cycles) > NOTABLE;
     match (significant(blocked), significant(waiting)) {
         (true, true) => format!(
             "; to its left a cell stands blocked for {}, to its right one waits for {}",
@@ -69,34 +81,34 @@ fn effect(stats: &RunStats, index: usize) -> String {
 }
 
 /// A link that carries words for nearly all of the run.
-fn link_limits(stats: &RunStats, spec: &MachineSpec) -> Option<String> {
-    let rate = spec.link_rate();
-    let words = |name: String| stats.fifos.iter().find(|fifo| fifo.name == name).map_or(0, |fifo| fifo.words.0);
-    let links = (0..=stats.cells.len()).map(|index| {
-        let reader = if index == stats.cells.len() { "host".to_owned() } else { index.to_string() };
-        let (x, y) = (words(format!("X{reader}")), words(format!("Y{reader}")));
-        let counted = match rate.counts {
-            RateCounts::Link => x + y,
-            RateCounts::Channel => x.max(y),
-        };
-        (Cycles(counted.saturating_mul(rate.cycles_per_word)), std::cmp::Reverse(index))
-    });
-    let (busy, std::cmp::Reverse(index)) = links.max()?;
-    let leads_to =
-        if index == stats.cells.len() { "back to the host".to_owned() } else { format!("into cell {index}") };
-    (share(busy, stats) > SATURATED).then(|| {
+fn link_limits(run: &Measured) -> Option<String> {
+    // The first of several that are as busy.
+    let link = run.links.iter().rev().max_by_key(|link| link.busy)?;
+    let leads_to = match link.into {
+        Actor::Host => "back to the host".to_owned(),
+        Actor::Station(cell) => format!("into cell {cell}"),
+    };
+    (run.share(link.busy) > SATURATED).then(|| {
         format!(
             "The link {leads_to} limits the array: it carries words for {} of the time.",
-            percent(busy, stats.cycles)
+            percent(link.busy, run.cycles)
         )
     })
 }
 
-/// The first cell waits for rays: the host, or its link, is too slow.
-fn host_limits(stats: &RunStats) -> Option<String> {
-    let waiting = stats.cells.first()?.waiting_x;
-    (share(waiting, stats) > 0.5).then(|| {
-        format!("The host limits the array: cell 0 waits for rays {} of the time.", percent(waiting, stats.cycles))
+/// The first cell waits for jobs: the host, or its link, is too slow.
+fn host_limits(run: &Measured) -> Option<String> {
+    let first = run.stations.first()?;
+    let fed_by_host = |group: &str| {
+        let fifo = run.topology.fifo_of(group, Actor::Station(0));
+        fifo.is_some_and(|fifo| run.topology.fifos[fifo].from == Actor::Host)
+    };
+    let waiting = run.topology.states.sum(first, |state| {
+        let at_host = state.stands_at.as_ref().is_some_and(|(group, _)| fed_by_host(group));
+        state.kind == StateKind::Waits && at_host
+    });
+    (run.share(waiting) > STARVED).then(|| {
+        format!("The host limits the array: cell 0 waits for rays {} of the time.", percent(waiting, run.cycles))
     })
 }
 

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::summary::{aligned, grouped, table, time};
 use crate::host::shading::RayKind;
-use crate::machine::MachineSpec;
-use crate::simulation::{ByKind, KindCounts, KindLatencies, Timing};
+use crate::measure::Clock;
+use crate::run::{ByKind, KindCounts, KindLatencies, Timing};
 
 /// The rays of each kind, for the statistics file.
 #[derive(Clone, Debug, Serialize)]
@@ -60,7 +60,7 @@ impl Latency {
 }
 
 /// A row a kind, for people: how many, what they cost the cells, and how long they took to come back.
-pub fn kinds(counts: &ByKind<KindCounts>, timing: Option<(&Timing, &MachineSpec)>) -> String {
+pub fn kinds(counts: &ByKind<KindCounts>, timing: Option<(&Timing, Clock)>) -> String {
     let latency = ["latency min", "mean", "median", "90 %", "99 %", "max"];
     let columns =
         ["rays", "number", "hit", "busy cycles"].into_iter().chain(latency.into_iter().filter(|_| timing.is_some()));
@@ -68,9 +68,9 @@ pub fn kinds(counts: &ByKind<KindCounts>, timing: Option<(&Timing, &MachineSpec)
     for kind in RayKind::ALL {
         let KindCounts { rays, hits, busy } = counts[kind as usize];
         let mut row = vec![kind.name().to_owned(), grouped(rays), grouped(hits), grouped(busy)];
-        if let Some((timing, spec)) = timing {
+        if let Some((timing, clock)) = timing {
             let latencies = &timing.latencies[kind as usize];
-            let cycles = |cycles: f64| time(cycles * spec.clock_ns * 1e-9);
+            let cycles = |cycles: f64| time(clock.seconds_of(cycles));
             let at = |percent| cycles(latencies.percentile(percent).0 as f64);
             row.extend([at(0), cycles(latencies.mean()), at(50), at(90), at(99), at(100)]);
         }

@@ -1,8 +1,6 @@
-//! What a run tells: statistics, tables, hits, activity traces, pictures, pages. Nothing here measures anything.
+//! What a run tells: statistics, tables, hits, pictures, pages. Nothing here measures anything.
 
-pub mod activity;
 pub mod bottleneck;
-pub mod files;
 pub mod hits;
 pub mod kinds;
 pub mod page;

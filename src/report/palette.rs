@@ -1,7 +1,7 @@
 //! Colours with one meaning each, in plots and on pages alike: the palette of Okabe and Ito, which colour-blind readers can
 //! tell apart.
 
-use crate::machine::{CellState, Channel, Work};
+use crate::measure::{State, StateKind, States};
 
 /// Red, green, blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,21 +25,32 @@ pub const LINES: [Rgb; 7] = [
     Rgb(0, 0, 0),
 ];
 
-/// The colour of what a cell does.
-pub fn of_state(state: CellState) -> Rgb {
-    match state {
-        CellState::Busy(Work::Grid) => Rgb(0, 114, 178),
-        CellState::Busy(Work::Slabs) => Rgb(0, 158, 115),
-        CellState::Busy(Work::Intersection) => Rgb(86, 180, 233),
-        CellState::Busy(Work::Other) => Rgb(204, 121, 167),
-        CellState::Moving => Rgb(0, 0, 0),
-        CellState::Waiting(Channel::X) => Rgb(240, 228, 66),
-        CellState::Waiting(Channel::Y) => Rgb(250, 243, 176),
-        CellState::Waiting(Channel::Z) => Rgb(196, 180, 60),
-        CellState::Blocked(Channel::X) => Rgb(213, 94, 0),
-        CellState::Blocked(Channel::Y) => Rgb(230, 159, 0),
-        CellState::Blocked(Channel::Z) => Rgb(150, 62, 0),
-        CellState::Idle => Rgb(225, 225, 225),
+/// What a station works on, one after the other: blue, green, sky blue, purple, then more.
+const WORKS: [Rgb; 8] = [
+    Rgb(0, 114, 178),
+    Rgb(0, 158, 115),
+    Rgb(86, 180, 233),
+    Rgb(204, 121, 167),
+    Rgb(102, 102, 204),
+    Rgb(136, 204, 170),
+    Rgb(170, 120, 60),
+    Rgb(230, 180, 210),
+];
+/// Yellows: a station that waits.
+const WAITS: [Rgb; 3] = [Rgb(240, 228, 66), Rgb(250, 243, 176), Rgb(196, 180, 60)];
+/// Reds: a station that is blocked.
+const BLOCKED: [Rgb; 3] = [Rgb(213, 94, 0), Rgb(230, 159, 0), Rgb(150, 62, 0)];
+
+/// The colour of a state: by its kind, and by its place among the states of that kind.
+pub fn of_state(states: &States, state: &State) -> Rgb {
+    let place = states.all().iter().filter(|other| other.kind == state.kind).position(|other| other.id == state.id);
+    let of = |colors: &[Rgb]| colors[place.unwrap_or_default() % colors.len()];
+    match state.kind {
+        StateKind::Works => of(&WORKS),
+        StateKind::Moves => Rgb(0, 0, 0),
+        StateKind::Waits => of(&WAITS),
+        StateKind::Blocked => of(&BLOCKED),
+        StateKind::Idle => Rgb(225, 225, 225),
     }
 }
 

@@ -3,10 +3,11 @@
 use serde::Serialize;
 
 use super::summary::{aligned, grouped, table};
-use crate::machine::{RateCounts, RunStats, Work};
+use crate::machine::{Machine, RateCounts};
+use crate::measure::{Actor, Measured, StateKind, StateTimes};
 use crate::model::cost::KernelTime;
 use crate::model::{ArrayModel, Bound, CellLoad, Limit, LinkLoad, Links, Prediction, Stage, Times};
-use crate::program::{ArrayProgram, CellMemory, Counts, Kernel, Machine, Workload};
+use crate::program::{ArrayProgram, CellMemory, Counts, Kernel, Workload};
 
 /// An array program on a machine, as the model sees it.
 pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
@@ -15,7 +16,7 @@ pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
         slabs: kernels.contains(&Kernel::Slabs),
         intersection: kernels.contains(&Kernel::Intersection),
     };
-    let time = |times: crate::program::Times| KernelTime { start: times.start.0 as f64, each: times.each.0 as f64 };
+    let time = |times: crate::machine::Times| KernelTime { start: times.start.0 as f64, each: times.each.0 as f64 };
     let rate = machine.spec.link_rate();
     ArrayModel {
         stages: program.stages.iter().map(stage).collect(),
@@ -38,7 +39,7 @@ pub struct Run<'a> {
     /// What was counted.
     pub counts: &'a Counts,
     /// What was measured.
-    pub stats: &'a RunStats,
+    pub stats: &'a Measured,
 }
 
 /// One quantity.
@@ -93,23 +94,23 @@ pub struct CountedLoads {
 
 impl CountedLoads {
     /// Those of a run. `predicted` lends the waits between words, which follow from the messages' lengths alone.
-    pub fn new(stats: &RunStats, array: &ArrayModel, predicted: &[CellLoad]) -> CountedLoads {
-        let rays = stats.rays.max(1) as f64;
-        let cell = |(cell, predicted): (&crate::machine::CellStats, &CellLoad)| CellLoad {
-            grid: cell.busy.of(Work::Grid).0 as f64 / rays,
-            slabs: cell.busy.of(Work::Slabs).0 as f64 / rays,
-            intersection: cell.busy.of(Work::Intersection).0 as f64 / rays,
-            moving: cell.moving.0 as f64 / rays,
+    pub fn new(stats: &Measured, array: &ArrayModel, predicted: &[CellLoad]) -> CountedLoads {
+        let rays = stats.jobs.max(1) as f64;
+        let states = &stats.topology.states;
+        let on = |cell: &StateTimes, activity: &str| states.sum(cell, |state| state.name == activity).0 as f64 / rays;
+        let cell = |(cell, predicted): (&StateTimes, &CellLoad)| CellLoad {
+            grid: on(cell, "grid"),
+            slabs: on(cell, "slabs"),
+            intersection: on(cell, "intersection"),
+            moving: states.sum(cell, |state| state.kind == StateKind::Moves).0 as f64 / rays,
             link_wait: predicted.link_wait,
         };
-        let words = |channel: char, link: usize| {
-            let reader = if link == stats.cells.len() { "host".to_owned() } else { link.to_string() };
-            let name = format!("{channel}{reader}");
-            stats.fifos.iter().find(|fifo| fifo.name == name).map_or(0.0, |fifo| fifo.words.0 as f64 / rays)
-        };
-        let cells: Vec<CellLoad> = stats.cells.iter().zip(predicted).map(cell).collect();
-        let link = |link| LinkLoad { x: words('X', link), y: words('Y', link) };
-        let links: Vec<LinkLoad> = (0..=stats.cells.len()).map(link).collect();
+        let count = stats.stations.len();
+        let reader = |link: usize| if link == count { Actor::Host } else { Actor::Station(link) };
+        let words = |channel: &str, link: usize| stats.words_into(channel, reader(link)).0 as f64 / rays;
+        let cells: Vec<CellLoad> = stats.stations.iter().zip(predicted).map(cell).collect();
+        let link = |link| LinkLoad { x: words("X", link), y: words("Y", link) };
+        let links: Vec<LinkLoad> = (0..=count).map(link).collect();
         let bound = Bound::new(array.host_load(), &cells, &links, array.links);
         CountedLoads { cells, links, bound }
     }
@@ -126,7 +127,7 @@ pub fn rows(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -
 }
 
 fn counts(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> Vec<Row> {
-    let a_ray = |of: fn(&Counts) -> u64| run.map(|run| of(run.counts) as f64 / run.stats.rays.max(1) as f64);
+    let a_ray = |of: fn(&Counts) -> u64| run.map(|run| of(run.counts) as f64 / run.stats.jobs.max(1) as f64);
     let slabs = array.has_slabs();
     let candidates = a_ray(if slabs { |counts| counts.slab_tests } else { |counts| counts.intersection_tests });
     let mut rows = vec![
@@ -145,7 +146,7 @@ fn counts(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> 
 }
 
 fn memory(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> Vec<Row> {
-    let bill = &prediction.bill;
+    let sizes = &prediction.sizes;
     let grids =
         |of: fn(&crate::geometry::Grid) -> usize| run.map(|run| run.workload.grids().map(of).sum::<usize>() as f64);
     let references = grids(|grid| grid.reference_count());
@@ -155,16 +156,16 @@ fn memory(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> 
     };
     let paper = &prediction.paper;
     let mut rows = vec![
-        Row::new("voxels a polygon", bill.voxels_per_polygon())
+        Row::new("voxels a polygon", sizes.voxels_per_polygon())
             .paper(paper.voxels_per_polygon)
-            .counted(references.map(|references| references / bill.polygons.max(1.0))),
-        Row::new("polygons a voxel", bill.polygons_per_voxel())
+            .counted(references.map(|references| references / sizes.polygons.max(1.0))),
+        Row::new("polygons a voxel", sizes.polygons_per_voxel())
             .paper(paper.polygons_per_voxel)
             .counted(references.zip(voxels).map(|(references, voxels)| references / voxels.max(1.0))),
-        Row::new("words of grids", bill.grid_words()).paper(paper.grid_words).counted(words(|memory| memory.grid.0)),
+        Row::new("words of grids", sizes.grid_words()).paper(paper.grid_words).counted(words(|memory| memory.grid.0)),
     ];
     if array.has_slabs() {
-        let slabs = bill.slabs_words();
+        let slabs = sizes.slabs_words();
         rows.push(Row::new("words of slabs", slabs).paper(slabs).counted(words(|memory| memory.slabs.0)));
     }
     rows
@@ -187,7 +188,7 @@ fn cells(prediction: &Prediction, array: &ArrayModel, loads: Option<&CountedLoad
 fn speed(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>, loads: Option<&CountedLoads>) -> Vec<Row> {
     let bound = prediction.bound.cycles_per_ray;
     let counted = loads.map(|loads| loads.bound.cycles_per_ray);
-    let measured = run.map(|run| run.stats.cycles.0 as f64 / run.stats.rays.max(1) as f64);
+    let measured = run.map(|run| run.stats.cycles.0 as f64 / run.stats.jobs.max(1) as f64);
     let rate = |cycles: f64| array.cycles_per_second / cycles;
     let busiest = |links: &[LinkLoad]| links.iter().map(|link| link.cycles(array.links)).fold(0.0, f64::max);
     let link = loads.zip(measured).map(|(loads, cycles)| 100.0 * busiest(&loads.links) / cycles);

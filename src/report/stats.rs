@@ -4,54 +4,29 @@ use serde::Serialize;
 
 use super::bottleneck;
 use super::kinds::RaysByKind;
-use crate::machine::{CellStats, Cycles, FifoStats, MachineSpec, RunStats, Work};
-use crate::program::cells::CellOptions;
-use crate::program::{ArrayProgram, CellMemory, Counts, MachineFile, Workload};
-use crate::scene::Scene;
+use crate::measure::{Clock, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
+use crate::program::{CellMemory, Counts, Workload};
+use crate::run::RunSpec;
 
-/// What was run, beside its statistics: enough to run it again.
+/// What was run, beside its statistics: enough to run it again, and what its scene came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Configuration {
-    /// The simulator's version.
-    pub version: &'static str,
-    /// The scene: its name, or the file.
-    pub scene: String,
-    /// How many polygons it has.
+    /// The run.
+    #[serde(flatten)]
+    pub run: RunSpec,
+    /// How many polygons the scene has.
     pub polygons: usize,
-    /// The array program, as its file would have it.
-    pub program: ArrayProgram,
-    /// What the cells run: `timings` or `programs`.
-    pub cells_run: &'static str,
-    /// Where the cells' programs are, if they run any: a folder, or `standard`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cell_programs: Option<String>,
-    /// The most cycles that a program may compute for one ray, if cells run any.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cycle_limit: Option<u64>,
     /// Words that each cell's memory holds.
     pub memory: Vec<MemoryWords>,
-    /// The machine, as its file would have it.
-    pub machine: MachineFile,
 }
 
 impl Configuration {
     /// What a run is made of.
-    pub fn new(scene: &Scene, workload: &Workload, program: &ArrayProgram, machine: &MachineFile) -> Configuration {
-        let options = workload.cell_options();
-        let folder = |options: &CellOptions| match &options.folder {
-            Some(folder) => folder.display().to_string(),
-            None => "standard".to_owned(),
-        };
+    pub fn new(run: &RunSpec, workload: &Workload) -> Configuration {
         Configuration {
-            version: env!("CARGO_PKG_VERSION"),
-            scene: scene.name.clone(),
+            run: run.clone(),
             polygons: workload.polygons().len(),
-            program: program.clone(),
-            cells_run: if options.is_some() { "programs" } else { "timings" },
-            cell_programs: options.map(folder),
-            cycle_limit: options.map(|options| options.cycle_limit),
             memory: (0..workload.cells()).map(|cell| workload.memory_of(cell).into()).collect(),
-            machine: machine.clone(),
         }
     }
 }
@@ -99,28 +74,8 @@ struct Report<'a> {
     configuration: Option<&'a Configuration>,
 }
 
-#[derive(Serialize)]
-struct Cell {
-    busy: Busy,
-    moving: u64,
-    waiting_x: u64,
-    waiting_y: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    waiting_z: Option<u64>,
-    blocked_x: u64,
-    blocked_y: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    blocked_z: Option<u64>,
-    idle: u64,
-}
-
-#[derive(Serialize)]
-struct Busy {
-    grid: u64,
-    slabs: u64,
-    intersection: u64,
-    other: u64,
-}
+/// A cell's cycles by state: `busy` by activity, then `moving`, `waiting_x`, ..., `idle`.
+type Cell = serde_json::Map<String, serde_json::Value>;
 
 #[derive(Serialize)]
 struct Fifo<'a> {
@@ -141,80 +96,66 @@ struct CountsJson {
     hits: u64,
 }
 
-impl Cell {
-    fn new(stats: &CellStats, run: &RunStats) -> Cell {
-        let busy = |work| stats.busy.of(work).0;
-        let on_z = |cycles: Cycles| run.sends_back().then_some(cycles.0);
-        Cell {
-            busy: Busy {
-                grid: busy(Work::Grid),
-                slabs: busy(Work::Slabs),
-                intersection: busy(Work::Intersection),
-                other: busy(Work::Other),
-            },
-            moving: stats.moving.0,
-            waiting_x: stats.waiting_x.0,
-            waiting_y: stats.waiting_y.0,
-            waiting_z: on_z(stats.waiting_z),
-            blocked_x: stats.blocked_x.0,
-            blocked_y: stats.blocked_y.0,
-            blocked_z: on_z(stats.blocked_z),
-            idle: stats.idle.0,
-        }
-    }
+fn cell(run: &Measured, times: &StateTimes) -> Cell {
+    let key = |name: &str| name.to_lowercase().replace(' ', "_");
+    let states = &run.topology.states;
+    let busy: Cell = states.by_activity(times).map(|(name, cycles)| (key(name), cycles.0.into())).collect();
+    let others = states.used().filter(|state| state.kind != StateKind::Works);
+    let others = others.map(|state| (key(&state.name), times.of(state.id).0.into()));
+    std::iter::once(("busy".to_owned(), busy.into())).chain(others).collect()
 }
 
 impl<'a> Fifo<'a> {
-    fn new(stats: &'a FifoStats, run: &RunStats) -> Fifo<'a> {
-        let share = |cycles: u64| if run.cycles.0 == 0 { 0.0 } else { cycles as f64 / run.cycles.0 as f64 };
+    fn new(info: &'a FifoInfo, stats: &FifoStats, run: &Measured) -> Fifo<'a> {
         Fifo {
-            name: &stats.name,
-            capacity: stats.capacity.0,
+            name: &info.name,
+            capacity: info.capacity.0,
             words: stats.words.0,
             max: stats.max.0,
             mean: stats.mean(run.cycles),
-            full: share(stats.full.0),
-            empty: share(stats.empty.0),
+            full: run.share(stats.full),
+            empty: run.share(stats.empty),
         }
     }
 }
 
 /// The statistics of a run as indented JSON. A replay has no counts and no configuration.
 pub fn to_json(
-    stats: &RunStats,
-    spec: &MachineSpec,
+    run: &Measured,
+    clock: Clock,
     counts: Option<&Counts>,
     configuration: Option<&Configuration>,
 ) -> serde_json::Result<String> {
-    json(stats, spec, counts, None, configuration)
+    json(run, clock, counts, None, configuration)
 }
 
 /// The same for an image, with its rays by kind.
 pub fn image_to_json(
-    stats: &RunStats,
-    spec: &MachineSpec,
+    run: &Measured,
+    clock: Clock,
     counts: &Counts,
     kinds: &RaysByKind,
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
-    json(stats, spec, Some(counts), Some(kinds), Some(configuration))
+    json(run, clock, Some(counts), Some(kinds), Some(configuration))
 }
 
 fn json(
-    stats: &RunStats,
-    spec: &MachineSpec,
+    run: &Measured,
+    clock: Clock,
     counts: Option<&Counts>,
     rays_by_kind: Option<&RaysByKind>,
     configuration: Option<&Configuration>,
 ) -> serde_json::Result<String> {
-    let seconds = spec.seconds(stats.cycles);
+    let seconds = clock.seconds(run.cycles);
+    let fifos = run.topology.fifos.iter().zip(&run.fifos);
     let report = Report {
-        cycles: stats.cycles.0,
+        cycles: run.cycles.0,
         seconds,
-        rays: stats.rays,
-        rays_per_second: if seconds > 0.0 { stats.rays as f64 / seconds } else { 0.0 },
-        cells: stats.cells.iter().map(|cell| Cell::new(cell, stats)).collect(),
-        fifos: stats.fifos.iter().map(|fifo| Fifo::new(fifo, stats)).collect(),
+        rays: run.jobs,
+        rays_per_second: if seconds > 0.0 { run.jobs as f64 / seconds } else { 0.0 },
+        cells: run.stations.iter().map(|times| cell(run, times)).collect(),
+        fifos: fifos.map(|(info, stats)| Fifo::new(info, stats, run)).collect(),
         counts: counts.map(|counts| CountsJson {
             voxels: counts.voxels,
             slab_tests: counts.slab_tests,
@@ -222,7 +163,7 @@ fn json(
             hits: counts.hits,
         }),
         rays_by_kind,
-        bottleneck: bottleneck::sentence(stats, spec),
+        bottleneck: bottleneck::sentence(run),
         configuration,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")

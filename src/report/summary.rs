@@ -4,7 +4,7 @@ use comfy_table::{CellAlignment, Table};
 
 use super::bottleneck::percent;
 use super::time_unit::TimeUnit;
-use crate::machine::{CellState, CellStats, FifoStats, MachineSpec, RunStats};
+use crate::measure::{Clock, FifoInfo, FifoStats, Measured, State, StateTimes};
 
 /// A number with its thousands set off: `262 144`.
 pub fn grouped(number: u64) -> String {
@@ -20,14 +20,14 @@ pub fn time(seconds: f64) -> String {
 }
 
 /// Simulated time and throughput, in one line.
-pub fn speed(stats: &RunStats, spec: &MachineSpec) -> String {
-    let seconds = spec.seconds(stats.cycles);
-    let rate = if seconds > 0.0 { stats.rays as f64 / seconds } else { 0.0 };
+pub fn speed(run: &Measured, clock: Clock) -> String {
+    let seconds = clock.seconds(run.cycles);
+    let rate = if seconds > 0.0 { run.jobs as f64 / seconds } else { 0.0 };
     format!(
         "simulated time {} ({} cycles of {} ns), {} rays/s",
         time(seconds),
-        grouped(stats.cycles.0),
-        spec.clock_ns,
+        grouped(run.cycles.0),
+        clock.cycle_ns,
         grouped(rate.round() as u64),
     )
 }
@@ -36,56 +36,57 @@ pub fn speed(stats: &RunStats, spec: &MachineSpec) -> String {
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// The columns.
-    pub header: Vec<&'static str>,
+    pub header: Vec<String>,
     /// As many values a row.
     pub rows: Vec<Vec<String>>,
 }
 
 /// Where every cell's cycles went: a row a cell. `names` tells what each cell runs, as far as that is known.
-pub fn cell_rows(stats: &RunStats, names: &[String]) -> Rows {
-    let states: Vec<CellState> = stats.states().collect();
-    let row = |(index, cell): (usize, &CellStats)| {
+pub fn cell_rows(run: &Measured, names: &[String]) -> Rows {
+    let states: Vec<&State> = run.topology.states.used().collect();
+    let row = |(index, times): (usize, &StateTimes)| {
         let name = names.get(index).map_or(index.to_string(), |name| format!("{index} {name}"));
-        let shares = states.iter().map(|&state| percent(cell.of(state), stats.cycles));
+        let shares = states.iter().map(|state| percent(times.of(state.id), run.cycles));
         std::iter::once(name).chain(shares).collect()
     };
     Rows {
-        header: std::iter::once("cell").chain(states.iter().map(|state| state.name())).collect(),
-        rows: stats.cells.iter().enumerate().map(row).collect(),
+        header: std::iter::once("cell".to_owned()).chain(states.iter().map(|state| state.name.clone())).collect(),
+        rows: run.stations.iter().enumerate().map(row).collect(),
     }
 }
 
 /// What every FIFO held: a row a FIFO.
-pub fn fifo_rows(stats: &RunStats) -> Rows {
-    let row = |fifo: &FifoStats| {
+pub fn fifo_rows(run: &Measured) -> Rows {
+    let row = |(info, fifo): (&FifoInfo, &FifoStats)| {
         vec![
-            fifo.name.clone(),
+            info.name.clone(),
             grouped(fifo.words.0),
-            fifo.capacity.0.to_string(),
+            info.capacity.0.to_string(),
             fifo.max.0.to_string(),
-            format!("{:.2}", fifo.mean(stats.cycles)),
-            percent(fifo.full, stats.cycles),
-            percent(fifo.empty, stats.cycles),
+            format!("{:.2}", fifo.mean(run.cycles)),
+            percent(fifo.full, run.cycles),
+            percent(fifo.empty, run.cycles),
         ]
     };
     Rows {
-        header: vec!["FIFO", "words through", "holds", "max", "mean", "full", "empty"],
-        rows: stats.fifos.iter().map(row).collect(),
+        header: ["FIFO", "words through", "holds", "max", "mean", "full", "empty"].map(str::to_owned).to_vec(),
+        rows: run.topology.fifos.iter().zip(&run.fifos).map(row).collect(),
     }
 }
 
 /// The cells' table as text.
-pub fn cells(stats: &RunStats, names: &[String]) -> String {
-    text(cell_rows(stats, names))
+pub fn cells(run: &Measured, names: &[String]) -> String {
+    text(cell_rows(run, names))
 }
 
 /// The FIFOs' table as text.
-pub fn fifos(stats: &RunStats) -> String {
-    text(fifo_rows(stats))
+pub fn fifos(run: &Measured) -> String {
+    text(fifo_rows(run))
 }
 
 fn text(rows: Rows) -> String {
-    let mut table = table(&rows.header);
+    let header: Vec<&str> = rows.header.iter().map(String::as_str).collect();
+    let mut table = table(&header);
     table.add_rows(rows.rows);
     aligned(table)
 }

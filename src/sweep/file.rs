@@ -1,11 +1,13 @@
 //! The file of a sweep: for each parameter a value, a list of values or a range.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 
 use super::parameters::{MOST_VALUES, Parameter, SweepFile};
 use crate::error::InputError;
 use crate::input::fields;
+use crate::input::reading::{self, FileRead};
+use crate::isa::{Sources, assemble};
+use crate::scene::ReadOptions;
 
 /// The points of a sweep: every combination of its parameters' values.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,7 +21,7 @@ impl Sweep {
     /// Reads the file of a sweep.
     pub fn read(path: &Path) -> Result<Sweep, InputError> {
         let file: SweepFile = fields::parse(path, &fields::read_text(path)?)?;
-        let parameters = file.parameters();
+        let parameters = file.parameters;
         let count = parameters.iter().try_fold(1usize, |count, parameter| count.checked_mul(parameter.values.len()));
         match count.filter(|&count| count <= MOST_VALUES) {
             Some(points) => Ok(Sweep { parameters, points }),
@@ -48,19 +50,44 @@ impl Sweep {
     }
 
     /// What tells the sweep apart from all others: the program's version, the values, and what is in the files that they
-    /// name.
+    /// name and in those behind them.
     pub fn identity(&self) -> String {
         let parameters = self.parameters.iter().map(|parameter| (parameter.column.name, &parameter.values));
-        let values = self.parameters.iter().flat_map(|parameter| &parameter.values);
-        let files: Vec<(&String, u64)> = values.filter_map(|value| Some((value, digest(Path::new(value))?))).collect();
-        format!("{} {:?} {files:x?}", env!("CARGO_PKG_VERSION"), parameters.collect::<Vec<_>>())
+        let parameters: Vec<_> = parameters.collect();
+        let files = self.files();
+        let all = format!("{parameters:?} {files:?}");
+        format!("{} {}", env!("CARGO_PKG_VERSION"), blake3::hash(all.as_bytes()).to_hex())
+    }
+
+    /// The files that the points read, with what is in them.
+    fn files(&self) -> Vec<FileRead> {
+        let named = self.parameters.iter().flat_map(|parameter| {
+            parameter
+                .values
+                .iter()
+                .filter(|value| Path::new(value).exists())
+                .map(|value| (parameter.column.name, value))
+        });
+        named.flat_map(|(name, value)| files_behind(name, Path::new(value))).collect()
     }
 }
 
-/// A number that changes with a file's content; `None` if there is no such file.
-fn digest(path: &Path) -> Option<u64> {
-    let content = path.is_file().then(|| std::fs::read(path).ok())??;
-    let mut hasher = DefaultHasher::new();
-    content.hash(&mut hasher);
-    Some(hasher.finish())
+/// The files that a value of a parameter stands for. A pipe, which can be read but once, is left out.
+fn files_behind(name: &str, path: &Path) -> Vec<FileRead> {
+    if path.is_dir() {
+        let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
+        let mut files: Vec<FileRead> = entries.flat_map(|entry| files_behind(name, &entry.path())).collect();
+        files.sort();
+        return files;
+    }
+    if !path.is_file() {
+        return Vec::new();
+    }
+    let (_, files) = reading::noting(|| match name {
+        // A reader that fails has told what it read so far.
+        "scene" => crate::scene::load(path, &ReadOptions::default()).map_or((), drop),
+        "cell_programs" => assemble(path, Sources::Files, &[]).map_or((), drop),
+        _ => fields::read_text(path).map_or((), drop),
+    });
+    files
 }

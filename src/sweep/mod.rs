@@ -1,10 +1,13 @@
 //! Many runs at once: which points a sweep has, and the record that lets a killed one go on.
 
+mod engine;
 mod file;
 mod journal;
 mod parameters;
+mod point;
 mod record;
 
 pub use file::Sweep;
 pub use parameters::Parameter;
+pub use point::COLUMNS;
 pub use record::Record;

@@ -1,12 +1,15 @@
 //! The parameters that a sweep can vary, and what their values may be.
 
 use std::fmt;
+use std::sync::LazyLock;
 
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
+use crate::parameters::{Kind as Form, ParameterInfo};
 use crate::report::table::{Column, Kind};
+use crate::run::RunOptions;
 
 /// A parameter that a sweep sets, and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,91 +23,83 @@ pub struct Parameter {
 /// More values are surely a mistake.
 pub(super) const MOST_VALUES: usize = 1_000_000;
 
-/// Each parameter with the function that reads its values, and what it is.
-macro_rules! parameters {
-    ($($name:ident: $read:literal, $kind:ident, $label:literal;)*) => {
-        /// The file of a sweep.
-        #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub(super) struct SweepFile {
-            $(#[serde(default, deserialize_with = $read)] $name: Option<Vec<String>>,)*
-        }
+/// The file of a sweep: the parameters that it sets, in the order of tables.
+pub(super) struct SweepFile {
+    pub parameters: Vec<Parameter>,
+}
 
-        impl SweepFile {
-            /// The parameters that the file sets, in the order of tables.
-            pub fn parameters(self) -> Vec<Parameter> {
-                let all = [
-                    $((Column { name: stringify!($name), kind: Kind::$kind, label: $label }, self.$name)),*
-                ];
-                let given = all.into_iter().filter_map(|(column, values)| Some((column, values?)));
-                given.map(|(column, values)| Parameter { column, values }).collect()
+/// Whether a point is a whole image. It is one, too, if it has a parameter that only images have.
+pub(super) const IMAGE: ParameterInfo = ParameterInfo { name: "image", kind: Form::Truth, label: "whole image" };
+
+/// All that a sweep can set, in the order of tables.
+fn known_parameters() -> impl Iterator<Item = &'static ParameterInfo> {
+    RunOptions::parameters().chain([&IMAGE]).chain(RunOptions::image_parameters())
+}
+
+/// The names of all parameters, in the order of tables.
+static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| known_parameters().map(|known| known.name).collect());
+
+impl<'de> Deserialize<'de> for SweepFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<SweepFile, D::Error> {
+        struct Fields;
+        impl<'de> Visitor<'de> for Fields {
+            type Value = SweepFile;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the parameters of a sweep")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SweepFile, A::Error> {
+                let mut given: Vec<Option<Vec<String>>> = vec![None; NAMES.len()];
+                while let Some(Name(index)) = map.next_key()? {
+                    let known = known_parameters().nth(index);
+                    let known = known.filter(|_| given[index].is_none());
+                    let known = known.ok_or_else(|| A::Error::duplicate_field(NAMES[index]))?;
+                    given[index] = Some(map.next_value_seed(known.kind)?);
+                }
+                let column =
+                    |known: &ParameterInfo| Column { name: known.name, kind: known.kind.into(), label: known.label };
+                let all = known_parameters().zip(given);
+                let set = all.filter_map(|(known, values)| Some(Parameter { column: column(known), values: values? }));
+                Ok(SweepFile { parameters: set.collect() })
             }
         }
-    };
+        deserializer.deserialize_struct("SweepFile", &NAMES, Fields)
+    }
 }
 
-parameters! {
-    scene: "text", Text, "scene";
-    size_factor: "whole", Whole, "size factor of the scene";
-    resolution: "whole", Whole, "slices of spheres and cones";
-    size: "size", Text, "size of the image (pixels)";
-    rays: "text", Text, "rays";
-    mode: "text", Text, "mode";
-    program: "text", Text, "array program";
-    cells: "whole", Whole, "cells";
-    groups: "whole", Whole, "groups of cells";
-    partition: "text", Text, "partition of the scene";
-    grid_coefficient: "number", Number, "grid coefficient (voxels a polygon)";
-    mailbox: "truth", Truth, "mailbox in the grid";
-    stop_words: "whole", Whole, "voxels ahead of the stop words";
-    forward_ahead: "whole", Whole, "rays passed on ahead";
-    cells_run: "text", Text, "what the cells run";
-    machine: "text", Text, "machine";
-    clock_ns: "number", Number, "length of a cycle (ns)";
-    word_bytes: "whole", Whole, "size of a word (bytes)";
-    fifo_words: "whole", Whole, "depth of each FIFO (words)";
-    link_mb_s: "number", Number, "rate of a link (Mbyte/s)";
-    rate_counts: "text", Text, "what the rate of a link counts";
-    latency_cycles: "whole", Whole, "latency of a link (cycles)";
-    memory_words: "whole", Whole, "memory of a cell (words)";
-    host_ray_us: "number", Number, "host's time for sending a ray (µs)";
-    grid_start: "number", Number, "grid: start of a ray (µs)";
-    grid_voxel: "number", Number, "grid: step to a voxel (µs)";
-    slabs_start: "number", Number, "slabs: start of a ray (µs)";
-    slabs_polygon: "number", Number, "slabs: test of a polygon (µs)";
-    intersection_start: "number", Number, "intersection: start of a ray (µs)";
-    intersection_polygon: "number", Number, "intersection: test of a polygon (µs)";
+/// The place of a parameter among all.
+struct Name(usize);
+
+impl<'de> Deserialize<'de> for Name {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
+        struct Known;
+        impl Visitor<'_> for Known {
+            type Value = Name;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the name of a parameter")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<Name, E> {
+                let place = NAMES.iter().position(|known| *known == name);
+                place.map(Name).ok_or_else(|| E::unknown_field(name, &NAMES))
+            }
+        }
+        deserializer.deserialize_identifier(Known)
+    }
 }
 
-/// What the values of a parameter look like in the file.
-#[derive(Clone, Copy)]
-enum Form {
-    Text,
-    /// Width and height of an image; a number is both.
-    Size,
-    Truth,
-    Whole,
-    Number,
-}
-
-fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
-    Form::Text.deserialize(deserializer).map(Some)
-}
-
-fn size<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
-    Form::Size.deserialize(deserializer).map(Some)
-}
-
-fn truth<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
-    Form::Truth.deserialize(deserializer).map(Some)
-}
-
-fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
-    Form::Whole.deserialize(deserializer).map(Some)
-}
-
-fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
-    Form::Number.deserialize(deserializer).map(Some)
+impl From<Form> for Kind {
+    /// What the cells of a table's column hold.
+    fn from(form: Form) -> Kind {
+        match form {
+            Form::Text | Form::Size => Kind::Text,
+            Form::Truth => Kind::Truth,
+            Form::Whole => Kind::Whole,
+            Form::Number => Kind::Number,
+        }
+    }
 }
 
 impl Form {

@@ -8,8 +8,8 @@ use pcs_sim::isa::table::TABLE;
 use pcs_sim::isa::{
     Executable, FaultKind, Instruction, Processor, Program, Queues, Register, Sources, Stop, assemble, listing, object,
 };
-use pcs_sim::machine::OpStream;
-use pcs_sim::program::MachineFile;
+use pcs_sim::machine::MachineFile;
+use pcs_sim::seam::OpStream;
 use proptest::prelude::*;
 
 /// Any valid instruction.

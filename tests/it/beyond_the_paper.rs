@@ -2,15 +2,19 @@
 
 use std::convert::Infallible;
 
-use crate::support::{bits, ops, program, scene, ticking};
+use crate::support::ticking::{self, Ticked};
+use crate::support::{bits, machine, ops, priced, program, scene};
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::camera::ImageSize;
+use pcs_sim::host::policy::HostRules;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::Limits;
-use pcs_sim::machine::{Array, MachineSpec, OpBatch, OpKind, Words};
+use pcs_sim::machine::{Array, MachineSpec, Words};
+use pcs_sim::program::work;
 use pcs_sim::program::{ArrayProgram, Counts, Kernel, Workload};
+use pcs_sim::run::{self, Picture, Rendered, RunError, Seen, Timed, Watching, Workers};
 use pcs_sim::scene::Scene;
-use pcs_sim::simulation::{self, HostRules, Picture, Rendered, RunError, Seen};
+use pcs_sim::seam::{OpBatch, OpKind};
 
 const SCENES: [(&str, u32); 3] = [("room", 1), ("teapot", 4), ("reference", 2)];
 
@@ -28,7 +32,7 @@ fn spreads() -> [ArrayProgram; 4] {
 
 /// Hits and counts of a run under a machine, or why it failed.
 fn run(workload: &Workload, spec: &MachineSpec, rays: &[Ray]) -> Result<(Vec<[u32; 4]>, Counts), RunError<Infallible>> {
-    let outcome = simulation::run(workload, spec, rays, 1, |_| Ok::<_, Infallible>(()))?;
+    let outcome = run::run(workload, spec, rays, &Workers::new(1), |_| Ok::<_, Infallible>(()))?;
     Ok((outcome.hits.iter().map(bits).collect(), outcome.counts))
 }
 
@@ -42,7 +46,7 @@ fn depth(fifo_words: u64) -> MachineSpec {
 
 /// The shallowest FIFOs that a workload accepts.
 fn least_depth(workload: &Workload) -> u64 {
-    (1..).find(|&words| workload.check_fifos(Words(words)).is_ok()).unwrap()
+    (1..).find(|&words| workload.check(&depth(words)).is_ok()).unwrap()
 }
 
 #[test]
@@ -84,8 +88,7 @@ fn one_voxel_ahead_walks_no_voxel_in_vain() {
 }
 
 fn text(batch: &OpBatch, cell: usize, line: usize) -> String {
-    let words: Vec<String> = batch.cells[cell].line(line).iter().map(|op| op.to_string()).collect();
-    words.join(" ")
+    priced(batch.cells[cell].line(line), &work::costs(&work::vocabulary(false), &machine().times, None))
 }
 
 /// A ray through a wall of one square, in a grid of four voxels, and then another.
@@ -94,7 +97,8 @@ fn what_the_cells_say_to_each_other() {
     let folder = crate::support::command::Folder::new();
     folder.file("wall.obj", "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nv 0 4 0\nv 0 4 4\nv 4 4 4\nf 1 2 3 4\nf 5 6 7\n");
     folder.file("rays.csv", "ox,oy,oz,dx,dy,dz\n1,-1,3,0,1,0\n1,9,1,0,-1,0\n");
-    let run = "--scene wall.obj --rays rays.csv --grid-coefficient 32 --mode pipeline --ops a.ops --force";
+    let run =
+        "--scene wall.obj --rays rays.csv --grid-coefficient 32 --mode pipeline --ops a.ops --ops-form priced --force";
     folder.run(run).success();
     insta::assert_snapshot!("without stop words", folder.read("a.ops"));
     folder.run(&format!("{run} --stop-words 2")).success();
@@ -154,9 +158,9 @@ fn rays_ahead_cost_memory_and_gain_a_broadcast_nothing() {
     for (groups, fifo_words) in [(6, 512), (12, 512), (3, 8)] {
         let timed = |forward_ahead: u32| {
             let workload = workload(&scene, &ArrayProgram { forward_ahead, ..program("broadcast", groups) }, &rays);
-            let mut array = Array::new(&depth(fifo_words), workload.cells());
+            let mut array = Array::new(&depth(fifo_words), workload.costs(), workload.cells());
             for batch in ops(&workload, &rays) {
-                array.feed(batch);
+                array.feed(batch).unwrap();
                 array.run().unwrap();
             }
             (array.finish().unwrap().cycles, workload.memory_of(0).rays)
@@ -178,13 +182,17 @@ fn image(
     let sampling = Sampling { side: 1, adaptive: false };
     let picture = Picture { scene, workload, size, sampling, limits: Limits::default() };
     let mut batches = Vec::new();
-    let array = Array::new(spec, workload.cells());
-    let rendered = simulation::render(&picture, Some((array, HostRules::default())), 2, |seen| {
-        if let Seen::Sent(ops, _) = seen {
-            batches.push(ops.clone());
-        }
-        Ok(())
-    })?;
+    let rendered = run::render(
+        &picture,
+        Some(Timed { spec, rules: HostRules::default(), watching: Watching::default() }),
+        &Workers::new(2),
+        |seen| {
+            if let Seen::Sent(ops, _) = seen {
+                batches.push(ops.clone());
+            }
+            Ok(())
+        },
+    )?;
     Ok((rendered, batches))
 }
 
@@ -198,7 +206,8 @@ fn a_host_that_waits_for_hits_gets_on_with_stop_words() {
         let (rendered, batches) = image(&scene, &workload, &spec).unwrap();
         assert_eq!(rendered.pixels, plain.pixels);
         assert!(rendered.counts.voxels < plain.counts.voxels);
-        assert_eq!(rendered.timing.unwrap().stats, ticking::run(&spec, &batches).unwrap());
+        let ticked = ticking::run(&spec, workload.costs(), &batches).unwrap();
+        assert_eq!(Ticked::from(&rendered.timing.unwrap().stats), ticked);
     }
 }
 

@@ -27,7 +27,7 @@ fn results_are_files_and_the_last_lines_name_them() {
     let hits = folder.read("h.csv");
     assert_eq!(hits.lines().count(), 49);
     insta::assert_snapshot!("first hits", hits.lines().take(5).collect::<Vec<_>>().join("\n"));
-    insta::assert_snapshot!("first ops", folder.read("a.ops").lines().take(9).collect::<Vec<_>>().join("\n"));
+    insta::assert_snapshot!("first ops", folder.read("a.ops").lines().take(18).collect::<Vec<_>>().join("\n"));
     let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path("i.png")).unwrap()));
     let reader = decoder.read_info().unwrap();
     assert_eq!((reader.info().width, reader.info().height), (8, 6));

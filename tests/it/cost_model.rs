@@ -12,8 +12,8 @@ use pcs_sim::model::cost::{self, Filter, KernelTime};
 use pcs_sim::model::{Footprint, Prediction, Survey, grid, slabs};
 use pcs_sim::program::{ArrayProgram, Kernel, Workload};
 use pcs_sim::report::prediction::array_model;
+use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
-use pcs_sim::simulation;
 
 /// Every built-in scene, the largest ones smaller than they come.
 const SCENES: [(&str, u32); 12] = [
@@ -268,7 +268,7 @@ fn factors(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> [(&'static str,
         ("voxels", work.voxels / counted.voxels),
         ("candidates", work.candidates / counted.candidates),
         ("survivors", work.survivors / counted.survivors),
-        ("references", predicted.bill.references / counted.references),
+        ("references", predicted.sizes.references / counted.references),
         ("cycles", predicted.bound.cycles_per_ray / counted.cycles),
     ]
 }
@@ -285,8 +285,8 @@ struct Counted {
 
 fn count(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> Counted {
     let workload = workload(mesh, program, rays);
-    let outcome = simulation::run(&workload, &machine().spec, rays, 2, |_| Ok::<_, Infallible>(())).unwrap();
-    let works = outcome.stats.cells.iter().map(|cell| cell.busy.total() + cell.moving).max().unwrap();
+    let outcome = run::run(&workload, &machine().spec, rays, &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap();
+    let works = outcome.stats.stations.iter().map(|cell| outcome.stats.topology.states.works(cell)).max().unwrap();
     let a_ray = |count: u64| count as f64 / rays.len() as f64;
     Counted {
         voxels: a_ray(outcome.counts.voxels),
@@ -316,7 +316,7 @@ fn the_documented_errors_are_these() {
             whole.voxels / paper.voxels,
             stopping.voxels / paper.voxels,
             whole.candidates / paper.candidates,
-            whole.references / pipeline.bill.polygons / paper.voxels_per_polygon,
+            whole.references / pipeline.sizes.polygons / paper.voxels_per_polygon,
             whole.voxels / work.voxels,
             whole.candidates / work.candidates,
             whole.survivors / work.survivors,

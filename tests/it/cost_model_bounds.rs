@@ -2,20 +2,24 @@
 
 use std::convert::Infallible;
 
-use crate::support::{ops, program, scene};
+use crate::support::{ops, program, scene, spent};
 use glam::Vec3;
 use pcs_sim::geometry::{Partition, Ray};
-use pcs_sim::machine::{Cycles, MachineSpec, OpBatch, OpKind, RateCounts, RunStats, Words, Work};
+use pcs_sim::machine::{Cycles, Machine, MachineSpec, RateCounts, Words};
+use pcs_sim::measure::Measured;
 use pcs_sim::model::{ArrayModel, Bound, CellLoad, Limit, LinkLoad, RayWork, Stage};
-use pcs_sim::program::{ArrayProgram, Kernel, Machine, Workload};
+use pcs_sim::program::work;
+use pcs_sim::program::{ArrayProgram, Kernel, Workload};
 use pcs_sim::report::prediction::{CountedLoads, array_model};
+use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
-use pcs_sim::simulation;
+use pcs_sim::seam::{OpBatch, OpKind};
 use proptest::prelude::*;
 
 /// What the cells and links do for a ray, from their ops.
-fn loads(batches: &[OpBatch], rays: f64, array: &ArrayModel) -> (Vec<CellLoad>, Vec<LinkLoad>) {
-    let count = batches[0].cells.len();
+fn loads(workload: &Workload, rays: &[Ray], array: &ArrayModel) -> (Vec<CellLoad>, Vec<LinkLoad>) {
+    let (batches, costs): (Vec<OpBatch>, _) = (ops(workload, rays), workload.costs());
+    let (count, rays) = (workload.cells(), rays.len() as f64);
     let mut cells = vec![CellLoad::default(); count];
     let mut links = vec![LinkLoad::default(); count + 1];
     links[0].x = 8.0;
@@ -27,9 +31,14 @@ fn loads(batches: &[OpBatch], rays: f64, array: &ArrayModel) -> (Vec<CellLoad>, 
     {
         let (load, amount) = (&mut cells[index], f64::from(op.count()) / rays);
         match op.kind() {
-            OpKind::Compute(Work::Grid) => load.grid += amount,
-            OpKind::Compute(Work::Slabs) => load.slabs += amount,
-            OpKind::Compute(Work::Intersection) => load.intersection += amount,
+            OpKind::Work(unit) => {
+                let cycles = amount * costs.of(unit).0 as f64;
+                match costs.activity(unit) {
+                    work::GRID => load.grid += cycles,
+                    work::SLABS => load.slabs += cycles,
+                    _ => load.intersection += cycles,
+                }
+            }
             OpKind::PassX if index + 1 < count => {
                 load.moving += amount;
                 load.link_wait += (f64::from(op.count()) - 1.0) * gap / rays;
@@ -52,16 +61,16 @@ fn machine(spec: MachineSpec, host_ray: u64) -> Machine {
     machine
 }
 
-fn run(mesh: &Mesh, program: &ArrayProgram, machine: &Machine, rays: &[Ray]) -> (RunStats, Workload) {
+fn run(mesh: &Mesh, program: &ArrayProgram, machine: &Machine, rays: &[Ray]) -> (Measured, Workload) {
     let workload = Workload::new(mesh, program, machine.times, rays).unwrap();
-    let outcome = simulation::run(&workload, &machine.spec, rays, 2, |_| Ok::<_, Infallible>(())).unwrap();
+    let outcome = run::run(&workload, &machine.spec, rays, &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap();
     (outcome.stats, workload)
 }
 
 /// The bound of a run's ops.
 fn bound(workload: &Workload, program: &ArrayProgram, machine: &Machine, rays: &[Ray]) -> Bound {
     let array = array_model(program, machine);
-    let (cells, links) = loads(&ops(workload, rays), rays.len() as f64, &array);
+    let (cells, links) = loads(workload, rays, &array);
     Bound::new(array.host_load(), &cells, &links, array.links)
 }
 
@@ -130,7 +139,8 @@ fn loads_are_those_of_the_ops() {
         let machine = machine(MachineSpec { link_mb_s, ..MachineSpec::default() }, 0);
         let program = program("pipeline", 1);
         let (stats, workload) = run(&scene.mesh, &program, &machine, &rays);
-        let counts = simulation::run(&workload, &machine.spec, &rays, 1, |_| Ok::<_, Infallible>(())).unwrap().counts;
+        let counts =
+            run::run(&workload, &machine.spec, &rays, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap().counts;
         let a_ray = |count: u64| count as f64 / rays.len() as f64;
         let work = RayWork {
             voxels: a_ray(counts.voxels),
@@ -139,7 +149,7 @@ fn loads_are_those_of_the_ops() {
             ..RayWork::default()
         };
         let array = array_model(&program, &machine);
-        let (cells, links) = loads(&ops(&workload, &rays), rays.len() as f64, &array);
+        let (cells, links) = loads(&workload, &rays, &array);
         let same = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b.abs(), "{a} {b}");
         let modelled = array.cell_loads(&[work]);
         for (modelled, counted) in modelled.iter().zip(&cells) {
@@ -228,9 +238,9 @@ fn deep_fifos_come_up_to_the_bound() {
         let over = stats.cycles.0 - least;
         assert!((over as f64) < within * least as f64, "{name}: {over} cycles over {least}");
         // The bound cell is never blocked, and waits for words on the first ray alone.
-        let first = &stats.cells[0];
-        assert_eq!((first.blocked_x.0, first.blocked_y.0), (0, 0), "{name}");
-        assert_eq!(least + first.waiting_x.0 + first.idle.0, stats.cycles.0, "{name}");
+        let first = |state: &str| spent(&stats, 0, state);
+        assert_eq!((first("blocked X"), first("blocked Y")), (0, 0), "{name}");
+        assert_eq!(least + first("waiting X") + first("idle"), stats.cycles.0, "{name}");
     }
 }
 

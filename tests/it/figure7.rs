@@ -5,13 +5,13 @@
 
 use std::convert::Infallible;
 
-use crate::support::{machine, program, workload};
+use crate::support::{fifo, machine, program, spent, workload};
 use glam::Vec3;
 use pcs_sim::geometry::Ray;
-use pcs_sim::machine::{CellStats, RunStats, Work};
+use pcs_sim::measure::Measured;
 use pcs_sim::program::ArrayProgram;
+use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
-use pcs_sim::simulation;
 
 /// Squares one behind the other, from z = 0 on.
 fn squares(count: u32) -> Mesh {
@@ -25,12 +25,12 @@ fn squares(count: u32) -> Mesh {
 }
 
 /// One ray through a grid of just one voxel, in a program of so many groups.
-fn run(mode: &str, groups: usize, mesh: &Mesh, ray: Ray) -> RunStats {
+fn run(mode: &str, groups: usize, mesh: &Mesh, ray: Ray) -> Measured {
     let polygons = mesh.faces().len() as f64;
     let program = ArrayProgram { grid_coefficient: 1.0 / polygons, ..program(mode, groups) };
     let workload = workload(mesh, &program, &[ray]);
     assert!(workload.grids().all(|grid| grid.voxel_count() == 1));
-    simulation::run(&workload, &machine().spec, &[ray], 1, |_| Ok::<_, Infallible>(())).unwrap().stats
+    run::run(&workload, &machine().spec, &[ray], &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap().stats
 }
 
 /// Along z through all squares.
@@ -43,8 +43,15 @@ fn beside() -> Ray {
     Ray::new(Vec3::new(9.0, 9.0, -1.0), Vec3::Z)
 }
 
-fn busy(cell: &CellStats) -> [u64; 3] {
-    [Work::Grid, Work::Slabs, Work::Intersection].map(|work| cell.busy.of(work).0)
+/// What each cell spent on the three kernels.
+fn busy(run: &Measured) -> Vec<[u64; 3]> {
+    let of = |cell: usize| ["grid", "slabs", "intersection"].map(|kernel| spent(run, cell, kernel));
+    (0..run.stations.len()).map(of).collect()
+}
+
+/// What each cell spent in a state.
+fn all(run: &Measured, state: &str) -> Vec<u64> {
+    (0..run.stations.len()).map(|cell| spent(run, cell, state)).collect()
 }
 
 #[test]
@@ -53,11 +60,11 @@ fn pipeline_miss() {
     // P3: intersection start 11-30, waits from 31, END in 612, HIT 613-617. The host reads its last word in 618.
     let stats = run("pipeline", 1, &squares(1), beside());
     assert_eq!(stats.cycles.0, 619);
-    assert_eq!(stats.cells.iter().map(busy).collect::<Vec<_>>(), [[600, 0, 0], [0, 180, 0], [0, 0, 20]]);
-    assert_eq!(stats.cells.iter().map(|cell| cell.moving.0).collect::<Vec<_>>(), [9, 10, 14]);
-    assert_eq!(stats.cells.iter().map(|cell| cell.waiting_x.0).collect::<Vec<_>>(), [1, 2, 3]);
-    assert_eq!(stats.cells.iter().map(|cell| cell.waiting_y.0).collect::<Vec<_>>(), [0, 420, 581]);
-    assert_eq!(stats.cells.iter().map(|cell| cell.idle.0).collect::<Vec<_>>(), [9, 7, 1]);
+    assert_eq!(busy(&stats), [[600, 0, 0], [0, 180, 0], [0, 0, 20]]);
+    assert_eq!(all(&stats, "moving"), [9, 10, 14]);
+    assert_eq!(all(&stats, "waiting X"), [1, 2, 3]);
+    assert_eq!(all(&stats, "waiting Y"), [0, 420, 581]);
+    assert_eq!(all(&stats, "idle"), [9, 7, 1]);
 }
 
 #[test]
@@ -66,7 +73,7 @@ fn pipeline_one_voxel_with_one_polygon() {
     // P3: candidate in 1028, intersection 1029-1628, END in 1629, HIT 1630-1634. The host reads the last word in 1635.
     let stats = run("pipeline", 1, &squares(1), through());
     assert_eq!(stats.cycles.0, 1636);
-    assert_eq!(stats.cells.iter().map(busy).collect::<Vec<_>>(), [[756, 0, 0], [0, 440, 0], [0, 0, 620]]);
+    assert_eq!(busy(&stats), [[756, 0, 0], [0, 440, 0], [0, 0, 620]]);
 }
 
 #[test]
@@ -76,9 +83,9 @@ fn pipeline_three_candidates() {
     // in 2230, 2231-2830; END in 2831, HIT 2832-2836. The host reads the last word in 2837.
     let stats = run("pipeline", 1, &squares(3), through());
     assert_eq!(stats.cycles.0, 2838);
-    assert_eq!(stats.cells.iter().map(busy).collect::<Vec<_>>(), [[756, 0, 0], [0, 960, 0], [0, 0, 1820]]);
+    assert_eq!(busy(&stats), [[756, 0, 0], [0, 960, 0], [0, 0, 1820]]);
     // From 1553 to 1628 Y2 holds the second and third candidate and END.
-    assert_eq!(stats.fifos.iter().find(|fifo| fifo.name == "Y2").unwrap().max.0, 3);
+    assert_eq!(fifo(&stats, "Y2").max.0, 3);
 }
 
 #[test]
@@ -96,7 +103,7 @@ fn broadcast_of_two_cells_miss() {
     // Cell 0: grid 9-608, HIT 609-613. Cell 1: grid 10-609, HIT in 610-614, out 615-619. The host reads it by 620.
     let stats = run("broadcast", 2, &squares(2), beside());
     assert_eq!(stats.cycles.0, 621);
-    assert_eq!(stats.cells.iter().map(|cell| cell.moving.0).collect::<Vec<_>>(), [13, 18]);
+    assert_eq!(all(&stats, "moving"), [13, 18]);
 }
 
 #[test]
@@ -123,5 +130,5 @@ fn hybrid_of_two_groups_passes_hits_on() {
     // Cell 3: start 12-31, END in 612, HIT in 618-622, out 623-627, read by 628.
     let stats = run("hybrid", 2, &squares(2), beside());
     assert_eq!(stats.cycles.0, 629);
-    assert_eq!(stats.cells[3].waiting_y.0, (612 - 32) + (618 - 613));
+    assert_eq!(spent(&stats, 3, "waiting Y"), (612 - 32) + (618 - 613));
 }

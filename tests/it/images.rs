@@ -4,17 +4,21 @@
 use std::convert::Infallible;
 use std::path::Path;
 
+use crate::support::command::Folder;
+use crate::support::ticking::{self, Ticked};
 use crate::support::whitted::Judge;
-use crate::support::{command::Folder, ticking};
+use crate::support::{fifo, spent};
 use glam::{DVec3, Vec3};
 use pcs_sim::geometry::{Polygons, Ray, brute_force};
 use pcs_sim::host::camera::ImageSize;
+use pcs_sim::host::policy::{HostRules, Policy};
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::{Branch, Limits, RayKind, Shader, reflect, refract};
-use pcs_sim::machine::{Array, Cycles, MachineSpec, OpBatch, OpKind};
-use pcs_sim::program::{KernelTimes, MachineFile, Workload};
+use pcs_sim::machine::{Cycles, KernelTimes, MachineFile, MachineSpec};
+use pcs_sim::program::Workload;
+use pcs_sim::run::{self, Picture, Rendered, Seen, Timed, Timing, Watching, Workers};
 use pcs_sim::scene::{Material, Mesh, ReadOptions, Scene, builtin};
-use pcs_sim::simulation::{self, HostRules, Picture, Policy, Rendered, Seen, Timing};
+use pcs_sim::seam::{OpBatch, OpKind};
 
 const POLICIES: [Policy; 3] = [Policy::SecondariesFirst, Policy::PrimariesFirst, Policy::ByGeneration];
 
@@ -36,19 +40,19 @@ fn plain(side: u32) -> Sampling {
 }
 
 fn untimed(picture: &Picture, threads: usize) -> Rendered {
-    simulation::render(picture, None, threads, |_| Ok::<_, Infallible>(())).unwrap()
+    run::render(picture, None, &Workers::new(threads), |_| Ok::<_, Infallible>(())).unwrap()
 }
 
 /// A timed image, and the ops that the host and the cells did.
 fn timed(picture: &Picture, spec: &MachineSpec, rules: HostRules) -> (Rendered, Vec<OpBatch>) {
     let mut batches = Vec::new();
-    let array = Array::new(spec, picture.workload.cells());
-    let rendered = simulation::render(picture, Some((array, rules)), 2, |seen| {
-        if let Seen::Sent(ops, _) = seen {
-            batches.push(ops.clone());
-        }
-        Ok::<_, Infallible>(())
-    });
+    let rendered =
+        run::render(picture, Some(Timed { spec, rules, watching: Watching::default() }), &Workers::new(2), |seen| {
+            if let Seen::Sent(ops, _) = seen {
+                batches.push(ops.clone());
+            }
+            Ok::<_, Infallible>(())
+        });
     (rendered.unwrap(), batches)
 }
 
@@ -130,7 +134,8 @@ fn timing_in_a_closed_loop_is_what_ticking_its_ops_gives() {
                     let rules = HostRules { policy, in_flight, open_samples };
                     let (rendered, batches) = timed(&picture, &narrow, rules);
                     let stats = timing(rendered).stats;
-                    assert_eq!(stats, ticking::run(&narrow, &batches).unwrap(), "{program} {rules:?}");
+                    let ticked = ticking::run(&narrow, workload.costs(), &batches).unwrap();
+                    assert_eq!(Ticked::from(&stats), ticked, "{program} {rules:?}");
                 }
             }
         }
@@ -149,7 +154,7 @@ fn a_ray_is_sent_after_its_parents_hit_and_never_more_than_may_be_in_flight() {
     assert!(batches.iter().filter(waits).count() as u64 >= secondaries, "every secondary ray waits for its parent");
     // One ray at a time: each waits for the one before it, so no FIFO ever holds words of two.
     let alone = timing(rendered).stats;
-    let x0 = alone.fifos.iter().find(|fifo| fifo.name == "X0").unwrap();
+    let x0 = fifo(&alone, "X0");
     assert!(x0.max.0 <= 8, "{x0:?}");
     let (free, _) = timed(&picture, &MachineSpec::default(), HostRules::default());
     assert!(timing(free).stats.cycles < alone.cycles);
@@ -171,8 +176,8 @@ fn refined_samples_wait_for_what_asks_for_them_and_for_no_more() {
         if policy == Policy::PrimariesFirst {
             assert_eq!(batches[..pixels].iter().filter(waits).count(), 0, "all of them may be sent at once");
         }
-        let cell = timing(rendered).stats.cells[0];
-        assert_eq!(cell.waiting_x, Cycles(1), "from the second cycle on the first cell has rays to read");
+        let stats = timing(rendered).stats;
+        assert_eq!(spent(&stats, 0, "waiting X"), 1, "from the second cycle on the first cell has rays to read");
     }
 }
 
@@ -183,11 +188,14 @@ fn latencies_and_counts_by_kind_add_up() {
     let picture = picture(&scene, &workload, 32, plain(1));
     let (rendered, batches) = timed(&picture, &MachineSpec::default(), HostRules::default());
     let timing = rendered.timing.unwrap();
-    let sum = |of: fn(&simulation::KindCounts) -> u64| rendered.kinds.iter().map(of).sum::<u64>();
-    assert_eq!(sum(|kind| kind.rays), timing.stats.rays);
+    let sum = |of: fn(&run::KindCounts) -> u64| rendered.kinds.iter().map(of).sum::<u64>();
+    assert_eq!(sum(|kind| kind.rays), timing.stats.jobs);
     assert_eq!(sum(|kind| kind.rays), batches.len() as u64);
     assert_eq!(sum(|kind| kind.hits), rendered.counts.hits);
-    assert_eq!(sum(|kind| kind.busy), timing.stats.cells.iter().map(|cell| cell.busy.total().0).sum::<u64>());
+    assert_eq!(sum(|kind| kind.busy), {
+        let busy = |cell| timing.stats.topology.states.by_activity(cell).map(|(_, cycles)| cycles.0).sum::<u64>();
+        timing.stats.stations.iter().map(busy).sum::<u64>()
+    });
     assert_eq!(rendered.kinds[0].rays, picture.size.pixels() as u64);
     assert!(rendered.kinds.iter().all(|kind| kind.rays > 0), "the scene has all kinds");
     for latencies in &timing.latencies {

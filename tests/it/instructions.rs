@@ -1,10 +1,11 @@
 //! Every instruction of the table: what it does, what it costs, how it faults; with registers and with queues.
 
+use crate::support::{instruction_costs, priced};
 use pcs_sim::isa::table::TABLE;
 use pcs_sim::isa::{
     Class, Executable, FaultKind, InstructionCycles, Processor, Queue, Queues, Register, Sources, Stop, assemble,
 };
-use pcs_sim::machine::OpStream;
+use pcs_sim::seam::OpStream;
 
 /// What an instruction does, which stands at address 2 of a program of five.
 #[derive(Clone, Copy, Debug)]
@@ -119,7 +120,7 @@ fn cases() -> Vec<Case> {
 
 /// Each class has a number of its own.
 fn costs() -> InstructionCycles {
-    let mut cycles = pcs_sim::program::MachineFile::standard().unwrap().instruction_cycles.unwrap();
+    let mut cycles = pcs_sim::machine::MachineFile::standard().unwrap().instruction_cycles.unwrap();
     Class::ALL.into_iter().zip(0..).for_each(|(class, place)| cycles.set(class, 1 << place));
     cycles
 }
@@ -196,7 +197,7 @@ fn effects_and_ops_with_queues() {
             expected.push(format!("c{}", cost(class)));
         }
         expected.push("o1".to_owned());
-        assert_eq!(ops.ops().iter().map(|op| op.to_string()).collect::<Vec<_>>(), expected, "{source}");
+        assert_eq!(priced(ops.ops(), &instruction_costs(&costs())), expected.join(" "), "{source}");
     }
 }
 
@@ -217,7 +218,7 @@ fn faults_name_the_instruction_and_its_line() {
         ("sw r1, [r2 + 0]", 0, 4, FaultKind::Store { address: 4, words: 4 }),
         ("div r3, r1, r2", 1, 0, FaultKind::DivisionByZero),
         ("rem r3, r1, r2", 1, 0, FaultKind::DivisionByZero),
-        ("jmp 2", 0, 0, FaultKind::CycleLimit(10_000)),
+        ("jmp 2", 0, 0, FaultKind::InstructionLimit(10_000)),
         ("jr r1", 5, 0, outside),
         ("jr r1", 1 << 31, 0, outside),
     ];

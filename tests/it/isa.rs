@@ -1,9 +1,10 @@
 //! The cell's processor: source text to words, words to cycles and words.
 
+use crate::support::{instruction_costs, priced};
 use pcs_sim::isa::{
     Class, Executable, FaultKind, InstructionCycles, Processor, Program, Queues, Sources, Stop, assemble,
 };
-use pcs_sim::machine::OpStream;
+use pcs_sim::seam::OpStream;
 
 /// Assembles a program that stands in no file.
 fn program(text: &str) -> Program {
@@ -34,7 +35,7 @@ fn cycles() -> InstructionCycles {
 }
 
 fn ops(stream: &OpStream) -> String {
-    stream.ops().iter().map(|op| op.to_string()).collect::<Vec<_>>().join(" ")
+    priced(stream.ops(), &instruction_costs(&cycles()))
 }
 
 #[test]
@@ -71,6 +72,6 @@ fn an_endless_loop_is_a_fault() {
     let executable = Executable::new(program("loop: jmp loop"), &cycles());
     let mut processor = Processor::new(&executable, &[], &[], 10_000);
     let fault = processor.run(&mut Queues::default(), &mut OpStream::default()).unwrap_err();
-    assert_eq!(fault.kind, FaultKind::CycleLimit(10_000));
+    assert_eq!(fault.kind, FaultKind::InstructionLimit(10_000));
     assert_eq!(fault.source.unwrap().line, 1);
 }

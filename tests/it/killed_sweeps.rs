@@ -10,11 +10,12 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 const SWEEP: &str = r#"(
     scene: "teapot",
     size: 24,
-    mode: ["pipeline", "broadcast", "hybrid"],
+    mode: ["pipeline", "hybrid"],
+    stop_words: [16, 64],
     fifo_words: (from: 4, to: 40, step: 4),
     link_mb_s: [80, 40, 20],
 )"#;
-const POINTS: usize = 90;
+const POINTS: usize = 120;
 const KILLS: usize = 20;
 
 /// Numbers that look random, the same each time.
@@ -27,6 +28,8 @@ impl Chance {
     }
 }
 
+/// Some points fail, as their FIFOs are too shallow for their stop words: with the same words, whether alone or in company.
+///
 /// Killed whenever, a sweep ends with the table of one that was left alone, and no point is lost or done twice.
 #[test]
 fn a_killed_sweep_goes_on() {

@@ -2,6 +2,7 @@
 
 mod support;
 
+mod activity_traces;
 mod assembly;
 mod bad_input;
 mod bad_scene_files;
@@ -12,6 +13,7 @@ mod command_line;
 mod cost_model;
 mod cost_model_bounds;
 mod deadlock;
+mod documents;
 mod figure7;
 mod hits_are_right;
 mod images;
@@ -32,6 +34,7 @@ mod replay;
 mod reports;
 mod scene_files;
 mod step;
+mod stopped;
 mod sweep;
 mod sweep_plots;
 mod timing_is_exact;

@@ -8,7 +8,7 @@ use std::process::Command;
 use pcs_sim::isa::encoding::Field;
 use pcs_sim::isa::table::{Format, TABLE};
 use pcs_sim::isa::{Class, Operand};
-use pcs_sim::program::MachineFile;
+use pcs_sim::machine::MachineFile;
 
 const MANUAL: &str = "docs/cell.md";
 

@@ -10,8 +10,8 @@ use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::Limits;
 use pcs_sim::program::Workload;
+use pcs_sim::run::{self, Picture, Rendered, Workers};
 use pcs_sim::scene::{self, Camera, Face, Light, Object, ReadOptions, Scene, builtin};
-use pcs_sim::simulation::{self, Picture, Rendered};
 
 fn file(name: &str, contents: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("objects");
@@ -97,7 +97,7 @@ fn render(scene: &Scene, sampling: Sampling) -> (Rendered, u64) {
             .unwrap();
     let size = ImageSize { width: SIDE, height: SIDE };
     let picture = Picture { scene, workload: &workload, size, sampling, limits: Limits::default() };
-    let rendered = simulation::render(&picture, None, 2, |_| Ok::<_, Infallible>(())).unwrap();
+    let rendered = run::render(&picture, None, &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap();
     let primary = rendered.kinds[0].rays;
     (rendered, primary)
 }

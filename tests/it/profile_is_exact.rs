@@ -1,23 +1,22 @@
 //! The profile of a run, bin by bin, against the model that ticks every cycle.
 
-use crate::support::random_ops::{batches_of, case};
-use crate::support::ticking::{self, History};
-use pcs_sim::machine::{
-    Array, CellState, CellStats, Cycles, FifoBin, FifoProfile, Latency, MachineSpec, OpBatch, OpKind, Profile,
-    RateCounts, RunStats, Unfinished, Words, Work,
-};
+use crate::support::random_ops::{batches_of, case, costs};
+use crate::support::ticking::{self, History, Ticked};
+use pcs_sim::machine::{Array, Cycles, MachineSpec, RateCounts, Unfinished, Words};
+use pcs_sim::measure::{FifoBin, FifoProfile, Latency, Measured, Profile, StateId, StateTimes};
 use pcs_sim::program::ArrayProgram;
+use pcs_sim::seam::{Costs, OpBatch, OpKind, Unit};
 use proptest::prelude::*;
 
 /// Words of a ray's message.
 const RAY_WORDS: usize = 8;
 
 /// Times the ops in batches with a probe. `None` if they are stuck.
-fn profile(spec: &MachineSpec, batches: &[OpBatch]) -> Option<(RunStats, Profile)> {
+fn profile(spec: &MachineSpec, costs: &Costs, batches: &[OpBatch]) -> Option<(Measured, Profile)> {
     let attempt = |limit: Cycles| {
-        let mut array = Array::until(spec, batches[0].cells.len(), limit).probed();
+        let mut array = Array::until(spec, costs, batches[0].cells.len(), limit).probed();
         for batch in batches {
-            array.feed(batch.clone());
+            array.feed(batch.clone()).expect("an array can do it");
             array.run()?;
         }
         array.finish_observed()
@@ -31,46 +30,34 @@ fn profile(spec: &MachineSpec, batches: &[OpBatch]) -> Option<(RunStats, Profile
 }
 
 /// The naive profile: what happened in every cycle, sorted into bins of a given width.
-fn naive_profile(spec: &MachineSpec, stats: &RunStats, history: &History, bin: Cycles) -> Profile {
+fn naive_profile(spec: &MachineSpec, stats: &Ticked, history: &History, seen: &Profile) -> Profile {
+    let bin = seen.bin;
     let width = bin.0 as usize;
     let bins = (stats.cycles.0 as usize).div_ceil(width);
-    let mut rays = vec![0; bins];
+    let mut jobs = vec![0; bins];
     let mut latency = Latency::default();
-    history.returned.iter().for_each(|&returned| rays[returned as usize / width] += 1);
+    history.returned.iter().for_each(|&returned| jobs[returned as usize / width] += 1);
     for (sent, returned) in history.sent.iter().step_by(RAY_WORDS).zip(&history.returned) {
         latency.add((returned + 1).saturating_sub(*sent));
     }
-    let fifos = stats.fifos.iter().zip(&history.occupancies);
     Profile {
+        topology: seen.topology.clone(),
         bin,
         cycles: stats.cycles,
-        cells: history.states.iter().map(|states| states.chunks(width).map(count_states).collect()).collect(),
-        fifos: fifos.map(|(fifo, occupancies)| naive_fifo(spec, &fifo.name, occupancies, width)).collect(),
-        rays,
+        stations: history.states.iter().map(|states| states.chunks(width).map(count_states).collect()).collect(),
+        fifos: history.occupancies.iter().map(|occupancies| naive_fifo(spec, occupancies, width)).collect(),
+        jobs,
         latency,
     }
 }
 
-fn count_states(states: &[CellState]) -> CellStats {
-    let mut stats = CellStats::default();
-    for state in states {
-        let one = |field: &mut Cycles| *field += Cycles(1);
-        match state {
-            CellState::Busy(work) => one(&mut stats.busy.0[*work as usize]),
-            CellState::Moving => one(&mut stats.moving),
-            CellState::Waiting(pcs_sim::machine::Channel::X) => one(&mut stats.waiting_x),
-            CellState::Waiting(pcs_sim::machine::Channel::Y) => one(&mut stats.waiting_y),
-            CellState::Blocked(pcs_sim::machine::Channel::X) => one(&mut stats.blocked_x),
-            CellState::Blocked(pcs_sim::machine::Channel::Y) => one(&mut stats.blocked_y),
-            CellState::Waiting(pcs_sim::machine::Channel::Z) => one(&mut stats.waiting_z),
-            CellState::Blocked(pcs_sim::machine::Channel::Z) => one(&mut stats.blocked_z),
-            CellState::Idle => one(&mut stats.idle),
-        }
-    }
-    stats
+fn count_states(states: &[StateId]) -> StateTimes {
+    let mut times = StateTimes::default();
+    states.iter().for_each(|&state| *times.of_mut(state) += Cycles(1));
+    times
 }
 
-fn naive_fifo(spec: &MachineSpec, name: &str, occupancies: &[u64], width: usize) -> FifoProfile {
+fn naive_fifo(spec: &MachineSpec, occupancies: &[u64], width: usize) -> FifoProfile {
     let capacity = spec.fifo_words.0;
     let mut histogram = vec![Cycles(0); capacity as usize + 1];
     occupancies.iter().for_each(|&occupancy| histogram[occupancy as usize] += Cycles(1));
@@ -81,31 +68,31 @@ fn naive_fifo(spec: &MachineSpec, name: &str, occupancies: &[u64], width: usize)
         full: Cycles(part.iter().filter(|&&occupancy| occupancy == capacity).count() as u64),
     };
     let bins = occupancies.chunks(width).map(bin).collect();
-    FifoProfile { name: name.to_owned(), capacity: Words(capacity), bins, histogram, step: Words(1) }
+    FifoProfile { bins, histogram, step: Words(1) }
 }
 
-fn assert_exact(spec: &MachineSpec, batches: &[OpBatch]) -> Profile {
-    let (stats, profile) = profile(spec, batches).expect("it ends");
-    let (ticked, history) = ticking::run_recorded(spec, batches).expect("it ends");
-    assert_eq!(stats, ticked);
-    let naive = naive_profile(spec, &ticked, &history, profile.bin);
-    for (fifo, naive) in profile.fifos.iter().zip(&naive.fifos) {
-        assert_eq!(fifo.bins, naive.bins, "bins of {}", fifo.name);
+fn assert_exact(spec: &MachineSpec, costs: &Costs, batches: &[OpBatch]) -> Profile {
+    let (stats, profile) = profile(spec, costs, batches).expect("it ends");
+    let (ticked, history) = ticking::run_recorded(spec, costs, batches).expect("it ends");
+    assert_eq!(Ticked::from(&stats), ticked);
+    let naive = naive_profile(spec, &ticked, &history, &profile);
+    for ((fifo, naive), info) in profile.fifos.iter().zip(&naive.fifos).zip(&profile.topology.fifos) {
+        assert_eq!(fifo.bins, naive.bins, "bins of {}", info.name);
     }
-    for (cell, (bins, naive)) in profile.cells.iter().zip(&naive.cells).enumerate() {
+    for (cell, (bins, naive)) in profile.stations.iter().zip(&naive.stations).enumerate() {
         assert_eq!(bins, naive, "bins of cell {cell}");
     }
-    assert_eq!((&profile.rays, &profile.latency), (&naive.rays, &naive.latency));
+    assert_eq!((&profile.jobs, &profile.latency), (&naive.jobs, &naive.latency));
     assert!(profile == naive, "{profile:?}\n{naive:?}");
     profile
 }
 
 /// A hundred rays of the room, in batches of a few, in a mode.
-fn hundred_rays(program: &ArrayProgram) -> Vec<OpBatch> {
+fn hundred_rays(program: &ArrayProgram) -> (Vec<OpBatch>, Costs) {
     let (scene, rays) = crate::support::scene("room", 1, 10);
     let rays: Vec<_> = rays.into_iter().collect();
     let workload = crate::support::workload(&scene.mesh, program, &rays);
-    crate::support::ops(&workload, &rays)
+    (crate::support::ops(&workload, &rays), workload.costs().clone())
 }
 
 #[test]
@@ -113,7 +100,7 @@ fn the_occupancy_curves_of_a_hundred_rays_are_the_ticking_models() {
     for (program, groups, stop_words) in
         [("pipeline", 1, None), ("broadcast", 5, None), ("hybrid", 2, None), ("pipeline", 1, Some(5))]
     {
-        let batches = hundred_rays(&ArrayProgram { stop_words, ..crate::support::program(program, groups) });
+        let (batches, costs) = hundred_rays(&ArrayProgram { stop_words, ..crate::support::program(program, groups) });
         for (fifo_words, latency, link_mb_s, rate_counts) in [
             (512, 1, 80.0, RateCounts::Link),
             (8, 1, 80.0, RateCounts::Link),
@@ -127,8 +114,8 @@ fn the_occupancy_curves_of_a_hundred_rays_are_the_ticking_models() {
                 rate_counts,
                 ..MachineSpec::default()
             };
-            let profile = assert_exact(&spec, &batches);
-            assert_eq!(profile.latency.rays, 100);
+            let profile = assert_exact(&spec, &costs, &batches);
+            assert_eq!(profile.latency.jobs, 100);
             assert!(profile.bin > Cycles(1), "the bins have been merged");
         }
     }
@@ -140,8 +127,9 @@ proptest! {
     #[test]
     fn every_bin_equals_the_ticking_model((spec, cells, rays, per_batch) in case()) {
         let batches = batches_of(cells, &rays, per_batch);
-        if ticking::run(&spec, &batches).is_some() {
-            assert_exact(&spec, &batches);
+        let costs = costs();
+        if ticking::run(&spec, &costs, &batches).is_some() {
+            assert_exact(&spec, &costs, &batches);
         }
     }
 }
@@ -156,7 +144,7 @@ fn bursts_are_entered_word_by_word() {
         for ray in 0..60 {
             batch.host.push(OpKind::WriteX, burst);
             batch.host.end_line(ray);
-            batch.cells[0].push(OpKind::Compute(Work::Grid), wait * (ray as u64 % 3));
+            batch.cells[0].push(OpKind::Work(Unit(0)), wait * (ray as u64 % 3));
             batch.cells[0].push(OpKind::PassX, burst);
             batch.cells[0].push(OpKind::WriteY, 2);
             batch.cells[0].end_line(ray);
@@ -171,12 +159,12 @@ fn bursts_are_entered_word_by_word() {
 }
 
 fn assert_burst(spec: &MachineSpec, batch: &OpBatch) {
-    let (stats, profile) = profile(spec, std::slice::from_ref(batch)).expect("it ends");
-    let (ticked, history) = ticking::run_recorded(spec, std::slice::from_ref(batch)).expect("it ends");
-    assert_eq!(stats, ticked);
-    let naive = naive_profile(spec, &ticked, &history, profile.bin);
+    let (stats, profile) = profile(spec, &costs(), std::slice::from_ref(batch)).expect("it ends");
+    let (ticked, history) = ticking::run_recorded(spec, &costs(), std::slice::from_ref(batch)).expect("it ends");
+    assert_eq!(Ticked::from(&stats), ticked);
+    let naive = naive_profile(spec, &ticked, &history, &profile);
     assert_eq!(profile.fifos, naive.fifos);
-    assert_eq!(profile.cells, naive.cells);
+    assert_eq!(profile.stations, naive.stations);
 }
 
 /// A word that the host writes after the last hit has come back, and that nobody reads, is none of the run's.
@@ -184,26 +172,27 @@ fn assert_burst(spec: &MachineSpec, batch: &OpBatch) {
 fn what_comes_after_the_run_is_not_in_the_profile() {
     let mut batch = OpBatch::new(1);
     batch.host.push(OpKind::WriteX, 8);
-    batch.host.push(OpKind::Compute(Work::Other), 10_000);
+    batch.host.push(OpKind::Work(Unit(3)), 10_000);
     batch.host.push(OpKind::WriteX, 3);
     batch.host.end_line(0);
     batch.cells[0].push(OpKind::PassX, 8);
     batch.cells[0].push(OpKind::WriteY, 5);
     batch.cells[0].end_line(0);
-    let (stats, profile) = profile(&MachineSpec::default(), &[batch]).expect("it ends");
+    let (stats, profile) = profile(&MachineSpec::default(), &costs(), &[batch]).expect("it ends");
     assert_eq!(profile.fifos[0].histogram.iter().copied().sum::<Cycles>(), stats.cycles);
     assert_eq!(profile.fifos[0].bins.last().map(|bin| bin.max), Some(Words(0)));
 }
 
 #[test]
 fn bins_are_as_many_however_long_the_run() {
-    let batch = hundred_rays(&crate::support::program("pipeline", 1)).remove(0);
+    let (mut batches, costs) = hundred_rays(&crate::support::program("pipeline", 1));
+    let batch = batches.remove(0);
     let bins = |repeats: usize| {
         let batches: Vec<OpBatch> = (0..repeats).map(|_| batch.clone()).collect();
-        let (stats, profile) = profile(&MachineSpec::default(), &batches).expect("it ends");
-        assert_eq!(profile.rays.iter().sum::<u64>(), 100 * repeats as u64);
-        for (cell, total) in profile.cells.iter().zip(&stats.cells) {
-            for state in CellState::ALL {
+        let (stats, profile) = profile(&MachineSpec::default(), &costs, &batches).expect("it ends");
+        assert_eq!(profile.jobs.iter().sum::<u64>(), 100 * repeats as u64);
+        for (cell, total) in profile.stations.iter().zip(&stats.stations) {
+            for state in (0..16).map(StateId) {
                 assert_eq!(cell.iter().map(|bin| bin.of(state)).sum::<Cycles>(), total.of(state));
             }
         }
@@ -213,7 +202,7 @@ fn bins_are_as_many_however_long_the_run() {
             assert_eq!(fifo.bins.iter().map(|bin| bin.full).sum::<Cycles>(), total.full);
             assert_eq!(fifo.histogram[0], total.empty);
         }
-        profile.rays.len()
+        profile.jobs.len()
     };
     for repeats in [1, 7, 300] {
         assert!((512..=1024).contains(&bins(repeats)), "{repeats}");

@@ -5,18 +5,17 @@ use std::convert::Infallible;
 use std::path::Path;
 
 use crate::support::command::{Folder, run_in};
-use crate::support::{bits, cell_options, machine, program, scene};
+use crate::support::{bits, cell_options, machine, program, scene, spent};
 use pcs_sim::geometry::{Partition, Polygons, Ray, brute_force};
 use pcs_sim::isa::FaultKind;
-use pcs_sim::machine::Work;
 use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::cells::figure7::{NUMBERS, measure, us};
+use pcs_sim::program::cells::figure7::{NUMBERS, numbers, us};
 use pcs_sim::program::{ArrayProgram, Counts, Workload};
+use pcs_sim::run::{self, Outcome, RunError, Workers};
 use pcs_sim::scene::{Mesh, builtin};
-use pcs_sim::simulation::{self, Outcome, RunError};
 
 fn run(workload: &Workload, rays: &[Ray], threads: usize) -> Outcome {
-    simulation::run(workload, &machine().spec, rays, threads, |_| Ok::<_, Infallible>(())).unwrap()
+    run::run(workload, &machine().spec, rays, &Workers::new(threads), |_| Ok::<_, Infallible>(())).unwrap()
 }
 
 fn both(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> [Outcome; 2] {
@@ -94,12 +93,14 @@ fn in_about_the_same_time() {
             let ratio = programs.stats.cycles.0 as f64 / timings.stats.cycles.0 as f64;
             assert!((ratio - 1.0).abs() < 0.15, "{}, {mode}: {ratio:.3} times the cycles", builtin.name);
             // Every kernel is at work in both, and moving takes just as long: the words are the same.
+            let cells = timings.stats.stations.len();
             let totals =
-                |outcome: &Outcome, work| outcome.stats.cells.iter().map(|cell| cell.busy.of(work).0).sum::<u64>();
-            for work in [Work::Grid, Work::Slabs, Work::Intersection] {
+                |outcome: &Outcome, work: &str| (0..cells).map(|cell| spent(&outcome.stats, cell, work)).sum::<u64>();
+            for work in ["grid", "slabs", "intersection"] {
                 assert!(totals(&programs, work) > 0 && totals(&timings, work) > 0, "{}, {mode}", builtin.name);
             }
-            let moving = |outcome: &Outcome| outcome.stats.cells.iter().map(|cell| cell.moving.0).collect::<Vec<_>>();
+            let moving =
+                |outcome: &Outcome| (0..cells).map(|cell| spent(&outcome.stats, cell, "moving")).collect::<Vec<_>>();
             assert_eq!(moving(&programs), moving(&timings), "{}, {mode}", builtin.name);
         }
     }
@@ -109,8 +110,8 @@ fn in_about_the_same_time() {
 #[test]
 fn figure_7_comes_out() {
     let machine = machine();
-    let timings = measure(machine.times, None).unwrap();
-    let programs = measure(machine.times, Some(&cell_options())).unwrap();
+    let timings = numbers(&machine.times, None).unwrap();
+    let programs = numbers(&machine.times, Some(&cell_options())).unwrap();
     for (number, (timings, programs)) in NUMBERS.iter().zip(timings.into_iter().zip(programs)) {
         let [timings, programs] = [timings, programs].map(|cycles| us(cycles, &machine.spec));
         assert!((timings - number.paper_us).abs() < 1e-9, "{}: {timings} µs", number.name);
@@ -156,10 +157,10 @@ fn fault_of(text: &str) -> FaultKind {
 fn fault_in(array: &str, file: &str, text: &str, cell: usize) -> FaultKind {
     let folder = folder_with(file, text);
     let (scene, rays) = scene("tetra", 3, 12);
-    let options = CellOptions { folder: Some(folder.path("cells")), cycle_limit: 1_000_000, ..cell_options() };
+    let options = CellOptions { folder: Some(folder.path("cells")), instruction_limit: 1_000_000, ..cell_options() };
     let workload = Workload::new(&scene.mesh, &program(array, 1), machine().times, &rays).unwrap();
     let workload = workload.with_programs(&options).unwrap();
-    match simulation::run(&workload, &machine().spec, &rays, 2, |_| Ok::<_, Infallible>(())) {
+    match run::run(&workload, &machine().spec, &rays, &Workers::new(2), |_| Ok::<_, Infallible>(())) {
         Err(RunError::Fault(fault)) => {
             assert_eq!((fault.cell, fault.message), (cell, 0));
             fault.kind
@@ -173,8 +174,8 @@ fn programs_that_go_wrong_end_in_a_fault() {
     let ray = ".include \"kernels/registers.pcs\"\n.include \"kernels/ray.pcs\"\n";
     assert!(matches!(fault_of("mov r1, xp\n done"), FaultKind::Unread(..)));
     assert!(matches!(fault_of(&format!("{ray} next: mov r1, y\n jmp next")), FaultKind::Starved(_)));
-    assert!(matches!(fault_of(&format!("{ray} next: jmp next")), FaultKind::CycleLimit(1_000_000)));
-    assert!(matches!(fault_of(&format!("{ray} next: mov y, r0\n jmp next")), FaultKind::CycleLimit(1_000_000)));
+    assert!(matches!(fault_of(&format!("{ray} next: jmp next")), FaultKind::InstructionLimit(1_000_000)));
+    assert!(matches!(fault_of(&format!("{ray} next: mov y, r0\n jmp next")), FaultKind::InstructionLimit(1_000_000)));
     assert!(matches!(fault_of(&format!("{ray} div r1, r1, r0")), FaultKind::DivisionByZero));
     assert!(matches!(fault_of(&format!("{ray} li r1, -5\n lw r1, [r1]")), FaultKind::Load { .. }));
     assert!(matches!(fault_of(&format!("{ray} li r1, 1000\n sw r1, [r1]")), FaultKind::Store { .. }));
@@ -221,7 +222,7 @@ fn everything_behind_the_seam_serves_them() {
     }
     assert_eq!(run["configuration"]["cells_run"], "programs");
     assert_eq!(run["configuration"]["cell_programs"], "standard");
-    assert!(run["configuration"]["cycle_limit"].is_u64());
+    assert!(run["configuration"]["instruction_limit"].is_u64());
     for kind in ["timings", "programs"] {
         folder.run(&format!("image tetra --size-factor 3 --size 16x16 --cells-run {kind} -o {kind}.png")).success();
     }
@@ -253,14 +254,14 @@ fn not_beyond_the_paper() {
     assert!(refused("--stop-words 4").contains("know nothing of stop words"));
     assert!(refused("--mode broadcast --forward-ahead 2").contains("know nothing of rays forwarded ahead"));
     assert!(refused("--grid-start 5").contains("--grid-start is a time of Figure 7"));
-    assert!(folder.run("--cycle-limit 5").refused().contains("ask for --cells-run programs"));
+    assert!(folder.run("--instruction-limit 5").refused().contains("ask for --cells-run programs"));
 }
 
-/// The README shows what the command prints, and the list of the programs is whole.
+/// The manual shows what the command prints, and the list of the programs is whole.
 #[test]
 fn documents_are_true() {
-    let readme = std::fs::read_to_string("README.md").unwrap();
-    assert!(readme.contains(&run_in(Path::new("."), "figure7").success()));
+    let manual = std::fs::read_to_string("docs/using.md").unwrap();
+    assert!(manual.contains(&run_in(Path::new("."), "figure7").success()));
     let document = std::fs::read_to_string("docs/cell-programs.md").unwrap();
     let kernels = [
         &["grid", "slabs", "intersection"][..],

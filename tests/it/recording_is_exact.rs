@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use crate::support::random_ops::{batches_of, case};
-use crate::support::ticking::{self, History};
-use pcs_sim::machine::{
-    Activity, Array, CellState, Cycles, MachineSpec, OpBatch, Recording, RunStats, Unfinished, Visit, Words,
-};
+use crate::support::random_ops::{batches_of, case, costs};
+use crate::support::ticking::{self, History, Ticked};
+use pcs_sim::machine::line::{IDLE, MOVING, waiting};
+use pcs_sim::machine::{Array, Cycles, MachineSpec, Unfinished, Words};
+use pcs_sim::measure::{JobSpan, Measured, Recording, StateId, StationRecord};
+use pcs_sim::seam::{Channel, Costs, OpBatch};
 use proptest::prelude::*;
 
 /// The whole run, and more.
@@ -14,16 +15,16 @@ const ALL: Range<Cycles> = Cycles(0)..Cycles(u64::MAX);
 
 /// Times the ops in batches and records them. `None` if they are stuck.
 fn record(
-    spec: &MachineSpec,
+    (spec, costs): (&MachineSpec, &Costs),
     batches: &[OpBatch],
     window: Range<Cycles>,
     most_events: usize,
-) -> Option<(RunStats, Recording)> {
+) -> Option<(Measured, Recording)> {
     let attempt = |limit: Cycles| {
-        let array = Array::until(spec, batches[0].cells.len(), limit);
+        let array = Array::until(spec, costs, batches[0].cells.len(), limit);
         let mut array = array.recorded(window.clone(), most_events);
         for batch in batches {
-            array.feed(batch.clone());
+            array.feed(batch.clone()).expect("an array can do it");
             array.run()?;
         }
         array.finish_observed()
@@ -37,7 +38,7 @@ fn record(
 }
 
 /// The state in each cycle. There must be no gap and no overlap.
-fn states(activity: &Activity, window: &Range<Cycles>) -> Vec<CellState> {
+fn states(activity: &StationRecord, window: &Range<Cycles>) -> Vec<StateId> {
     let mut next = window.start;
     let mut states = Vec::new();
     for stretch in &activity.states {
@@ -62,28 +63,28 @@ fn levels(levels: &[(Cycles, Words)], window: &Range<Cycles>) -> Vec<u64> {
 }
 
 /// The visits of a cell's rays as the model has them.
-fn naive_visits(batches: &[OpBatch], cell: usize, history: &History) -> Vec<Visit> {
+fn naive_visits(batches: &[OpBatch], cell: usize, history: &History) -> Vec<JobSpan> {
     let lines = batches.iter().flat_map(|batch| batch.cells[cell].lines());
     let mut visits = Vec::new();
     let mut first_op = 0;
-    for (ray, ops) in lines {
+    for (job, ops) in lines {
         let its_ops = first_op..first_op + ops.len();
         first_op = its_ops.end;
         let cycles = history.at[cell].iter().zip(&history.states[cell]).enumerate();
-        let at_work = cycles.filter(|(_, (at, state))| its_ops.contains(at) && !matches!(state, CellState::Idle));
-        let mut busy = at_work.skip_while(|(_, (_, state))| matches!(state, CellState::Waiting(_)));
+        let at_work = cycles.filter(|(_, (at, state))| its_ops.contains(at) && **state != IDLE);
+        let mut busy = at_work.skip_while(|(_, (_, state))| Channel::ALL.map(waiting).contains(state));
         if let Some((from, _)) = busy.next() {
             let last = busy.last().map_or(from, |(cycle, _)| cycle);
-            visits.push(Visit { ray, from: Cycles(from as u64), until: Cycles(last as u64 + 1) });
+            visits.push(JobSpan { job, from: Cycles(from as u64), until: Cycles(last as u64 + 1) });
         }
     }
     visits
 }
 
 /// Visits as far as they lie in a window.
-fn clipped(visits: &[Visit], window: &Range<Cycles>) -> Vec<Visit> {
+fn clipped(visits: &[JobSpan], window: &Range<Cycles>) -> Vec<JobSpan> {
     let clip =
-        |visit: &Visit| Visit { from: visit.from.max(window.start), until: visit.until.min(window.end), ..*visit };
+        |visit: &JobSpan| JobSpan { from: visit.from.max(window.start), until: visit.until.min(window.end), ..*visit };
     visits.iter().map(clip).filter(|visit| visit.from < visit.until).collect()
 }
 
@@ -91,34 +92,34 @@ fn clipped(visits: &[Visit], window: &Range<Cycles>) -> Vec<Visit> {
 fn assert_exact(recording: &Recording, batches: &[OpBatch], history: &History) {
     let window = &recording.window;
     let cycles = window.start.0 as usize..window.end.0 as usize;
-    for (cell, activity) in recording.cells.iter().enumerate() {
+    for (cell, activity) in recording.stations.iter().enumerate() {
         assert_eq!(states(activity, window), history.states[cell][cycles.clone()], "states of cell {cell}");
         let visits = clipped(&naive_visits(batches, cell, history), window);
-        assert_eq!(activity.visits, visits, "visits of cell {cell}");
+        assert_eq!(activity.jobs, visits, "visits of cell {cell}");
         let crosses = |border: Cycles| activity.states.iter().any(|s| s.from < border && border < s.until);
         assert!(!visits.iter().any(|visit| crosses(visit.from) || crosses(visit.until)));
     }
-    for (fifo, naive) in recording.fifos.iter().zip(&history.occupancies) {
-        assert_eq!(levels(&fifo.levels, window), naive[cycles.clone()], "levels of {}", fifo.name);
+    let fifos = recording.topology.fifos.iter().zip(&recording.fifos);
+    for ((info, fifo), naive) in fifos.zip(&history.occupancies) {
+        assert_eq!(levels(&fifo.levels, window), naive[cycles.clone()], "levels of {}", info.name);
     }
     let host = states(&recording.host, window);
-    let moving =
-        cycles.clone().zip(host).filter(|(_, state)| *state == CellState::Moving).map(|(cycle, _)| cycle as u64);
+    let moving = cycles.clone().zip(host).filter(|(_, state)| *state == MOVING).map(|(cycle, _)| cycle as u64);
     let sent = history.sent.iter().copied().filter(|&cycle| cycles.contains(&(cycle as usize)));
     assert_eq!(moving.collect::<Vec<_>>(), sent.collect::<Vec<_>>());
     let rays = batches.iter().flat_map(|batch| batch.host.lines()).map(|(ray, _)| ray);
     let hits = rays.zip(&history.returned).filter(|(_, returned)| cycles.contains(&(**returned as usize)));
     let hits: Vec<_> = hits.map(|(ray, &returned)| (ray, Cycles(returned + 1))).collect();
-    let recorded = recording.hits.iter().map(|hit| (hit.ray, hit.until));
+    let recorded = recording.answers.iter().map(|hit| (hit.job, hit.until));
     // The window may end within one.
     assert_eq!(recorded.take(hits.len()).collect::<Vec<_>>(), hits);
-    assert!(recording.hits.len() <= hits.len() + 1);
+    assert!(recording.answers.len() <= hits.len() + 1);
 }
 
 fn events(recording: &Recording) -> usize {
-    let activity = |activity: &Activity| activity.states.len() + activity.visits.len();
-    let activities = activity(&recording.host) + recording.cells.iter().map(activity).sum::<usize>();
-    activities + recording.hits.len()
+    let activity = |activity: &StationRecord| activity.states.len() + activity.jobs.len();
+    let activities = activity(&recording.host) + recording.stations.iter().map(activity).sum::<usize>();
+    activities + recording.answers.len()
 }
 
 proptest! {
@@ -130,28 +131,30 @@ proptest! {
         (start, length, most_events) in (0.0..1.1f64, 0.0..1.0f64, 40usize..2000),
     ) {
         let batches = batches_of(cells, &rays, per_batch);
-        let ticked = ticking::run_recorded(&spec, &batches);
-        let recorded = record(&spec, &batches, ALL, usize::MAX / 2);
+        let costs = costs();
+        let machine = (&spec, &costs);
+        let ticked = ticking::run_recorded(&spec, &costs, &batches);
+        let recorded = record(machine, &batches, ALL, usize::MAX / 2);
         prop_assert_eq!(recorded.is_some(), ticked.is_some());
         let (Some((stats, whole)), Some((ticked, history))) = (recorded, ticked) else { return Ok(()) };
-        prop_assert_eq!(&stats, &ticked);
+        prop_assert_eq!(&Ticked::from(&stats), &ticked);
         prop_assert_eq!((&whole.window, whole.cut), (&(Cycles(0)..stats.cycles), false));
         assert_exact(&whole, &batches, &history);
 
         let from = (start * stats.cycles.0 as f64) as u64;
         let window = Cycles(from)..Cycles(from + 1 + (length * stats.cycles.0 as f64) as u64);
-        let (_, part) = record(&spec, &batches, window.clone(), usize::MAX / 2).unwrap();
+        let (_, part) = record(machine, &batches, window.clone(), usize::MAX / 2).unwrap();
         let inside = window.start.min(stats.cycles)..window.end.min(stats.cycles);
         prop_assert_eq!((&part.window, part.cut), (&inside, false));
         assert_exact(&part, &batches, &history);
 
-        let (_, short) = record(&spec, &batches, window.clone(), most_events).unwrap();
+        let (_, short) = record(machine, &batches, window.clone(), most_events).unwrap();
         prop_assert_eq!(short.cut, short.window != part.window);
         prop_assert!(events(&short) <= most_events);
         assert_exact(&short, &batches, &history);
         // Where it was cut depends on nothing but what happened.
         let other = batches_of(cells, &rays, 1 + per_batch % 5);
-        prop_assert_eq!(short, record(&spec, &other, window, most_events).unwrap().1);
+        prop_assert_eq!(short, record(machine, &other, window, most_events).unwrap().1);
     }
 }
 
@@ -163,15 +166,15 @@ fn states_sum_up_to_the_statistics() {
         let workload = crate::support::workload(&scene.mesh, &crate::support::program(mode, groups), &rays);
         let batches = crate::support::ops(&workload, &rays);
         let spec = MachineSpec { fifo_words: Words(24), ..MachineSpec::default() };
-        let (stats, recording) = record(&spec, &batches, ALL, usize::MAX / 2).unwrap();
-        for (activity, stats) in recording.cells.iter().zip(&stats.cells) {
-            for state in CellState::ALL {
+        let (stats, recording) = record((&spec, workload.costs()), &batches, ALL, usize::MAX / 2).unwrap();
+        for (activity, stats) in recording.stations.iter().zip(&stats.stations) {
+            for state in (0..16).map(StateId) {
                 let stretches = activity.states.iter().filter(|stretch| stretch.state == state);
                 assert_eq!(stretches.map(|stretch| stretch.until - stretch.from).sum::<Cycles>(), stats.of(state));
             }
-            assert_eq!(activity.visits.len(), rays.len());
+            assert_eq!(activity.jobs.len(), rays.len());
         }
-        assert_eq!(recording.hits.len(), rays.len());
+        assert_eq!(recording.answers.len(), rays.len());
     }
 }
 
@@ -183,7 +186,7 @@ fn a_longer_run_records_no_more() {
     let batch = crate::support::ops(&workload, &rays).remove(0);
     let repeated = |repeats: usize| {
         let batches: Vec<OpBatch> = (0..repeats).map(|_| batch.clone()).collect();
-        record(&MachineSpec::default(), &batches, ALL, 5_000).unwrap().1
+        record((&MachineSpec::default(), workload.costs()), &batches, ALL, 5_000).unwrap().1
     };
     let (short, long) = (repeated(20), repeated(200));
     assert!(short.cut && events(&short) < 5_000);

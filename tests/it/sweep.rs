@@ -49,6 +49,54 @@ fn a_point_is_what_a_run_with_its_flags_is() {
     }
 }
 
+/// A parameter that only images have makes a point an image.
+#[test]
+fn a_point_of_an_image_is_what_the_command_makes() {
+    let folder = Folder::new();
+    let sweep = r#"(scene: "balls", size_factor: 1, size: "10x8", mode: ["pipeline", "broadcast"], fifo_words: [8, 32],
+        host_hit_us: [0, 50], samples: 2, policy: ["secondaries", "primaries"])"#;
+    folder.file("sweep.ron", sweep);
+    folder.run("sweep sweep.ron --table t.csv").success();
+    let rows = rows(&folder.read("t.csv"));
+    assert_eq!(rows.len(), 1 + 16);
+    let cell = |name: &str, row: usize| column(&rows, name)[row].clone();
+    for row in 0..16 {
+        let names = ["scene", "size_factor", "size", "mode", "fifo_words", "host_hit_us", "samples", "policy"];
+        let flags = names[1..].iter().map(|name| format!(" --{} {}", name.replace('_', "-"), cell(name, row)));
+        let flags = flags.collect::<String>();
+        folder.run(&format!("image balls -o i.png --stats s.json --force{flags}")).success();
+        let stats: serde_json::Value = serde_json::from_str(&folder.read("s.json")).unwrap();
+        assert_eq!(cell("error", row), "");
+        assert_eq!(stats["cycles"].to_string(), cell("cycles", row), "{flags}");
+        for name in ["hits", "voxels", "slab_tests", "intersection_tests"] {
+            assert_eq!(stats["counts"][name].to_string(), cell(name, row), "{flags}: {name}");
+        }
+    }
+    let mut cycles = column(&rows, "cycles");
+    cycles.sort();
+    cycles.dedup();
+    assert!(cycles.len() > 8, "machines and policies take different times");
+}
+
+#[test]
+fn images_and_primary_rays_stand_in_one_table() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", r#"(scene: "room", size: 6, image: [true, false])"#);
+    folder.run("sweep sweep.ron --table t.csv").success();
+    let rows = rows(&folder.read("t.csv"));
+    assert_eq!(column(&rows, "image"), ["true", "false"]);
+    let rays: Vec<u32> = column(&rows, "ray_count").iter().map(|count| count.parse().unwrap()).collect();
+    assert!(rays[0] > rays[1] && rays[1] == 36, "{rays:?}");
+    assert_eq!(in_parquet(&folder, "t.parquet"), rows);
+    folder.file("none.ron", r#"(scene: "room", size: 6, image: false, depth: 2)"#);
+    folder.file("off.ron", r#"(scene: "room", size: 6, timing: "off")"#);
+    for (name, reason) in [("none", "depth is for images, and image is false"), ("off", "timing is off")] {
+        folder.run(&format!("sweep {name}.ron --table {name}.csv")).success();
+        let table = folder.read(&format!("{name}.csv"));
+        assert!(table.contains(reason), "{table}");
+    }
+}
+
 #[test]
 fn a_point_accounts_for_all_of_its_cells_time_and_words() {
     let folder = Folder::new();

@@ -1,25 +1,27 @@
 //! The timing half against a model that ticks every cycle: every field of the statistics, on random op streams.
 
-use crate::support::random_ops::{batch_of, batches_of, case};
-use crate::support::ticking;
-use pcs_sim::machine::{Array, Cycles, MachineSpec, OpBatch, RunStats, Unfinished, Words};
+use crate::support::random_ops::{batch_of, batches_of, case, costs};
+use crate::support::ticking::{self, Ticked};
+use pcs_sim::machine::line::{IDLE, MOVING, blocked, waiting, working};
+use pcs_sim::machine::{Array, Cycles, MachineSpec, Unfinished, Words};
 use pcs_sim::program::ArrayProgram;
+use pcs_sim::seam::{Activity, Channel, Costs, OpBatch};
 use proptest::prelude::*;
 
 /// Times the batches as the library's users do. `None` if they are stuck.
-fn time(spec: &MachineSpec, batches: &[OpBatch]) -> Option<RunStats> {
+fn time(spec: &MachineSpec, costs: &Costs, batches: &[OpBatch]) -> Option<Ticked> {
     let cells = batches[0].cells.len();
     let attempt = |limit: Cycles| {
-        let mut array = Array::until(spec, cells, limit);
+        let mut array = Array::until(spec, costs, cells, limit);
         for batch in batches {
-            array.feed(batch.clone());
+            array.feed(batch.clone()).expect("an array can do it");
             array.run()?;
         }
         array.finish()
     };
     match attempt(Cycles(u64::MAX)) {
-        Ok(stats) => Some(stats),
-        Err(Unfinished::Outlived(cycles)) => Some(attempt(cycles).expect("it ended before")),
+        Ok(run) => Some(Ticked::from(&run)),
+        Err(Unfinished::Outlived(cycles)) => Some(Ticked::from(&attempt(cycles).expect("it ended before"))),
         Err(Unfinished::Stuck(_)) => None,
     }
 }
@@ -30,7 +32,8 @@ proptest! {
     #[test]
     fn every_field_equals_the_ticking_model((spec, cells, rays, per_batch) in case()) {
         let batches = batches_of(cells, &rays, per_batch);
-        prop_assert_eq!(time(&spec, &batches), ticking::run(&spec, &batches));
+        let costs = costs();
+        prop_assert_eq!(time(&spec, &costs, &batches), ticking::run(&spec, &costs, &batches));
     }
 }
 
@@ -55,8 +58,8 @@ fn on_real_scenes() {
             let batches = crate::support::ops(&workload, &rays);
             for (fifo_words, link_mb_s) in [(512, 80.0), (64, 80.0), (5, 27.0)] {
                 let spec = MachineSpec { fifo_words: Words(fifo_words), link_mb_s, ..MachineSpec::default() };
-                let expected = ticking::run(&spec, &batches).expect("it ends");
-                let found = time(&spec, &batches).expect("it ends");
+                let expected = ticking::run(&spec, workload.costs(), &batches).expect("it ends");
+                let found = time(&spec, workload.costs(), &batches).expect("it ends");
                 assert_eq!(found, expected, "{}, {program:?}, {fifo_words} words, {link_mb_s} Mbyte/s", scene.name);
             }
         }
@@ -72,21 +75,22 @@ fn random_cases_are_varied() {
     let mut stuck = 0;
     for _ in 0..400 {
         let (spec, cells, rays, _) = case().new_tree(&mut runner).unwrap().current();
-        match time(&spec, &[batch_of(cells, &rays, 0..rays.len())]) {
+        match time(&spec, &costs(), &[batch_of(cells, &rays, 0..rays.len())]) {
             None => stuck += 1,
             Some(stats) => {
-                for cell in &stats.cells {
+                for cell in &stats.stations {
+                    let [x, y, z] = Channel::ALL;
                     let parts = [
-                        cell.busy.total(),
-                        cell.moving,
-                        cell.waiting_x,
-                        cell.waiting_y,
-                        cell.waiting_z,
-                        cell.blocked_x,
-                        cell.blocked_y,
-                        cell.blocked_z,
-                        cell.idle,
-                        stats.fifos.iter().map(|fifo| fifo.full).sum(),
+                        (0..4).map(|activity| cell.of(working(Activity(activity)))).sum(),
+                        cell.of(MOVING),
+                        cell.of(waiting(x)),
+                        cell.of(waiting(y)),
+                        cell.of(waiting(z)),
+                        cell.of(blocked(x)),
+                        cell.of(blocked(y)),
+                        cell.of(blocked(z)),
+                        cell.of(IDLE),
+                        stats.fifos.iter().map(|(.., fifo)| fifo.full).sum(),
                     ];
                     seen.iter_mut().zip(parts).for_each(|(seen, part)| *seen += (part.0 > 0) as u64);
                 }

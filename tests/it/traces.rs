@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, HashMap};
 
 use crate::support::command::Folder;
-use pcs_sim::machine::{Activity, Array, CellState, Cycles, MachineSpec, Recording, RunStats, Words};
+use pcs_sim::machine::{Array, Cycles, MachineSpec, Words};
+use pcs_sim::measure::{Measured, Recording, StateId, StationRecord};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::trace::{Format, Trace};
 use prost::Message;
@@ -11,7 +12,7 @@ use prost::Message;
 /// A run of a hybrid of four cells.
 struct Run {
     spec: MachineSpec,
-    stats: RunStats,
+    stats: Measured,
     recording: Recording,
 }
 
@@ -21,9 +22,10 @@ fn run(clock_ns: f64) -> Run {
     let (scene, rays) = crate::support::scene("room", 1, 6);
     let workload = crate::support::workload(&scene.mesh, &crate::support::program("hybrid", 2), &rays);
     let spec = MachineSpec { clock_ns, link_mb_s: 4e3 / clock_ns, fifo_words: Words(20), ..MachineSpec::default() };
-    let mut array = Array::new(&spec, 4).recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
+    let mut array =
+        Array::new(&spec, workload.costs(), 4).recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
     for batch in crate::support::ops(&workload, &rays) {
-        array.feed(batch);
+        array.feed(batch).unwrap();
         array.run().unwrap();
     }
     let (stats, observed) = array.finish_observed().unwrap();
@@ -31,19 +33,29 @@ fn run(clock_ns: f64) -> Run {
 }
 
 impl Run {
+    fn state(&self, id: StateId) -> &str {
+        &self.recording.topology.states.get(id).unwrap().name
+    }
+
+    /// The FIFOs' names and levels.
+    fn fifos(&self) -> impl Iterator<Item = (&str, &[(Cycles, Words)])> {
+        let infos = self.recording.topology.fifos.iter().map(|info| info.name.as_str());
+        infos.zip(self.recording.fifos.iter().map(|fifo| fifo.levels.as_slice()))
+    }
+
     /// The trace's bytes and its notes.
     fn trace(&self, format: Format) -> (Vec<u8>, Vec<String>) {
         let caption = &Caption { title: "a run".to_owned(), machine: "a machine".to_owned() };
         let cell_names = &NAMES.map(str::to_owned);
-        let trace = Trace { caption, spec: &self.spec, cell_names, recording: &self.recording };
+        let trace = Trace { caption, clock: self.spec.clock(), cell_names, recording: &self.recording };
         let mut bytes = Vec::new();
         trace.write(format, &mut bytes).unwrap();
         (bytes, trace.notes(format))
     }
 
     /// All that a trace shows of the array, by its name: the host, the cells, the FIFOs.
-    fn activities(&self) -> Vec<(String, &Activity)> {
-        let cells = self.recording.cells.iter().zip(NAMES).enumerate();
+    fn activities(&self) -> Vec<(String, &StationRecord)> {
+        let cells = self.recording.stations.iter().zip(NAMES).enumerate();
         let named = cells.map(|(index, (activity, name))| (format!("cell {index} {name}"), activity));
         std::iter::once(("host sends".to_owned(), &self.recording.host)).chain(named).collect()
     }
@@ -200,14 +212,14 @@ fn perfetto_slices_are_the_cells_states_and_sum_up_to_the_statistics() {
     let (bytes, notes) = run.trace(Format::Perfetto);
     assert_eq!(notes, Vec::<String>::new());
     let read = read_perfetto(&bytes);
-    for (cell, stats) in run.stats.cells.iter().enumerate() {
+    for (cell, stats) in run.stats.stations.iter().enumerate() {
         let on_track = || read.slices.iter().filter(|slice| slice.track == format!("cell {cell} {}", NAMES[cell]));
-        for state in CellState::ALL {
-            let slices = on_track().filter(|slice| slice.name == state.name());
-            assert_eq!(slices.map(|slice| slice.until - slice.from).sum::<u64>(), 50 * stats.of(state).0);
+        for state in run.stats.topology.states.all() {
+            let slices = on_track().filter(|slice| slice.name == state.name);
+            assert_eq!(slices.map(|slice| slice.until - slice.from).sum::<u64>(), 50 * stats.of(state.id).0);
         }
         let visits: Vec<&Slice> = on_track().filter(|slice| slice.name.starts_with("ray ")).collect();
-        assert_eq!(visits.len() as u64, run.stats.rays);
+        assert_eq!(visits.len() as u64, run.stats.jobs);
         for visit in visits {
             assert_eq!(visit.depth, 0);
             assert_eq!(visit.name, format!("ray {}", visit.arguments["ray"]));
@@ -221,7 +233,7 @@ fn perfetto_slices_are_the_cells_states_and_sum_up_to_the_statistics() {
     for (name, activity) in run.activities() {
         let states = read.slices.iter().filter(|slice| slice.track == name && !slice.name.starts_with("ray "));
         let states = states.map(|slice| (slice.name.as_str(), slice.from, slice.until));
-        let recorded = activity.states.iter().map(|s| (s.state.name(), 50 * s.from.0, 50 * s.until.0));
+        let recorded = activity.states.iter().map(|s| (run.state(s.state), 50 * s.from.0, 50 * s.until.0));
         assert_eq!(states.collect::<Vec<_>>(), recorded.collect::<Vec<_>>(), "{name}");
     }
 }
@@ -231,9 +243,9 @@ fn perfetto_counters_are_the_fifos_levels() {
     let run = run(50.0);
     let read = read_perfetto(&run.trace(Format::Perfetto).0);
     assert_eq!(read.counters.len(), 8);
-    for fifo in &run.recording.fifos {
-        let levels: Vec<_> = fifo.levels.iter().map(|(cycle, words)| (50 * cycle.0, words.0 as i64)).collect();
-        assert_eq!(read.counters[&format!("{} (of 20 words)", fifo.name)], levels);
+    for (name, levels) in run.fifos() {
+        let levels: Vec<_> = levels.iter().map(|(cycle, words)| (50 * cycle.0, words.0 as i64)).collect();
+        assert_eq!(read.counters[&format!("{name} (of 20 words)")], levels);
     }
 }
 
@@ -245,7 +257,7 @@ fn perfetto_flows_lead_each_ray_from_the_host_through_every_cell_and_back() {
     for slice in read.slices.iter().filter(|slice| slice.depth == 0) {
         slice.flow.into_iter().for_each(|flow| flows.entry(flow).or_default().push(slice));
     }
-    assert_eq!(flows.len() as u64, run.stats.rays);
+    assert_eq!(flows.len() as u64, run.stats.jobs);
     for mut steps in flows.into_values() {
         steps.sort_by_key(|slice| slice.from);
         assert!(steps.windows(2).all(|pair| pair[0].from < pair[1].from), "no two steps begin together: {steps:?}");
@@ -294,24 +306,24 @@ fn waves_are_the_states_the_rays_and_the_levels() {
         assert!(waves == read_waves(&run.trace(Format::Fst).0, "fst"), "both formats tell the same");
         for (name, activity) in run.activities() {
             let scope = format!("array.{}", name.replace([' ', '+'], "_"));
-            let mut states: Vec<_> = activity.states.iter().map(|s| (ticks * s.from.0, s.state.name())).collect();
+            let mut states: Vec<_> = activity.states.iter().map(|s| (ticks * s.from.0, run.state(s.state))).collect();
             states.dedup_by_key(|state| state.1);
             let states: Vec<_> = states.into_iter().map(|(at, name)| (at, name.replace(' ', "_"))).collect();
             assert_eq!(waves[&format!("{scope}.state")], states, "{scope}");
             let mut rays = BTreeMap::from([(0, "none".to_owned())]);
-            for visit in &activity.visits {
-                rays.insert(ticks * visit.from.0, visit.ray.to_string());
+            for visit in &activity.jobs {
+                rays.insert(ticks * visit.from.0, visit.job.to_string());
                 rays.insert(ticks * visit.until.0, "none".to_owned());
             }
             assert_eq!(waves[&format!("{scope}.ray")], rays.into_iter().collect::<Vec<_>>(), "{scope}");
         }
-        for fifo in &run.recording.fifos {
-            let levels: Vec<_> = fifo.levels.iter().map(|(at, words)| (ticks * at.0, words.0.to_string())).collect();
-            let (_, wave) = waves.iter().find(|(name, _)| name.ends_with(&format!(".{}", fifo.name))).unwrap();
-            assert_eq!(wave, &levels, "{}", fifo.name);
+        for (fifo, levels) in run.fifos() {
+            let levels: Vec<_> = levels.iter().map(|(at, words)| (ticks * at.0, words.0.to_string())).collect();
+            let (_, wave) = waves.iter().find(|(name, _)| name.ends_with(&format!(".{fifo}"))).unwrap();
+            assert_eq!(wave, &levels, "{fifo}");
         }
         let hits = waves["array.host_reads.hit"].iter().filter(|(_, value)| value != "none");
-        assert_eq!(hits.count() as u64, run.stats.rays);
+        assert_eq!(hits.count() as u64, run.stats.jobs);
     }
 }
 

@@ -9,8 +9,8 @@ use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::Limits;
 use pcs_sim::program::Workload;
+use pcs_sim::run::{self, Picture, Workers};
 use pcs_sim::scene::{self, Camera, Corner, Face, Light, ReadOptions, Scene};
-use pcs_sim::simulation::{self, Picture};
 
 /// A square with a colour at each corner, coded as in a picture.
 const CORNERS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
@@ -76,7 +76,7 @@ fn seen_from_above(mut scene: Scene, side: u32) -> Vec<Vec3> {
     let size = ImageSize { width: side, height: side };
     let (sampling, limits) = (Sampling::default(), Limits::default());
     let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits };
-    simulation::render(&picture, None, 1, |_| Ok::<_, Infallible>(())).unwrap().pixels
+    run::render(&picture, None, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap().pixels
 }
 
 /// The middles of the pixels on the square, line by line from the top left.

@@ -135,8 +135,9 @@ fn next_to_nothing_can_be_seen() {
 fn a_run_of_no_cycles_can_be_drawn() {
     for cells in [1, 20] {
         let spec = MachineSpec::default();
-        let (_, observed) = Array::new(&spec, cells).probed().finish_observed().unwrap();
+        let (_, observed) =
+            Array::new(&spec, &crate::support::random_ops::costs(), cells).probed().finish_observed().unwrap();
         let caption = Caption { title: "nothing".to_owned(), machine: "none".to_owned() };
-        assert!(plot::pictures(&observed.profile.unwrap(), &spec, &caption, &[]).unwrap().len() >= 5);
+        assert!(plot::pictures(&observed.profile.unwrap(), spec.clock(), &caption, &[]).unwrap().len() >= 5);
     }
 }

@@ -3,7 +3,9 @@
 use std::process::Command;
 
 use crate::support::command::Folder;
-use pcs_sim::machine::{Array, CellState, Cycles, SoFar};
+use pcs_sim::machine::line::IDLE;
+use pcs_sim::machine::{Array, Cycles};
+use pcs_sim::measure::{SoFar, StateId};
 
 /// What an array tells while it works only grows, and is in the end what its statistics are.
 #[test]
@@ -11,15 +13,15 @@ fn what_is_known_so_far_grows_into_the_statistics() {
     let (scene, rays) = crate::support::scene("room", 1, 40);
     for (name, groups) in [("pipeline", 1), ("broadcast", 5), ("hybrid", 3)] {
         let workload = crate::support::workload(&scene.mesh, &crate::support::program(name, groups), &rays);
-        let mut array = Array::new(&crate::support::machine().spec, workload.cells());
+        let mut array = Array::new(&crate::support::machine().spec, workload.costs(), workload.cells());
         let mut before = SoFar::default();
         for batch in crate::support::ops(&workload, &rays) {
-            array.feed(batch);
+            array.feed(batch).unwrap();
             array.run().unwrap();
             let now = array.so_far();
             assert!(now.cycles > before.cycles && now.returned > before.returned);
-            for (now, before) in now.cells.iter().zip(&before.cells) {
-                assert!(CellState::ALL.iter().all(|&state| now.of(state) >= before.of(state)));
+            for (now, before) in now.stations.iter().zip(&before.stations) {
+                assert!((0..16).map(StateId).all(|state| now.of(state) >= before.of(state)));
             }
             for ((now, until), (before, since)) in now.fifos.iter().zip(&before.fifos) {
                 assert!(until >= since && now.word_cycles >= before.word_cycles && now.full >= before.full);
@@ -28,16 +30,17 @@ fn what_is_known_so_far_grows_into_the_statistics() {
         }
         let stats = array.finish().unwrap();
         assert_eq!((before.cycles, before.returned), (stats.cycles, rays.len() as u64));
-        for (so_far, cell) in before.cells.iter().zip(&stats.cells) {
-            assert_eq!(so_far.active() + cell.idle, stats.cycles);
-            let all_but_idle = CellState::ALL.iter().filter(|&&state| state != CellState::Idle);
-            assert!(all_but_idle.clone().all(|&state| so_far.of(state) == cell.of(state)));
-            assert_eq!(so_far.idle, Cycles(0));
+        for (so_far, cell) in before.stations.iter().zip(&stats.stations) {
+            assert_eq!(so_far.total() + cell.of(IDLE), stats.cycles);
+            let mut all_but_idle = (0..IDLE.0).map(StateId);
+            assert!(all_but_idle.all(|state| so_far.of(state) == cell.of(state)));
+            assert_eq!(so_far.of(IDLE), Cycles(0));
         }
-        for ((so_far, until), fifo) in before.fifos.iter().zip(&stats.fifos) {
+        let fifos = stats.topology.fifos.iter().zip(&stats.fifos);
+        for ((so_far, until), (info, fifo)) in before.fifos.iter().zip(fifos) {
             assert!(*until <= stats.cycles);
             assert_eq!((so_far.words, so_far.max, so_far.word_cycles), (fifo.words, fifo.max, fifo.word_cycles));
-            assert_eq!(so_far.empty + (stats.cycles - *until), fifo.empty, "{name} {}", fifo.name);
+            assert_eq!(so_far.empty + (stats.cycles - *until), fifo.empty, "{name} {}", info.name);
         }
     }
 }

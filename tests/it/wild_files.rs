@@ -10,9 +10,9 @@ use pcs_sim::host::ray_file;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::Limits;
 use pcs_sim::program::Workload;
+use pcs_sim::run::{self, Picture, Workers};
 use pcs_sim::scene::mesh::NO_NORMAL;
 use pcs_sim::scene::{self, Material, Mesh, ReadOptions, Scene};
-use pcs_sim::simulation::{self, Picture};
 
 use crate::support::command::Folder;
 
@@ -379,7 +379,7 @@ fn picture(scene: &Scene) -> Vec<Vec3> {
     let size = ImageSize { width: 48, height: 36 };
     let (sampling, limits) = (Sampling::default(), Limits::default());
     let picture = Picture { scene, workload: &workload, size, sampling, limits };
-    simulation::render(&picture, None, 1, |_| Ok::<_, Infallible>(())).unwrap().pixels
+    run::render(&picture, None, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap().pixels
 }
 
 /// A table with a mirroring box just above it, both moved, and what else there is.

@@ -25,7 +25,7 @@ pub fn step(args: &StepArgs) -> Result<(), Failure> {
     let executable = executable(object::load(&args.file)?, args.machine.as_deref())?;
     let read = |path: &Option<_>| path.as_deref().map_or(Ok(Vec::new()), words::read);
     let queues = Queues { x: read(&args.x)?, y: read(&args.y)?, ..Queues::default() };
-    let mut session = Session::new(&executable, queues, args.cycle_limit.unwrap_or(Processor::CYCLE_LIMIT));
+    let mut session = Session::new(&executable, queues, args.instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT));
     match &args.script {
         Some(path) => run_script(path, executable.program(), &mut session)?,
         None => converse(executable.program(), &mut session)?,

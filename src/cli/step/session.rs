@@ -6,7 +6,7 @@ use std::fmt::Write;
 use pcs_sim::isa::listing::{row, rows};
 use pcs_sim::isa::words::likely;
 use pcs_sim::isa::{Executable, Fault, Processor, Queue, Queues, Register, Stop};
-use pcs_sim::machine::{OpKind, OpStream};
+use pcs_sim::seam::{OpKind, OpStream};
 
 use super::command::{Command, HELP};
 
@@ -32,10 +32,10 @@ pub struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    pub fn new(executable: &'a Executable, queues: Queues, cycle_limit: u64) -> Session<'a> {
+    pub fn new(executable: &'a Executable, queues: Queues, instruction_limit: u64) -> Session<'a> {
         Session {
             executable,
-            processor: Processor::new(executable, &executable.program().data, &[], cycle_limit),
+            processor: Processor::new(executable, &executable.program().data, &[], instruction_limit),
             queues,
             breakpoints: BTreeSet::new(),
             moved: 0,
@@ -128,7 +128,7 @@ impl<'a> Session<'a> {
         }
         let message = self.messages;
         let stop = self.processor.step(&mut self.queues, &mut ops).map_err(|fault| Fault { message, ..fault })?;
-        let words = ops.ops().iter().filter(|op| !matches!(op.kind(), OpKind::Compute(_)));
+        let words = ops.ops().iter().filter(|op| !matches!(op.kind(), OpKind::Work(_)));
         self.moved += words.map(|op| u64::from(op.count())).sum::<u64>();
         if stop == Some(Stop::Done) {
             self.done = true;

@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use pcs_sim::error::InputError;
-use pcs_sim::report::files::OutputFile;
 use pcs_sim::report::plot::curves::{self, Axes};
 use pcs_sim::report::table::{Column, Table};
+use pcs_sim::run::OutputFile;
 use pcs_sim::sweep::{Parameter, Sweep};
 
 use super::super::args::SweepArgs;
@@ -30,7 +30,7 @@ impl Plots {
         let file = |axes: &Axes, ending: &str| {
             let stem = args.table.file_stem().unwrap_or_default().to_string_lossy();
             let name = args.table.with_file_name(format!("{stem}-{}.{ending}", axes.name(columns)));
-            OutputFile::create(&name, args.force)
+            outputs::create(&name, args.force)
         };
         let open = |axes: Axes| Ok(Plot { svg: file(&axes, "svg")?, png: file(&axes, "png")?, axes });
         Ok(Plots { plots: named.into_iter().map(open).collect::<Result<_, InputError>>()? })

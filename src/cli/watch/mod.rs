@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use console::Term;
 use indicatif::ProgressBar;
-use pcs_sim::machine::{Array, MachineSpec, SoFar};
+use pcs_sim::machine::Array;
+use pcs_sim::measure::{Clock, SoFar};
 
 use view::View;
 
@@ -21,7 +22,7 @@ pub struct Live {
 
 /// What is needed to look at an array now and then.
 pub struct Watch {
-    spec: MachineSpec,
+    clock: Clock,
     cell_names: Vec<String>,
     before: SoFar,
     due: Instant,
@@ -55,7 +56,7 @@ impl Live {
         watch.due = now + PAUSE;
         let so_far = array.so_far();
         let (height, width) = Term::stderr().size();
-        let view = View { spec: &watch.spec, cell_names: &watch.cell_names, before: &watch.before, now: &so_far };
+        let view = View { clock: watch.clock, cell_names: &watch.cell_names, before: &watch.before, now: &so_far };
         // The bar has a line of its own, and the cursor stands on the next.
         let lines = view.lines(width as usize, (height as usize).saturating_sub(2));
         self.bar.set_prefix(lines.iter().map(|line| format!("{line}\n")).collect::<String>());
@@ -70,7 +71,7 @@ impl Live {
 
 impl Watch {
     /// For an array whose cells run what the names tell, as far as that is known.
-    pub fn new(spec: &MachineSpec, cell_names: Vec<String>) -> Watch {
-        Watch { spec: spec.clone(), cell_names, before: SoFar::default(), due: Instant::now() + PAUSE }
+    pub fn new(clock: Clock, cell_names: Vec<String>) -> Watch {
+        Watch { clock, cell_names, before: SoFar::default(), due: Instant::now() + PAUSE }
     }
 }

@@ -1,12 +1,13 @@
 //! What `--watch` shows of an array, as lines of text.
 
 use console::{Style, truncate_str};
-use pcs_sim::machine::{CellState, CellStats, Channel, Cycles, FifoStats, MachineSpec, SoFar, Work};
+use pcs_sim::measure::{Clock, FifoInfo, SoFar, State, StateKind, StateTimes, States};
+use pcs_sim::quantities::Cycles;
 use pcs_sim::report::summary::{grouped, time};
 
 /// An array between two looks at it.
 pub struct View<'a> {
-    pub spec: &'a MachineSpec,
+    pub clock: Clock,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
     pub before: &'a SoFar,
@@ -15,7 +16,7 @@ pub struct View<'a> {
 
 /// What one FIFO did between two looks.
 struct Level<'a> {
-    stats: &'a FifoStats,
+    info: &'a FifoInfo,
     /// Words on average.
     mean: f64,
     /// Share of the time.
@@ -33,13 +34,13 @@ const STEPS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', 
 impl View<'_> {
     /// The lines, as many as fit: a row for each cell and FIFO, or a column for each where there are too many.
     pub fn lines(&self, width: usize, height: usize) -> Vec<String> {
-        let rows = self.now.cells.len() + self.now.fifos.len() + 4;
+        let rows = self.now.stations.len() + self.now.fifos.len() + 4;
         let lines = if rows <= height { self.rows(width) } else { self.columns(width) };
         lines.iter().take(height).map(|line| truncate_str(line, width.saturating_sub(1), "…").into_owned()).collect()
     }
 
     fn heading(&self) -> String {
-        let seconds = |cycles: Cycles| self.spec.seconds(cycles);
+        let seconds = |cycles: Cycles| self.clock.seconds(cycles);
         let passed = Cycles(self.now.cycles.0.saturating_sub(self.before.cycles.0));
         let rays = self.now.returned.saturating_sub(self.before.returned);
         let rate = |rays: u64, seconds: f64| {
@@ -55,20 +56,25 @@ impl View<'_> {
     }
 
     fn rows(&self, width: usize) -> Vec<String> {
+        let states = &self.now.topology.states;
         let length = width.saturating_sub(BESIDE_BARS).clamp(10, LONGEST_BAR);
-        let mut lines = vec![self.heading(), legend()];
+        let mut lines = vec![self.heading(), legend(states)];
         for (index, cell) in self.cells().iter().enumerate() {
             let name = self.cell_names.get(index).map_or(String::new(), |name| format!(" {name}"));
-            let works = 100.0 * share(works(cell), total(cell));
-            lines.push(format!("{:NAME$} {} works {works:5.1} %", format!("cell {index}{name}"), bar_of(cell, length)));
+            let works = 100.0 * share(states.works(cell), cell.total());
+            lines.push(format!(
+                "{:NAME$} {} works {works:5.1} %",
+                format!("cell {index}{name}"),
+                bar_of(states, cell, length)
+            ));
         }
         lines.push(String::new());
-        for Level { stats, mean, full } in self.levels() {
-            let filled = (mean / stats.capacity.0 as f64 * length as f64).round() as usize;
+        for Level { info, mean, full } in self.levels() {
+            let filled = (mean / info.capacity.0 as f64 * length as f64).round() as usize;
             let bar = Style::new().for_stderr().blue().apply_to("#".repeat(filled.min(length)));
             let rest = "-".repeat(length - filled.min(length));
-            let figures = format!("{mean:7.1} of {}, full {:5.1} %", stats.capacity.0, 100.0 * full);
-            lines.push(format!("{:NAME$} {bar}{rest} {figures}", format!("FIFO {}", stats.name)));
+            let figures = format!("{mean:7.1} of {}, full {:5.1} %", info.capacity.0, 100.0 * full);
+            lines.push(format!("{:NAME$} {bar}{rest} {figures}", format!("FIFO {}", info.name)));
         }
         lines
     }
@@ -77,32 +83,35 @@ impl View<'_> {
         let cells = self.cells();
         let each = cells.len().div_ceil(width.saturating_sub(NAME + 17).max(8));
         let what = if each == 1 { "a column a cell".to_owned() } else { format!("a column for each {each} cells") };
-        let share_of = |some: fn(&CellStats) -> u64| cells.iter().map(|cell| share(some(cell), total(cell))).collect();
-        let levels = |channel: char| {
-            let all = self.levels().filter(|level| level.stats.name.starts_with(channel));
-            all.map(|level| level.mean / level.stats.capacity.0 as f64).collect()
+        let states = &self.now.topology.states;
+        let share_of = |some: &dyn Fn(&StateTimes) -> Cycles| {
+            cells.iter().map(|cell| share(some(cell), cell.total())).collect::<Vec<f64>>()
+        };
+        let levels = |group: &str| {
+            let all = self.levels().filter(|level| level.info.group == group);
+            all.map(|level| level.mean / level.info.capacity.0 as f64).collect()
         };
         vec![
             self.heading(),
             format!("{} cells, {what}; least, mean and most to the right", cells.len()),
-            sparks("works", share_of(works), each, Style::new().green()),
-            sparks("waits", share_of(waits), each, Style::new().yellow()),
-            sparks("blocked", share_of(blocked), each, Style::new().red()),
-            sparks("X FIFOs' level", levels('X'), each, Style::new().blue()),
-            sparks("Y FIFOs' level", levels('Y'), each, Style::new().blue()),
+            sparks("works", share_of(&|cell| states.works(cell)), each, Style::new().green()),
+            sparks("waits", share_of(&|cell| states.waits(cell)), each, Style::new().yellow()),
+            sparks("blocked", share_of(&|cell| states.blocked(cell)), each, Style::new().red()),
+            sparks("X FIFOs' level", levels("X"), each, Style::new().blue()),
+            sparks("Y FIFOs' level", levels("Y"), each, Style::new().blue()),
         ]
     }
 
     /// What each cell did between the two looks.
-    fn cells(&self) -> Vec<CellStats> {
-        let nothing = CellStats::default();
-        let before = |index: usize| self.before.cells.get(index).unwrap_or(&nothing);
-        let cells = self.now.cells.iter().enumerate();
-        cells.map(|(index, cell)| difference(cell, before(index))).collect()
+    fn cells(&self) -> Vec<StateTimes> {
+        let before = |index: usize| self.before.stations.get(index).copied().unwrap_or_default();
+        let cells = self.now.stations.iter().enumerate();
+        cells.map(|(index, cell)| cell.since(&before(index))).collect()
     }
 
     fn levels(&self) -> impl Iterator<Item = Level<'_>> {
-        self.now.fifos.iter().enumerate().map(|(index, (stats, until))| {
+        let infos = self.now.topology.fifos.iter();
+        infos.zip(&self.now.fifos).enumerate().map(|(index, (info, (stats, until)))| {
             let (word_cycles, full, since) = self
                 .before
                 .fifos
@@ -111,93 +120,61 @@ impl View<'_> {
             let passed = until.0.saturating_sub(since);
             let word_cycles = stats.word_cycles.saturating_sub(word_cycles);
             Level {
-                stats,
+                info,
                 // Both ends of the time are where this FIFO has come to, which is not quite where the words are counted.
-                mean: (word_cycles as f64 / passed.max(1) as f64).min(stats.capacity.0 as f64),
-                full: share(stats.full.0.saturating_sub(full), passed),
+                mean: (word_cycles as f64 / passed.max(1) as f64).min(info.capacity.0 as f64),
+                full: share(Cycles(stats.full.0.saturating_sub(full)), Cycles(passed)),
             }
         })
     }
 }
 
-fn difference(now: &CellStats, before: &CellStats) -> CellStats {
-    let less = |state: CellState| Cycles(now.of(state).0.saturating_sub(before.of(state).0));
-    CellStats {
-        busy: pcs_sim::machine::Busy(Work::ALL.map(|work| less(CellState::Busy(work)))),
-        moving: less(CellState::Moving),
-        waiting_x: less(CellState::Waiting(Channel::X)),
-        waiting_y: less(CellState::Waiting(Channel::Y)),
-        waiting_z: less(CellState::Waiting(Channel::Z)),
-        blocked_x: less(CellState::Blocked(Channel::X)),
-        blocked_y: less(CellState::Blocked(Channel::Y)),
-        blocked_z: less(CellState::Blocked(Channel::Z)),
-        idle: Cycles(0),
-    }
+fn share(part: Cycles, whole: Cycles) -> f64 {
+    if whole.0 == 0 { 0.0 } else { part.0 as f64 / whole.0 as f64 }
 }
 
-fn total(cell: &CellStats) -> u64 {
-    cell.active().0
-}
-
-fn works(cell: &CellStats) -> u64 {
-    (cell.busy.total() + cell.moving).0
-}
-
-fn waits(cell: &CellStats) -> u64 {
-    (cell.waiting_x + cell.waiting_y).0
-}
-
-fn blocked(cell: &CellStats) -> u64 {
-    (cell.blocked_x + cell.blocked_y).0
-}
-
-fn share(part: u64, whole: u64) -> f64 {
-    if whole == 0 { 0.0 } else { part as f64 / whole as f64 }
-}
-
-/// A state's letter, as activity traces have them, and its colour.
-fn mark(state: CellState) -> (char, Style) {
+/// The colour of a state: what is worked on has colours by its place.
+fn style(states: &States, state: &State) -> Style {
     let style = Style::new().for_stderr();
-    match state {
-        CellState::Busy(Work::Grid) => ('g', style.blue()),
-        CellState::Busy(Work::Slabs) => ('s', style.green()),
-        CellState::Busy(Work::Intersection) => ('n', style.cyan()),
-        CellState::Busy(Work::Other) => ('c', style.magenta()),
-        CellState::Moving => ('m', style.bold()),
-        CellState::Waiting(_) => ('.', style.yellow()),
-        CellState::Blocked(_) => ('!', style.red()),
-        CellState::Idle => (' ', style),
+    let place = states.all().iter().filter(|other| other.kind == state.kind).position(|other| other.id == state.id);
+    match (state.kind, place.unwrap_or_default() % 4) {
+        (StateKind::Works, 0) => style.blue(),
+        (StateKind::Works, 1) => style.green(),
+        (StateKind::Works, 2) => style.cyan(),
+        (StateKind::Works, _) => style.magenta(),
+        (StateKind::Moves, _) => style.bold(),
+        (StateKind::Waits, _) => style.yellow(),
+        (StateKind::Blocked, _) => style.red(),
+        (StateKind::Idle, _) => style,
     }
 }
 
-fn legend() -> String {
-    let states = [
-        CellState::Busy(Work::Grid),
-        CellState::Busy(Work::Slabs),
-        CellState::Busy(Work::Intersection),
-        CellState::Busy(Work::Other),
-        CellState::Moving,
-        CellState::Waiting(Channel::X),
-        CellState::Blocked(Channel::X),
-    ];
-    let names = states.map(|state| {
-        let (letter, style) = mark(state);
-        let name = state.name();
-        format!("{} {}", style.apply_to(letter), name.split(' ').next().unwrap_or(name))
+/// The states' letters: waits and blocks have one each, wherever they are.
+fn legend(states: &States) -> String {
+    let mut letters = Vec::new();
+    let mut is_new = |letter: char| {
+        !letters.contains(&letter) && {
+            letters.push(letter);
+            true
+        }
+    };
+    let shown = states.all().iter().filter(|state| state.kind != StateKind::Idle && is_new(state.letter));
+    let names = shown.map(|state| {
+        let name = state.name.split(' ').next().unwrap_or(&state.name);
+        format!("{} {name}", style(states, state).apply_to(state.letter))
     });
-    names.join("  ")
+    names.collect::<Vec<_>>().join("  ")
 }
 
 /// A cell's states, each as long as its share of the time.
-fn bar_of(cell: &CellStats, length: usize) -> String {
-    let (whole, mut passed, mut drawn) = (total(cell), 0, 0);
+fn bar_of(states: &States, cell: &StateTimes, length: usize) -> String {
+    let (whole, mut passed, mut drawn) = (cell.total(), Cycles(0), 0);
     let mut bar = String::new();
-    for state in CellState::ALL {
-        passed += cell.of(state).0;
+    for state in states.all() {
+        passed += cell.of(state.id);
         let end = (share(passed, whole) * length as f64).round() as usize;
-        let (letter, style) = mark(state);
         if end > drawn {
-            bar += &style.apply_to(letter.to_string().repeat(end - drawn)).to_string();
+            bar += &style(states, state).apply_to(state.letter.to_string().repeat(end - drawn)).to_string();
             drawn = end;
         }
     }
@@ -218,43 +195,66 @@ fn sparks(name: &str, shares: Vec<f64>, each: usize, style: Style) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pcs_sim::machine::{Busy, Words};
+    use std::sync::Arc;
 
-    fn cell(grid: u64, moving: u64, waiting_y: u64, blocked_x: u64) -> CellStats {
-        CellStats {
-            busy: Busy([Cycles(grid), Cycles(0), Cycles(0), Cycles(0)]),
-            moving: Cycles(moving),
-            waiting_y: Cycles(waiting_y),
-            blocked_x: Cycles(blocked_x),
-            ..CellStats::default()
+    use pcs_sim::machine::line::{MOVING, blocked, waiting, working};
+    use pcs_sim::machine::{Array, KernelTimes, MachineSpec};
+    use pcs_sim::measure::{Actor, FifoStats, Topology};
+    use pcs_sim::program::work;
+    use pcs_sim::quantities::Words;
+    use pcs_sim::seam::{Activity, Channel};
+
+    fn cell(grid: u64, moving: u64, waiting_y: u64, blocked_x: u64) -> StateTimes {
+        let mut times = StateTimes::default();
+        let y = waiting(Channel::Y);
+        for (state, cycles) in
+            [(working(Activity(0)), grid), (MOVING, moving), (y, waiting_y), (blocked(Channel::X), blocked_x)]
+        {
+            *times.of_mut(state) = Cycles(cycles);
         }
+        times
     }
 
-    fn fifo(name: &str, word_cycles: u64, full: u64, until: u64) -> (FifoStats, Cycles) {
-        let (capacity, full) = (Words(512), Cycles(full));
-        let (words, max, empty) = (Words(0), Words(0), Cycles(0));
-        (FifoStats { name: name.to_owned(), capacity, words, max, word_cycles, full, empty }, Cycles(until))
+    fn fifo(word_cycles: u64, full: u64, until: u64) -> (FifoStats, Cycles) {
+        (FifoStats { word_cycles, full: Cycles(full), ..FifoStats::default() }, Cycles(until))
+    }
+
+    /// Cells with the states that an array has, and FIFOs with these names.
+    fn topology(cells: usize, fifos: &[String]) -> Arc<Topology> {
+        let costs = work::costs(&work::vocabulary(false), &KernelTimes::default(), None);
+        let states = Array::new(&MachineSpec::default(), &costs, 1).so_far().topology.states.clone();
+        let info = |name: &String| FifoInfo {
+            name: name.clone(),
+            group: name[..1].to_owned(),
+            from: Actor::Host,
+            to: Actor::Host,
+            capacity: Words(512),
+        };
+        Arc::new(Topology { stations: cells, fifos: fifos.iter().map(info).collect(), states })
     }
 
     fn lines(before: &SoFar, now: &SoFar, width: usize, height: usize) -> String {
-        let spec = MachineSpec::default();
+        let clock = MachineSpec::default().clock();
         let cell_names = &["grid".to_owned()];
-        View { spec: &spec, cell_names, before, now }.lines(width, height).join("\n")
+        View { clock, cell_names, before, now }.lines(width, height).join("\n")
     }
 
     #[test]
     fn few_cells_have_a_row_each() {
+        let topology = topology(1, &["X0".to_owned(), "Yhost".to_owned()]);
         let before = SoFar {
+            topology: topology.clone(),
             cycles: Cycles(1_000_000),
             returned: 30,
-            cells: vec![cell(500, 0, 500, 0)],
-            fifos: vec![fifo("X0", 512_000, 1000, 1000), fifo("Yhost", 0, 0, 1000)],
+            stations: vec![cell(500, 0, 500, 0)],
+            fifos: vec![fifo(512_000, 1000, 1000), fifo(0, 0, 1000)],
         };
         let now = SoFar {
+            topology,
             cycles: Cycles(3_000_000),
             returned: 90,
-            cells: vec![cell(1000, 100, 700, 200)],
-            fifos: vec![fifo("X0", 768_000, 1000, 2000), fifo("Yhost", 1000, 0, 2000)],
+            stations: vec![cell(1000, 100, 700, 200)],
+            fifos: vec![fifo(768_000, 1000, 2000), fifo(1000, 0, 2000)],
         };
         insta::assert_snapshot!(lines(&before, &now, 77, 24), @"
         simulated 150.000 ms at 600 rays/s; below, its last 100.000 ms at 600 rays/s
@@ -271,9 +271,10 @@ mod tests {
     #[test]
     fn many_cells_have_a_column_each() {
         let cells = (0..64).map(|index| cell(index, 0, 63 - index, 0)).collect();
-        let fifos = (0..64).map(|index| fifo(&format!("X{index}"), 512 * (index % 2), 0, 1));
-        let fifos = fifos.chain((1..=64).map(|index| fifo(&format!("Y{index}"), 0, 0, 1))).collect();
-        let now = SoFar { cycles: Cycles(63), returned: 0, cells, fifos };
+        let names = (0..64).map(|index| format!("X{index}")).chain((1..=64).map(|index| format!("Y{index}")));
+        let fifos = (0..64).map(|index| fifo(512 * (index % 2), 0, 1)).chain((1..=64).map(|_| fifo(0, 0, 1)));
+        let topology = topology(64, &names.collect::<Vec<_>>());
+        let now = SoFar { topology, cycles: Cycles(63), returned: 0, stations: cells, fifos: fifos.collect() };
         insta::assert_snapshot!(lines(&SoFar::default(), &now, 110, 24), @"
         simulated 3.150 µs at 0 rays/s; below, its last 3.150 µs at 0 rays/s
         64 cells, a column a cell; least, mean and most to the right

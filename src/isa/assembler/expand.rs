@@ -8,13 +8,20 @@ use super::line::{Kind, Line, Token};
 use super::{Assembler, Macro, Pending, Sources, Word};
 use crate::error::InputError;
 use crate::input::text::nearest;
+use crate::isa::kernels::KERNELS;
 use crate::isa::program::{SourceFile, SourceLine};
 use crate::isa::register::Register;
 use crate::isa::table::{Opcode, TABLE};
-use crate::machine::Work;
+use crate::seam::Activity;
 
-/// How deep files may include files, and macros use macros.
-const DEEPEST: usize = 32;
+/// How deep files, macros and conditions may be nested in each other.
+const DEEPEST: usize = 64;
+
+/// The most lines that may be followed, macros expanded: two macros that use each other twice would double them for ever.
+const MOST_LINES: usize = 1 << 22;
+
+/// The longest line of an expanded macro, in bytes: arguments that are given on twice double it.
+const LONGEST_LINE: usize = 1 << 16;
 
 /// The most words of a program and of its data.
 const MOST_WORDS: usize = 1 << 17;
@@ -23,9 +30,6 @@ const DIRECTIVES: [&str; 15] = [
     ".code", ".count", ".data", ".else", ".end", ".float", ".if", ".include", ".kernel", ".loaded", ".macro",
     ".option", ".reg", ".space", ".word",
 ];
-
-const KERNELS: [(&str, Work); 4] =
-    [("grid", Work::Grid), ("slabs", Work::Slabs), ("intersection", Work::Intersection), ("other", Work::Other)];
 
 impl Assembler {
     /// Follows a file.
@@ -45,6 +49,11 @@ impl Assembler {
     fn block(&mut self, lines: &[Line]) -> Result<(), InputError> {
         let mut next = 0;
         while let Some(line) = lines.get(next) {
+            self.followed += 1;
+            if self.followed > MOST_LINES {
+                let message = format!("files and macros come to more than {MOST_LINES} lines");
+                return Err(self.error(line, Wrong::new(line.first_span(), message)));
+            }
             match opens_block(line) {
                 Some(opener) => {
                     let tokens = self.tokens(line)?;
@@ -62,11 +71,12 @@ impl Assembler {
                         let wrong = Wrong::new(tokens[0].span(), "a macro has no `.else`");
                         return Err(self.error(line, wrong));
                     }
-                    match result.map_err(|wrong| self.error(line, wrong))? {
-                        Some(true) => self.block(then)?,
-                        Some(false) => self.block(otherwise)?,
-                        None => {}
-                    }
+                    let chosen = match result.map_err(|wrong| self.error(line, wrong))? {
+                        Some(true) => then,
+                        Some(false) => otherwise,
+                        None => &[],
+                    };
+                    self.deeper(line, tokens[0].span(), |this| this.block(chosen))?;
                     next = block.after;
                 }
                 None => {
@@ -216,10 +226,10 @@ impl Assembler {
             ".code" => self.in_data = false,
             ".kernel" => {
                 let kernel = reader.expect_name("grid, slabs, intersection or other")?;
-                let known = KERNELS.iter().find(|(name, _)| *name == kernel.text);
+                let known = KERNELS.iter().position(|name| *name == kernel.text);
                 let unknown = || Wrong::new(kernel.span(), format!("there is no kernel `{}`", kernel.text));
                 let help = "there are grid, slabs, intersection and other";
-                self.work = known.ok_or_else(|| unknown().help(help))?.1;
+                self.work = Activity(known.ok_or_else(|| unknown().help(help))? as u8);
             }
             ".count" => {
                 let event = reader.expect_name("the event's name")?;
@@ -334,6 +344,10 @@ impl Assembler {
             .iter()
             .map(|line| Line { place: line.place, text: put_in(&line.text), expanded_from: Some(name.text.to_owned()) })
             .collect();
+        if expanded.iter().any(|line| line.text.len() > LONGEST_LINE) {
+            let message = format!("`{}` expands to a line of more than {LONGEST_LINE} bytes", name.text);
+            return Err(self.error(line, Wrong::new(name.span(), message)));
+        }
         self.deeper(line, name.span(), |this| this.block(&expanded))
     }
 
@@ -345,7 +359,9 @@ impl Assembler {
         follow: impl FnOnce(&mut Self) -> Result<(), InputError>,
     ) -> Result<(), InputError> {
         if self.depth >= DEEPEST {
-            let message = format!("files and macros are nested more than {DEEPEST} deep; does this one name itself?");
+            let message = format!(
+                "files, macros and conditions are nested more than {DEEPEST} deep; does a file or a macro name itself?"
+            );
             return Err(self.error(line, Wrong::new(span, message)));
         }
         self.depth += 1;

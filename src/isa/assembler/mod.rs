@@ -30,6 +30,8 @@ mod expression;
 mod line;
 mod operands;
 
+use crate::isa::kernels::OTHER;
+use crate::seam::Activity;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -83,8 +85,9 @@ pub fn assemble(path: &Path, sources: Sources, options: &[(&str, i64)]) -> Resul
         instructions: Vec::new(),
         data: Vec::new(),
         in_data: false,
-        work: crate::machine::Work::Other,
+        work: OTHER,
         depth: 0,
+        followed: 0,
     };
     assembler.file(path)?;
     assembler.finish()
@@ -103,9 +106,11 @@ struct Assembler {
     instructions: Vec<Pending>,
     data: Vec<Pending>,
     in_data: bool,
-    work: crate::machine::Work,
-    /// Files and macros that are being followed.
+    work: Activity,
+    /// Files, macros and conditions that are being followed.
     depth: usize,
+    /// Lines that have been followed.
+    followed: usize,
 }
 
 /// A macro: what its lines say, with `{parameter}` where the arguments go.

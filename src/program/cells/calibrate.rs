@@ -1,19 +1,20 @@
 //! Fitting the instructions' cycles to Figure 7.
 //!
 //! Each of the six numbers is a sum over the classes of instructions: how many of a class, times what one costs. The counts
-//! are measured by letting one class cost a cycle, and all others nothing. Six numbers do not fix ten costs: the fit looks,
+//! are those of the ops of one run. Six numbers do not fix ten costs: the fit looks,
 //! among whole numbers within [`BOUNDS`], for those with the least squares of the six relative differences, and with a far
 //! lesser weight of the relative distance from what is typical.
 
 use std::path::PathBuf;
 
 use crate::error::InputError;
-use crate::isa::{Class, InstructionCycles};
-use crate::machine::{Cycles, MachineSpec};
-use crate::program::{HostTimes, KernelTimes, Times};
+use crate::isa::kernels::{KERNELS, unit};
+use crate::isa::{Class, InstructionCycles, Processor};
+use crate::machine::MachineSpec;
+use crate::seam::{Activity, Unit, Vocabulary};
 
 use super::CellOptions;
-use super::figure7::{NUMBERS, measure};
+use super::figure7::{NUMBERS, mix};
 
 /// What a class of instructions can have cost in 1988, in ns.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,17 +66,17 @@ const fn bound(class: Class, least_ns: f64, typical_ns: f64, most_ns: f64, why: 
 const TYPICAL_WEIGHT: f64 = 1e-3;
 
 /// How many instructions of each class are behind each of the six numbers.
-type Mix = [[f64; Class::ALL.len()]; NUMBERS.len()];
+type Classes = [[f64; Class::ALL.len()]; NUMBERS.len()];
 
 /// The instructions' cycles on a machine that come nearest to Figure 7, for the programs of a folder or the standard ones.
 pub fn calibrate(spec: &MachineSpec, folder: Option<PathBuf>) -> Result<InstructionCycles, InputError> {
-    let mix = mix(folder)?;
+    let classes = classes(folder)?;
     let goal = NUMBERS.map(|number| number.paper_us * 1e3 / spec.clock_ns);
     let cycles = |ns: f64| (ns / spec.clock_ns).round().max(1.0);
     let badness = |costs: &[f64; Class::ALL.len()]| {
         let number =
             |row: &[f64; Class::ALL.len()]| row.iter().zip(costs).map(|(count, cost)| count * cost).sum::<f64>();
-        let misfit: f64 = mix.iter().zip(goal).map(|(row, goal)| (number(row) / goal - 1.0).powi(2)).sum();
+        let misfit: f64 = classes.iter().zip(goal).map(|(row, goal)| (number(row) / goal - 1.0).powi(2)).sum();
         let strange: f64 =
             costs.iter().zip(BOUNDS).map(|(cost, bound)| (cost / cycles(bound.typical_ns) - 1.0).powi(2)).sum();
         misfit + TYPICAL_WEIGHT * strange
@@ -119,23 +120,15 @@ fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..count).flat_map(move |i| above(i).flat_map(move |j| above(j).map(move |k| [i, j, k])))
 }
 
-fn mix(folder: Option<PathBuf>) -> Result<Mix, InputError> {
-    let nothing_at_all = Times { start: Cycles(0), each: Cycles(0) };
-    let times = KernelTimes {
-        grid: nothing_at_all,
-        slabs: nothing_at_all,
-        intersection: nothing_at_all,
-        host: HostTimes::default(),
+/// How many instructions of each class are behind each of the six numbers. All prices are open, so this is one run.
+fn classes(folder: Option<PathBuf>) -> Result<Classes, InputError> {
+    let options = CellOptions { cycles: nothing(), folder, instruction_limit: Processor::INSTRUCTION_LIMIT };
+    let mix = mix(Some(&options))?;
+    let count = |row: [f64; Vocabulary::MOST_UNITS], class: Class| {
+        let units = (0..KERNELS.len()).map(|kernel| unit(Activity(kernel as u8), class));
+        units.map(|Unit(unit)| row[unit as usize]).sum()
     };
-    let mut mix = Mix::default();
-    for (place, class) in Class::ALL.into_iter().enumerate() {
-        let mut cycles = nothing();
-        cycles.set(class, 1);
-        let options = CellOptions { cycles, folder: folder.clone(), cycle_limit: u64::MAX };
-        let counts = measure(times, Some(&options))?;
-        mix.iter_mut().zip(counts).for_each(|(row, count)| row[place] = count);
-    }
-    Ok(mix)
+    Ok(mix.map(|row| Class::ALL.map(|class| count(row, class))))
 }
 
 fn nothing() -> InstructionCycles {

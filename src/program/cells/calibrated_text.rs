@@ -5,8 +5,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::isa::InstructionCycles;
-use crate::machine::MachineSpec;
-use crate::program::MachineFile;
+use crate::machine::{MachineFile, MachineSpec};
 
 use super::calibrate::BOUNDS;
 use super::figure7::{NUMBERS, us};

@@ -1,6 +1,6 @@
 //! The micro-workloads behind Figure 7's six numbers.
 //!
-//! Each number is measured on a cell of the macro-pipeline, by the cycles that it computes on a ray; the words that it moves
+//! Each number is measured on a cell of the macro-pipeline, by the units of work that it does on a ray; the words that it moves
 //! are not counted, as they are the links' affair and the machine has their cycles beside. What a kernel takes for each
 //! voxel or polygon is what one more of them costs; its start is what is left of a ray without any.
 //!
@@ -13,9 +13,10 @@ use glam::Vec3;
 
 use crate::error::InputError;
 use crate::geometry::Ray;
-use crate::machine::{MachineSpec, OpKind, OpStream};
-use crate::program::{ArrayProgram, KernelTimes, Tracer, Workload};
+use crate::machine::{KernelTimes, MachineSpec};
+use crate::program::{ArrayProgram, Tracer, Workload, work};
 use crate::scene::Mesh;
+use crate::seam::{Costs, OpStream, Unit, Vocabulary};
 
 use super::CellOptions;
 
@@ -38,13 +39,37 @@ pub const NUMBERS: [Number; 6] = [
     Number { name: "intersection, a polygon", paper_us: 30.0 },
 ];
 
-/// The six numbers of cells that take `times`, or that run programs, in cycles. They may be fractions, as means.
-pub fn measure(times: KernelTimes, programs: Option<&CellOptions>) -> Result<[f64; 6], InputError> {
-    let cells = Cells { times, programs };
+/// How many units of work are behind each of the six numbers, by the unit. They may be fractions, as means.
+pub type Mix = [[f64; Vocabulary::MOST_UNITS]; NUMBERS.len()];
+
+/// The units of work behind the six numbers: of cells that take Figure 7's times, or that run programs.
+///
+/// # Errors
+///
+/// If the programs have a mistake, or do what no program may.
+pub fn mix(programs: Option<&CellOptions>) -> Result<Mix, InputError> {
+    let cells = Cells { programs };
     let [grid_start, voxel] = cells.grid()?;
     let [slabs_start, slabs_polygon] = cells.candidates(1)?;
     let [intersection_start, intersection_polygon] = cells.candidates(2)?;
     Ok([grid_start, voxel, slabs_start, slabs_polygon, intersection_start, intersection_polygon])
+}
+
+/// The six numbers in cycles, on a machine where units cost so much.
+pub fn measure(mix: &Mix, costs: &Costs) -> [f64; NUMBERS.len()] {
+    let units = || (0..).map(Unit);
+    mix.map(|row| row.iter().zip(units()).map(|(count, unit)| count * costs.of(unit).0 as f64).sum())
+}
+
+/// The six numbers in cycles, of cells that take a machine's times, or that run programs on it.
+///
+/// # Errors
+///
+/// If the programs have a mistake, or do what no program may.
+pub fn numbers(times: &KernelTimes, programs: Option<&CellOptions>) -> Result<[f64; NUMBERS.len()], InputError> {
+    let vocabulary = work::vocabulary(programs.is_some());
+    let costs = work::costs(&vocabulary, times, programs.map(|options| &options.cycles));
+    Ok(measure(&mix(programs)?, &costs))
 }
 
 /// Cycles as µs on a machine.
@@ -54,20 +79,27 @@ pub fn us(cycles: f64, spec: &MachineSpec) -> f64 {
 
 /// The cells that are measured.
 struct Cells<'a> {
-    times: KernelTimes,
     programs: Option<&'a CellOptions>,
 }
 
+/// Units of work, by their number.
+type Units = [f64; Vocabulary::MOST_UNITS];
+
 /// What one cell did on one ray.
 struct Work {
-    cycles: f64,
+    units: Units,
     voxels: f64,
+}
+
+/// Calculates with each unit by itself.
+fn each_unit(of: impl Fn(usize) -> f64) -> Units {
+    std::array::from_fn(of)
 }
 
 impl Cells<'_> {
     /// The grid's start and work. The volume is spanned by two small triangles in opposite corners; the ray goes from a
     /// third corner to a fourth, and is ended earlier or later.
-    fn grid(&self) -> Result<[f64; 2], InputError> {
+    fn grid(&self) -> Result<[Units; 2], InputError> {
         let mut mesh = Mesh::default();
         for (corner, size) in [(Vec3::ZERO, 0.1), (Vec3::splat(100.0), -0.1)] {
             let corners = [Vec3::ZERO, Vec3::new(size, 0.0, size), Vec3::new(0.0, size, size)];
@@ -78,13 +110,13 @@ impl Cells<'_> {
         let ray = |t_max: f32| Ray { t_max, ..Ray::new(Vec3::new(-1.0, 100.0, 0.5), Vec3::new(1.0, -0.993, 0.989)) };
         let short = self.work(&mesh, coefficient, ray(20.0), 0)?;
         let long = self.work(&mesh, coefficient, ray(90.0), 0)?;
-        let each = (long.cycles - short.cycles) / (long.voxels - short.voxels);
-        Ok([long.cycles - each * long.voxels, each])
+        let each = each_unit(|unit| (long.units[unit] - short.units[unit]) / (long.voxels - short.voxels));
+        Ok([each_unit(|unit| long.units[unit] - each[unit] * long.voxels), each])
     }
 
     /// The start and the work of a cell that reads candidates: triangles one behind the other, all in one voxel.
-    fn candidates(&self, cell: usize) -> Result<[f64; 2], InputError> {
-        let cycles = |count: u32| {
+    fn candidates(&self, cell: usize) -> Result<[Units; 2], InputError> {
+        let units = |count: u32| {
             let mut mesh = Mesh::default();
             for z in 0..count {
                 let corners = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]];
@@ -92,22 +124,23 @@ impl Cells<'_> {
                 mesh.add_face(&points, 0);
             }
             let ray = Ray::new(Vec3::new(0.9, 1.1, -1.0), Vec3::new(0.01, 0.02, 1.0));
-            Ok::<f64, InputError>(self.work(&mesh, 1.0 / count as f64, ray, cell)?.cycles)
+            Ok::<Units, InputError>(self.work(&mesh, 1.0 / count as f64, ray, cell)?.units)
         };
         let (few, many) = (2, 12);
-        let each = (cycles(many)? - cycles(few)?) / (many - few) as f64;
+        let (with_few, with_many) = (units(few)?, units(many)?);
+        let each = each_unit(|unit| (with_many[unit] - with_few[unit]) / (many - few) as f64);
         let beside = Ray::new(Vec3::new(9.0, 9.0, -1.0), Vec3::Z);
         let mut mesh = Mesh::default();
         let points = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|point| mesh.add_point(point));
         mesh.add_face(&points, 0);
-        Ok([self.work(&mesh, 1.0, beside, cell)?.cycles, each])
+        Ok([self.work(&mesh, 1.0, beside, cell)?.units, each])
     }
 
     /// What a cell of the macro-pipeline does on a ray.
     fn work(&self, mesh: &Mesh, coefficient: f64, ray: Ray, cell: usize) -> Result<Work, InputError> {
         let pipeline = ArrayProgram::standard("pipeline").unwrap_or_else(|| Err(InputError::new("no pipeline")))?;
         let pipeline = ArrayProgram { grid_coefficient: coefficient, ..pipeline };
-        let mut workload = Workload::new(mesh, &pipeline, self.times, &[ray])?;
+        let mut workload = Workload::new(mesh, &pipeline, KernelTimes::default(), &[ray])?;
         if let Some(options) = self.programs {
             workload = workload.with_programs(options)?;
         }
@@ -117,8 +150,9 @@ impl Cells<'_> {
         if let Some(fault) = tracer.fault {
             return Err(InputError::new(format!("Figure 7 cannot be measured: {fault}")));
         }
-        let computes = |op: &&crate::machine::Op| matches!(op.kind(), OpKind::Compute(_));
-        let cycles: u64 = cells[cell].ops().iter().filter(computes).map(|op| op.count() as u64).sum();
-        Ok(Work { cycles: cycles as f64, voxels: tracer.counts.voxels as f64 })
+        let mut units = [0.0; Vocabulary::MOST_UNITS];
+        let works = cells[cell].ops().iter().filter_map(|op| Some((op.unit()?, op.count())));
+        works.for_each(|(Unit(unit), count)| units[unit as usize] += count as f64);
+        Ok(Work { units, voxels: tracer.counts.voxels as f64 })
     }
 }

@@ -8,20 +8,20 @@ mod calibrated_text;
 pub mod figure7;
 mod loader;
 mod standard;
-mod trace;
+mod tracer;
 
 use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
 use crate::isa::{Executable, InstructionCycles, Program, assemble};
-use crate::machine::Words;
+use crate::quantities::Words;
 
 use super::array_program::Kernel;
 use super::workload::Workload;
 
 pub use calibrated_text::machine_text;
 pub use standard::STANDARD;
-pub(super) use trace::ProgramTracer;
+pub(super) use tracer::ProgramTracer;
 
 /// How the cells of an array run programs.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,8 +30,8 @@ pub struct CellOptions {
     pub cycles: InstructionCycles,
     /// The folder of the programs; `None` for the standard ones.
     pub folder: Option<PathBuf>,
-    /// The most cycles that a cell may compute for one ray.
-    pub cycle_limit: u64,
+    /// The most instructions that a cell may execute for one ray.
+    pub instruction_limit: u64,
 }
 
 /// The programs of all cells, loaded.

@@ -5,7 +5,8 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 use super::Page;
-use crate::machine::{CellState, CellStats, Cycles, FifoProfile, FifoStats};
+use crate::measure::{FifoInfo, FifoProfile, FifoStats, State as CellState};
+use crate::quantities::Cycles;
 use crate::report::palette::{self, Rgb};
 use crate::report::time_unit::TimeUnit;
 
@@ -18,7 +19,7 @@ pub struct Data<'a> {
     bin: f64,
     /// Length of the run, in that unit.
     end: f64,
-    states: Vec<State>,
+    states: Vec<State<'a>>,
     cells: Vec<Cell<'a>>,
     fifos: Vec<Fifo<'a>>,
     /// Rays done in each bin, per unit of time.
@@ -43,8 +44,8 @@ struct Colors {
 }
 
 #[derive(Serialize)]
-struct State {
-    name: &'static str,
+struct State<'a> {
+    name: &'a str,
     color: String,
 }
 
@@ -74,20 +75,21 @@ struct Fifo<'a> {
 
 impl<'a> Data<'a> {
     pub fn new(page: &Page<'a>) -> Data<'a> {
-        let Page { spec, stats, profile, .. } = *page;
-        let unit = TimeUnit::of(spec.seconds(profile.cycles));
-        let cycle = spec.seconds(Cycles(1)) / unit.seconds;
-        let lengths: Vec<u64> = (0..profile.rays.len() as u64)
+        let Page { clock, stats, profile, .. } = *page;
+        let all = &stats.topology.states;
+        let unit = TimeUnit::of(clock.seconds(profile.cycles));
+        let cycle = clock.seconds(Cycles(1)) / unit.seconds;
+        let lengths: Vec<u64> = (0..profile.jobs.len() as u64)
             .map(|bin| profile.bin.0.min(profile.cycles.0 - bin * profile.bin.0))
             .collect();
-        let occurs = |state: &CellState| stats.cells.iter().any(|cell| cell.of(*state) > Cycles(0));
-        let states: Vec<CellState> = CellState::ALL.into_iter().filter(occurs).collect();
-        let cells = profile.cells.iter().zip(&stats.cells).enumerate().map(|(index, (bins, whole))| Cell {
+        let occurs = |state: &&CellState| stats.stations.iter().any(|times| times.of(state.id) > Cycles(0));
+        let states: Vec<&CellState> = all.all().iter().filter(occurs).collect();
+        let cells = profile.stations.iter().zip(&stats.stations).enumerate().map(|(index, (bins, whole))| Cell {
             name: page.cell_names.get(index).map_or("", String::as_str),
-            works: percent(working(whole), stats.cycles),
-            states: states.iter().map(|&state| Shares::new(bins, &lengths, |bin| bin.of(state))).collect(),
+            works: percent(all.works(whole), stats.cycles),
+            states: states.iter().map(|state| Shares::new(bins, &lengths, |bin| bin.of(state.id))).collect(),
         });
-        let fifos = profile.fifos.iter().zip(&stats.fifos);
+        let fifos = stats.topology.fifos.iter().zip(profile.fifos.iter().zip(&stats.fifos));
         let rate = |(&rays, &cycles): (&u64, &u64)| rays as f64 / (cycles as f64 * cycle);
         let Rgb(red, green, blue) = palette::AMOUNT;
         Data {
@@ -95,10 +97,13 @@ impl<'a> Data<'a> {
             bins: lengths.len(),
             bin: profile.bin.0 as f64 * cycle,
             end: profile.cycles.0 as f64 * cycle,
-            states: states.iter().map(|&s| State { name: s.name(), color: palette::of_state(s).to_string() }).collect(),
+            states: states
+                .iter()
+                .map(|s| State { name: &s.name, color: palette::of_state(all, s).to_string() })
+                .collect(),
             cells: cells.collect(),
-            fifos: fifos.map(|(fifo, whole)| Fifo::new(fifo, whole, stats.cycles, &lengths)).collect(),
-            rays: Numbers::new(profile.rays.iter().zip(&lengths).map(rate)),
+            fifos: fifos.map(|(info, (fifo, whole))| Fifo::new(info, fifo, (whole, stats.cycles), &lengths)).collect(),
+            rays: Numbers::new(profile.jobs.iter().zip(&lengths).map(rate)),
             colors: Colors {
                 amount: palette::AMOUNT.to_string(),
                 amount_rgb: [red, green, blue],
@@ -110,11 +115,11 @@ impl<'a> Data<'a> {
 }
 
 impl<'a> Fifo<'a> {
-    fn new(fifo: &'a FifoProfile, whole: &FifoStats, cycles: Cycles, lengths: &[u64]) -> Fifo<'a> {
+    fn new(info: &'a FifoInfo, fifo: &FifoProfile, (whole, cycles): (&FifoStats, Cycles), lengths: &[u64]) -> Fifo<'a> {
         let bins = || fifo.bins.iter();
         Fifo {
-            name: &fifo.name,
-            capacity: fifo.capacity.0,
+            name: &info.name,
+            capacity: info.capacity.0,
             most: whole.max.0,
             average: whole.mean(cycles),
             full_share: percent(whole.full, cycles),
@@ -139,10 +144,6 @@ impl Shares {
         let bytes = || bins.iter().zip(lengths).flat_map(|pair| hundredths(pair).to_le_bytes()).collect::<Vec<u8>>();
         Shares((!all_zero).then(|| STANDARD.encode(bytes())))
     }
-}
-
-fn working(cell: &CellStats) -> Cycles {
-    cell.busy.total() + cell.moving
 }
 
 fn percent(part: Cycles, whole: Cycles) -> f64 {

@@ -10,17 +10,17 @@ use super::palette;
 use super::plot::Caption;
 use super::stats::Configuration;
 use super::summary::{self, Rows};
-use crate::machine::{MachineSpec, Profile, RunStats};
+use crate::measure::{Clock, Measured, Profile};
 
 /// What a page shows.
 #[derive(Debug)]
 pub struct Page<'a> {
     /// What ran.
     pub caption: &'a Caption,
-    /// The array.
-    pub spec: &'a MachineSpec,
+    /// The machine's clock.
+    pub clock: Clock,
     /// The whole run.
-    pub stats: &'a RunStats,
+    pub stats: &'a Measured,
     /// The run over time.
     pub profile: &'a Profile,
     /// What each cell runs, as far as that is known.
@@ -49,11 +49,11 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     let rendered = template.render(context! {
         title => page.caption.title.as_str(),
         machine => page.caption.machine.as_str(),
-        speed => summary::speed(page.stats, page.spec),
-        bottleneck => bottleneck::sentence(page.stats, page.spec),
+        speed => summary::speed(page.stats, page.clock),
+        bottleneck => bottleneck::sentence(page.stats),
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
-        state_colors => page.stats.states().map(|state| palette::of_state(state).to_string()).collect::<Vec<_>>(),
+        state_colors => state_colors(page.stats),
         configuration,
         image => page.image.map(|png| base64::engine::general_purpose::STANDARD.encode(png)).unwrap_or_default(),
         // No text in it may end the script that it stands in.
@@ -70,6 +70,12 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         version => env!("CARGO_PKG_VERSION"),
     });
     rendered.map_err(|error| PageError(error.to_string()))
+}
+
+/// The colours of the states that the cells' table has.
+fn state_colors(run: &Measured) -> Vec<String> {
+    let states = &run.topology.states;
+    states.used().map(|state| palette::of_state(states, state).to_string()).collect()
 }
 
 /// A table as the template reads it.

@@ -7,7 +7,8 @@ use plotters::prelude::*;
 
 use super::Caption;
 use super::render::{Drawn, FONT_NAME};
-use crate::machine::{Cycles, MachineSpec, Profile};
+use crate::measure::{Clock, Profile};
+use crate::quantities::Cycles;
 use crate::report::palette::Rgb;
 use crate::report::time_unit::TimeUnit;
 
@@ -40,9 +41,9 @@ pub struct TimeScale {
 
 impl TimeScale {
     /// The scale of a run.
-    pub fn new(profile: &Profile, spec: &MachineSpec) -> TimeScale {
-        let unit = TimeUnit::of(spec.seconds(profile.cycles));
-        let cycle = spec.seconds(Cycles(1)) / unit.seconds;
+    pub fn new(profile: &Profile, clock: Clock) -> TimeScale {
+        let unit = TimeUnit::of(clock.seconds(profile.cycles));
+        let cycle = clock.seconds(Cycles(1)) / unit.seconds;
         TimeScale { unit, cycle, bin: profile.bin.0, cycles: profile.cycles.0 }
     }
 

@@ -6,7 +6,8 @@ use plotters::prelude::*;
 use super::Caption;
 use super::chart::{self, TimeScale, rgb};
 use super::render::{Drawn, Figure};
-use crate::machine::{Cycles, FifoBin, FifoProfile};
+use crate::measure::{FifoBin, FifoInfo, FifoProfile};
+use crate::quantities::Cycles;
 use crate::report::bottleneck::percent;
 use crate::report::palette::{self, Rgb};
 
@@ -14,7 +15,7 @@ use crate::report::palette::{self, Rgb};
 pub struct Levels<'a> {
     pub caption: &'a Caption,
     pub scale: TimeScale,
-    pub fifos: &'a [FifoProfile],
+    pub fifos: &'a [(&'a FifoInfo, &'a FifoProfile)],
 }
 
 impl Figure for Levels<'_> {
@@ -24,8 +25,8 @@ impl Figure for Levels<'_> {
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         let panels = chart::panels(area, self.caption, LEVELS, &LEVELS_LEGEND, self.fifos.len())?;
-        for (index, (fifo, panel)) in self.fifos.iter().zip(&panels).enumerate() {
-            self.draw_fifo(fifo, panel, index + 1 == self.fifos.len())?;
+        for (index, (&(info, fifo), panel)) in self.fifos.iter().zip(&panels).enumerate() {
+            self.draw_fifo((info, fifo), panel, index + 1 == self.fifos.len())?;
         }
         Ok(())
     }
@@ -34,16 +35,16 @@ impl Figure for Levels<'_> {
 impl Levels<'_> {
     fn draw_fifo<DB: DrawingBackend>(
         &self,
-        fifo: &FifoProfile,
+        (info, fifo): (&FifoInfo, &FifoProfile),
         panel: &DrawingArea<DB, Shift>,
         is_last: bool,
     ) -> Drawn<DB> {
         let highest = highest(fifo);
-        let capacity = fifo.capacity.0;
+        let capacity = info.capacity.0;
         // The capacity belongs into the picture unless it would press the curve to the ground.
         let shows_capacity = 3 * highest >= capacity;
         let top = if shows_capacity { capacity } else { highest.max(1) } as f64 * 1.12;
-        let name = format!("{}: at most {highest} of {capacity} words, full {} of the time", fifo.name, full(fifo));
+        let name = format!("{}: at most {highest} of {capacity} words, full {} of the time", info.name, full(fifo));
         let mut chart = chart::builder(panel, &name, is_last).build_cartesian_2d(0.0..self.scale.end(), 0.0..top)?;
         let across = self.scale.label();
         let values = if highest < 4 { highest as usize + 1 } else { 4 };
@@ -104,7 +105,7 @@ fn full(fifo: &FifoProfile) -> String {
 /// How long each FIFO held how many words.
 pub struct Histograms<'a> {
     pub caption: &'a Caption,
-    pub fifos: &'a [FifoProfile],
+    pub fifos: &'a [(&'a FifoInfo, &'a FifoProfile)],
     pub cycles: Cycles,
 }
 
@@ -119,9 +120,9 @@ impl Figure for Histograms<'_> {
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         let legend = [("share of the time with so many words inside", palette::AMOUNT), ("full", palette::FULL)];
         let panels = chart::panels(area, self.caption, HISTOGRAMS, &legend, self.fifos.len())?;
-        let widest = self.fifos.iter().map(highest).max().unwrap_or(0);
-        for (index, (fifo, panel)) in self.fifos.iter().zip(&panels).enumerate() {
-            self.draw_fifo(fifo, panel, widest, index + 1 == self.fifos.len())?;
+        let widest = self.fifos.iter().map(|(_, fifo)| highest(fifo)).max().unwrap_or(0);
+        for (index, (&(info, fifo), panel)) in self.fifos.iter().zip(&panels).enumerate() {
+            self.draw_fifo((info, fifo), panel, widest, index + 1 == self.fifos.len())?;
         }
         Ok(())
     }
@@ -130,12 +131,12 @@ impl Figure for Histograms<'_> {
 impl Histograms<'_> {
     fn draw_fifo<DB: DrawingBackend>(
         &self,
-        fifo: &FifoProfile,
+        (info, fifo): (&FifoInfo, &FifoProfile),
         panel: &DrawingArea<DB, Shift>,
         widest: u64,
         is_last: bool,
     ) -> Drawn<DB> {
-        let name = format!("{}: at most {} of {} words", fifo.name, highest(fifo), fifo.capacity.0);
+        let name = format!("{}: at most {} of {} words", info.name, highest(fifo), info.capacity.0);
         let mut chart = chart::builder(panel, &name, is_last)
             .build_cartesian_2d(-0.5..widest as f64 + 0.5, (SMALLEST_SHARE..100.0).log_scale())?;
         let across = is_last.then_some("words in the FIFO");
@@ -144,7 +145,7 @@ impl Histograms<'_> {
         let bars = fifo.histogram.iter().enumerate().filter(|(_, cycles)| cycles.0 > 0).map(|(index, cycles)| {
             let share = 100.0 * cycles.0 as f64 / self.cycles.0.max(1) as f64;
             let start = index as f64 * step - 0.5;
-            let is_full = (index as u64 + 1) * fifo.step.0 > fifo.capacity.0;
+            let is_full = (index as u64 + 1) * fifo.step.0 > info.capacity.0;
             let color = rgb(if is_full { palette::FULL } else { palette::AMOUNT });
             Rectangle::new([(start, SMALLEST_SHARE), (start + step, share.max(SMALLEST_SHARE))], color.filled())
         });

@@ -9,7 +9,8 @@ use super::Caption;
 use super::chart::{self, FOOT, HEAD, LEFT, RIGHT, SMALL, TimeScale, WIDTH, font, rgb};
 use super::render::{Drawn, Figure};
 use super::{cells, fifos};
-use crate::machine::{CellState, CellStats, Cycles, FifoBin, FifoProfile};
+use crate::measure::{FifoBin, FifoInfo, FifoProfile, State, StateTimes, States};
+use crate::quantities::Cycles;
 use crate::report::palette::{self, Rgb};
 
 /// Rows that a picture has at the most.
@@ -87,38 +88,45 @@ fn frame<'a, DB: DrawingBackend>(
 }
 
 /// Each cell's states over time, as bands.
-pub struct States<'a> {
+pub struct Bands<'a> {
     caption: &'a Caption,
     scale: TimeScale,
-    rows: Vec<Row<CellStats>>,
-    states: Vec<CellState>,
+    rows: Vec<Row<StateTimes>>,
+    states: &'a States,
+    occurring: Vec<&'a State>,
     together: usize,
 }
 
-impl<'a> States<'a> {
-    pub fn new(caption: &'a Caption, scale: TimeScale, all: &'a [Vec<CellStats>]) -> States<'a> {
+impl<'a> Bands<'a> {
+    pub fn new(caption: &'a Caption, scale: TimeScale, states: &'a States, all: &'a [Vec<StateTimes>]) -> Bands<'a> {
         let together = all.len().div_ceil(MOST_ROWS).max(1);
-        let rows = rows(all, |index| format!("cell {index}"), Vec::as_slice, CellStats::sum);
-        States { caption, scale, rows, states: cells::occurring(all.iter()), together }
+        let rows = rows(all, |index| format!("cell {index}"), Vec::as_slice, StateTimes::sum);
+        Bands { caption, scale, rows, states, occurring: cells::occurring(states, all.iter()), together }
     }
 }
 
-impl Figure for States<'_> {
+impl Figure for Bands<'_> {
     fn size(&self) -> (u32, u32) {
         size(self.rows.len())
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        chart::head(area, self.caption, &together(cells::WHAT, "cells", self.together), &cells::legend(&self.states))?;
+        chart::head(
+            area,
+            self.caption,
+            &together(cells::WHAT, "cells", self.together),
+            &cells::legend(self.states, &self.occurring),
+        )?;
         let names = self.rows.iter().map(|row| row.name.as_str());
         let mut chart = frame(area, names, 0.0..self.scale.end(), &self.scale.label())?;
         let count = self.rows.len();
         let grain = 100.0 / f64::from(2 * row_height(count));
         for (index, row) in self.rows.iter().enumerate() {
             let ground = (count - index) as f64 - FILLED;
-            for (state, edge) in cells::bands(&row.bins, &self.states, self.scale, grain) {
+            for (state, edge) in cells::bands(&row.bins, &self.occurring, self.scale, grain) {
                 let up = |(x, share): (f64, f64)| (x, ground + FILLED * share / 100.0 / row.members);
-                let band = AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(state)));
+                let band =
+                    AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(self.states, state)));
                 chart.draw_series(band)?;
             }
         }
@@ -137,13 +145,13 @@ pub struct Levels<'a> {
 }
 
 impl<'a> Levels<'a> {
-    pub fn new(caption: &'a Caption, scale: TimeScale, all: &'a [FifoProfile]) -> Levels<'a> {
-        let highest = all.iter().map(fifos::highest).max().unwrap_or(0);
-        let capacity = all.first().map_or(0, |fifo| fifo.capacity.0);
+    pub fn new(caption: &'a Caption, scale: TimeScale, all: &'a [(&'a FifoInfo, &'a FifoProfile)]) -> Levels<'a> {
+        let highest = all.iter().map(|(_, fifo)| fifos::highest(fifo)).max().unwrap_or(0);
+        let capacity = all.first().map_or(0, |(info, _)| info.capacity.0);
         Levels {
             caption,
             scale,
-            rows: rows(all, |index| all[index].name.clone(), |fifo| &fifo.bins, FifoBin::of_all),
+            rows: rows(all, |index| all[index].0.name.clone(), |(_, fifo)| &fifo.bins, FifoBin::of_all),
             top: if 3 * highest >= capacity { capacity } else { highest }.max(1),
             together: all.len().div_ceil(MOST_ROWS).max(1),
         }
@@ -202,14 +210,14 @@ const SHADES: [(&str, f64, Rgb); 5] = [
 ];
 
 impl<'a> Histograms<'a> {
-    pub fn new(caption: &'a Caption, all: &'a [FifoProfile], cycles: Cycles) -> Histograms<'a> {
+    pub fn new(caption: &'a Caption, all: &'a [(&'a FifoInfo, &'a FifoProfile)], cycles: Cycles) -> Histograms<'a> {
         let together = all.len().div_ceil(MOST_ROWS).max(1);
         let sum = |entries: &[Cycles]| entries.iter().copied().sum();
         Histograms {
             caption,
-            rows: rows(all, |index| all[index].name.clone(), |fifo| &fifo.histogram, sum),
+            rows: rows(all, |index| all[index].0.name.clone(), |(_, fifo)| &fifo.histogram, sum),
             cycles: cycles.0.max(1) as f64,
-            step: all.first().map_or(1, |fifo| fifo.step.0) as f64,
+            step: all.first().map_or(1, |(_, fifo)| fifo.step.0) as f64,
             together,
         }
     }

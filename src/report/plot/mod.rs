@@ -10,7 +10,7 @@ mod render;
 
 use rayon::prelude::*;
 
-use crate::machine::{FifoProfile, MachineSpec, Profile};
+use crate::measure::{Clock, FifoInfo, FifoProfile, Profile};
 
 pub use render::{PlotError, Rendered};
 
@@ -35,6 +35,9 @@ pub struct Picture {
 /// Panels that a picture has at the most: what a slide shows legibly. More cells or FIFOs become thin rows of one chart.
 const MOST_PANELS: usize = 8;
 
+/// What a FIFO is, and what it held.
+type Fifo<'a> = (&'a FifoInfo, &'a FifoProfile);
+
 /// A picture that is still to be drawn.
 type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
 
@@ -43,14 +46,15 @@ type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
 /// with words on Z), however many cells there are.
 pub fn pictures(
     profile: &Profile,
-    spec: &MachineSpec,
+    clock: Clock,
     caption: &Caption,
     names: &[String],
 ) -> Result<Vec<Picture>, PlotError> {
-    let scale = chart::TimeScale::new(profile, spec);
+    let scale = chart::TimeScale::new(profile, clock);
+    let fifos: Vec<Fifo<'_>> = profile.topology.fifos.iter().zip(&profile.fifos).collect();
     let cycles = profile.cycles;
     let mut pictures: Vec<(String, Draw<'_>)> = Vec::new();
-    for (ending, fifos) in fifo_pictures(&profile.fifos) {
+    for (ending, fifos) in fifo_pictures(&fifos) {
         let (levels, histograms) = (format!("fifos{ending}"), format!("fifo-histograms{ending}"));
         if fifos.len() <= MOST_PANELS {
             pictures.push((levels, Box::new(move || render::render(&fifos::Levels { caption, scale, fifos }))));
@@ -62,27 +66,27 @@ pub fn pictures(
             pictures.push((histograms, Box::new(draw)));
         }
     }
-    let cells = &profile.cells;
+    let (states, cells) = (&profile.topology.states, &profile.stations);
     let draw: Draw<'_> = if cells.len() <= MOST_PANELS {
-        Box::new(move || render::render(&cells::States { caption, scale, cells, names }))
+        Box::new(move || render::render(&cells::Bands { caption, scale, states, cells, names }))
     } else {
-        Box::new(move || render::render(&many::States::new(caption, scale, cells)))
+        Box::new(move || render::render(&many::Bands::new(caption, scale, states, cells)))
     };
     pictures.push(("cells".to_owned(), draw));
-    let rays = &profile.rays;
+    let rays = &profile.jobs;
     pictures.push(("rays".to_owned(), Box::new(move || render::render(&rays::Rays { caption, scale, rays }))));
     let latency = &profile.latency;
-    let draw = move || render::render(&rays::Latencies { caption, spec, latency });
+    let draw = move || render::render(&rays::Latencies { caption, clock, latency });
     pictures.push(("latency".to_owned(), Box::new(draw)));
     render::bring_font()?;
     pictures.into_par_iter().map(|(name, draw)| Ok(Picture { name, rendered: draw()? })).collect()
 }
 
 /// The FIFOs of each picture: all in one, or those of each channel by themselves.
-fn fifo_pictures(fifos: &[FifoProfile]) -> Vec<(&'static str, &[FifoProfile])> {
+fn fifo_pictures<'a, 'p>(fifos: &'a [Fifo<'p>]) -> Vec<(String, &'a [Fifo<'p>])> {
     if fifos.len() <= MOST_PANELS {
-        return vec![("", fifos)];
+        return vec![(String::new(), fifos)];
     }
-    let channels = fifos.chunk_by(|a, b| a.name.as_bytes()[0] == b.name.as_bytes()[0]);
-    ["-x", "-y", "-z"].into_iter().zip(channels).collect()
+    let groups = fifos.chunk_by(|a, b| a.0.group == b.0.group);
+    groups.map(|fifos| (format!("-{}", fifos[0].0.group.to_lowercase()), fifos)).collect()
 }

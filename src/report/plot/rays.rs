@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use super::Caption;
 use super::chart::{self, TimeScale, rgb};
 use super::render::{Drawn, Figure};
-use crate::machine::{Latency, MachineSpec};
+use crate::measure::{Clock, Latency};
 use crate::report::palette;
 use crate::report::summary;
 use crate::report::time_unit::TimeUnit;
@@ -51,7 +51,7 @@ impl Figure for Rays<'_> {
 /// How long rays take.
 pub struct Latencies<'a> {
     pub caption: &'a Caption,
-    pub spec: &'a MachineSpec,
+    pub clock: Clock,
     pub latency: &'a Latency,
 }
 
@@ -65,9 +65,9 @@ impl Figure for Latencies<'_> {
         let what = "How long rays take, from their first word sent to their last word back";
         let panels = chart::panels(area, self.caption, what, &legend, 1)?;
         let latency = self.latency;
-        let unit = TimeUnit::of(self.spec.seconds(latency.max));
-        let time = |bucket: usize| self.spec.seconds(Latency::start_of(bucket)) / unit.seconds;
-        let share = |count: u64| 100.0 * count as f64 / latency.rays.max(1) as f64;
+        let unit = TimeUnit::of(self.clock.seconds(latency.max));
+        let time = |bucket: usize| self.clock.seconds(Latency::start_of(bucket)) / unit.seconds;
+        let share = |count: u64| 100.0 * count as f64 / latency.jobs.max(1) as f64;
         // Buckets differ in width: the areas, not the heights, compare.
         let density = |(bucket, &count): (usize, &u64)| share(count) / (time(bucket + 1) - time(bucket));
         let densities: Vec<f64> = latency.buckets.iter().enumerate().map(density).collect();
@@ -89,11 +89,11 @@ impl Figure for Latencies<'_> {
 impl Latencies<'_> {
     fn figures(&self) -> String {
         let latency = self.latency;
-        let time = |cycles| summary::time(self.spec.seconds(cycles));
+        let time = |cycles| summary::time(self.clock.seconds(cycles));
         format!(
             "shortest {}, mean {}, half within {}, 99 % within {}, longest {}",
             time(latency.min),
-            summary::time(latency.mean() * self.spec.clock_ns * 1e-9),
+            summary::time(self.clock.seconds_of(latency.mean())),
             time(latency.quantile(0.5)),
             time(latency.quantile(0.99)),
             time(latency.max),

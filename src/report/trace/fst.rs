@@ -16,7 +16,7 @@ pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> Resul
 }
 
 fn in_memory(trace: &Trace<'_>, scale: TimeScale) -> wavefst::Result<Vec<u8>> {
-    let names = StateNames::new();
+    let names = StateNames::new(&trace.recording.topology.states);
     let signals = Signals::new(trace, &names);
     let mut writer = FstWriter::builder(Cursor::new(Vec::new()))
         .timescale_exponent(scale.exponent())

@@ -12,7 +12,7 @@ use std::path::Path;
 use super::plot::Caption;
 use super::summary::grouped;
 use crate::error::InputError;
-use crate::machine::{MachineSpec, Recording};
+use crate::measure::{Clock, Recording};
 use time_scale::TimeScale;
 
 /// A trace format, by the name of its file.
@@ -43,10 +43,10 @@ impl Format {
     }
 
     /// How it counts a machine's time.
-    fn time_scale(self, spec: &MachineSpec) -> TimeScale {
+    fn time_scale(self, clock: Clock) -> TimeScale {
         match self {
-            Format::Perfetto => TimeScale::new(spec.clock_ns, &[-9]),
-            Format::Vcd | Format::Fst => TimeScale::new(spec.clock_ns, &[-9, -12, -15]),
+            Format::Perfetto => TimeScale::new(clock.cycle_ns, &[-9]),
+            Format::Vcd | Format::Fst => TimeScale::new(clock.cycle_ns, &[-9, -12, -15]),
         }
     }
 }
@@ -56,8 +56,8 @@ impl Format {
 pub struct Trace<'a> {
     /// What ran.
     pub caption: &'a Caption,
-    /// The array.
-    pub spec: &'a MachineSpec,
+    /// The machine's clock.
+    pub clock: Clock,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
     /// What happened.
@@ -67,7 +67,7 @@ pub struct Trace<'a> {
 impl Trace<'_> {
     /// Writes the trace.
     pub fn write(&self, format: Format, out: &mut impl Write) -> std::io::Result<()> {
-        let scale = format.time_scale(self.spec);
+        let scale = format.time_scale(self.clock);
         match format {
             Format::Perfetto => perfetto::write(self, scale, out),
             Format::Vcd => vcd::write(self, scale, out),
@@ -92,9 +92,9 @@ impl Trace<'_> {
                 end = window.end.0,
             ));
         }
-        if !format.time_scale(self.spec).is_exact() {
+        if !format.time_scale(self.clock).is_exact() {
             let unit = if format == Format::Perfetto { "ns" } else { "fs" };
-            let cycle = self.spec.clock_ns;
+            let cycle = self.clock.cycle_ns;
             notes.push(format!(
                 "a cycle of {cycle} ns is no whole number of {unit}: the trace's times are rounded to {unit}"
             ));

@@ -8,7 +8,8 @@ use std::io::Write;
 
 use super::Trace;
 use super::time_scale::TimeScale;
-use crate::machine::{Activity, CellState, Cycles, FifoLevels, Visit};
+use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, State, StateId, StateKind, States, StationRecord};
+use crate::quantities::Cycles;
 
 /// The parts of Perfetto's messages that a trace needs, with their numbers.
 mod messages {
@@ -127,20 +128,24 @@ const BY_RANK: i32 = 3;
 
 pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> std::io::Result<()> {
     let recording = trace.recording;
-    let mut writer = Writer { out, scale, buffer: Vec::new(), tracks: ARRAY };
+    let topology = &*recording.topology;
+    let mut writer = Writer { out, scale, states: &topology.states, buffer: Vec::new(), tracks: ARRAY };
     writer.describe(&trace.caption.title)?;
     writer.activity("host sends".to_owned(), &recording.host)?;
-    for (index, cell) in recording.cells.iter().enumerate() {
-        recording.inputs_of(index).try_for_each(|fifo| writer.levels(fifo))?;
+    for (index, cell) in recording.stations.iter().enumerate() {
+        let mut fifos = topology.inputs_of(Actor::Station(index));
+        fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
         writer.activity(trace.cell_name(index), cell)?;
     }
-    recording.inputs_of(recording.cells.len()).try_for_each(|fifo| writer.levels(fifo))?;
-    writer.hits(&recording.hits)
+    let mut fifos = topology.inputs_of(Actor::Host);
+    fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
+    writer.hits(&recording.answers)
 }
 
 struct Writer<'a, W> {
     out: &'a mut W,
     scale: TimeScale,
+    states: &'a States,
     buffer: Vec<u8>,
     /// The number of the last track.
     tracks: u64,
@@ -156,15 +161,13 @@ impl<W: Write> Writer<'_, W> {
 
     /// The names that events refer to, and the array.
     fn describe(&mut self, title: &str) -> std::io::Result<()> {
+        let states: Vec<&str> = self.states.all().iter().map(|state| state.name.as_str()).collect();
         let names = |names: &[&str]| {
             let named = names.iter().zip(1..);
             named.map(|(&name, id)| Name { id: Some(id), name: Some(name.to_owned()) }).collect()
         };
-        let interned = Interned {
-            categories: names(&CATEGORIES),
-            events: names(&CellState::ALL.map(CellState::name)),
-            arguments: names(&ARGUMENTS),
-        };
+        let interned =
+            Interned { categories: names(&CATEGORIES), events: names(&states), arguments: names(&ARGUMENTS) };
         let flags = Some(RESETS_NAMES | NEEDS_NAMES);
         self.packet(Packet { interned: Some(interned), sequence_flags: flags, ..Packet::default() })?;
         let name = Some(title.to_owned());
@@ -186,65 +189,81 @@ impl<W: Write> Writer<'_, W> {
         self.packet(Packet { timestamp, event: Some(event), sequence_flags: Some(NEEDS_NAMES), ..Packet::default() })
     }
 
-    /// The states, and around those on a ray its visit.
-    fn activity(&mut self, name: String, activity: &Activity) -> std::io::Result<()> {
+    /// The states, and around those on a ray a slice for it.
+    fn activity(&mut self, name: String, record: &StationRecord) -> std::io::Result<()> {
         let track = self.track(name, None)?;
-        let mut visits = activity.visits.iter().peekable();
-        for stretch in &activity.states {
-            let visit = visits.peek().copied().filter(|visit| visit.from <= stretch.from);
-            if let Some(visit) = visit.filter(|visit| visit.from == stretch.from) {
-                self.begin_visit(track, visit, false)?;
+        let mut jobs = record.jobs.iter().peekable();
+        for stretch in &record.states {
+            let span = jobs.peek().copied().filter(|span| span.from <= stretch.from);
+            if let Some(span) = span.filter(|span| span.from == stretch.from) {
+                self.begin_span(track, span, false)?;
             }
             let event = Event {
                 kind: Some(BEGIN),
                 track: Some(track),
-                categories: vec![category(stretch.state)],
-                name_id: Some(name_id(stretch.state)),
-                arguments: visit.map(|visit| argument(RAY, visit.ray as u64)).into_iter().collect(),
+                categories: vec![self.category(stretch.state)],
+                name_id: Some(self.name_id(stretch.state)),
+                arguments: span.map(|span| argument(RAY, span.job as u64)).into_iter().collect(),
                 ..Event::default()
             };
             self.event(stretch.from, event)?;
             self.end(track, stretch.until)?;
-            if visit.is_some_and(|visit| visit.until <= stretch.until) {
+            if span.is_some_and(|span| span.until <= stretch.until) {
                 self.end(track, stretch.until)?;
-                visits.next();
+                jobs.next();
             }
         }
         Ok(())
     }
 
-    fn hits(&mut self, hits: &[Visit]) -> std::io::Result<()> {
+    fn hits(&mut self, hits: &[JobSpan]) -> std::io::Result<()> {
         let track = self.track("host reads HITs".to_owned(), None)?;
         hits.iter().try_for_each(|hit| {
-            self.begin_visit(track, hit, true)?;
+            self.begin_span(track, hit, true)?;
             self.end(track, hit.until)
         })
     }
 
     /// Begins the slice of a ray; the one of its HIT ends its flow.
-    fn begin_visit(&mut self, track: u64, visit: &Visit, is_hit: bool) -> std::io::Result<()> {
-        let arguments = [(RAY, visit.ray as u64), (CYCLE, visit.from.0), (CYCLES, (visit.until - visit.from).0)];
-        let flow = vec![visit.ray as u64 + 1];
+    fn begin_span(&mut self, track: u64, span: &JobSpan, is_hit: bool) -> std::io::Result<()> {
+        let arguments = [(RAY, span.job as u64), (CYCLE, span.from.0), (CYCLES, (span.until - span.from).0)];
+        let flow = vec![span.job as u64 + 1];
         let (flows, ending_flows) = if is_hit { (Vec::new(), flow) } else { (flow, Vec::new()) };
         let event = Event {
             kind: Some(BEGIN),
             track: Some(track),
-            name: Some(format!("{} {}", if is_hit { "HIT" } else { "ray" }, visit.ray)),
+            name: Some(format!("{} {}", if is_hit { "HIT" } else { "ray" }, span.job)),
             arguments: arguments.map(|(name, value)| argument(name, value)).to_vec(),
             flows,
             ending_flows,
             ..Event::default()
         };
-        self.event(visit.from, event)
+        self.event(span.from, event)
     }
 
     fn end(&mut self, track: u64, at: Cycles) -> std::io::Result<()> {
         self.event(at, Event { kind: Some(END), track: Some(track), ..Event::default() })
     }
 
-    fn levels(&mut self, fifo: &FifoLevels) -> std::io::Result<()> {
+    /// The number of a state's name: its place, from 1.
+    fn name_id(&self, state: StateId) -> u64 {
+        1 + self.states.all().iter().position(|other| other.id == state).unwrap_or_default() as u64
+    }
+
+    /// The number of what a state is grouped into.
+    fn category(&self, state: StateId) -> u64 {
+        self.states.get(state).map_or(0, |state: &State| match state.kind {
+            StateKind::Works => 1,
+            StateKind::Moves => 2,
+            StateKind::Waits => 3,
+            StateKind::Blocked => 4,
+            StateKind::Idle => 5,
+        })
+    }
+
+    fn levels(&mut self, info: &FifoInfo, fifo: &FifoLevels) -> std::io::Result<()> {
         let counter = Counter { unit_name: Some("words".to_owned()) };
-        let track = self.track(format!("{} (of {})", fifo.name, fifo.capacity), Some(counter))?;
+        let track = self.track(format!("{} (of {})", info.name, info.capacity), Some(counter))?;
         fifo.levels.iter().try_for_each(|&(cycle, words)| {
             let count = Some(words.0 as i64);
             self.event(cycle, Event { kind: Some(COUNT), track: Some(track), count, ..Event::default() })
@@ -254,18 +273,4 @@ impl<W: Write> Writer<'_, W> {
 
 fn argument(name: u64, value: u64) -> Argument {
     Argument { name_id: Some(name), value: Some(value) }
-}
-
-fn name_id(state: CellState) -> u64 {
-    1 + CellState::ALL.iter().position(|&other| other == state).unwrap_or_default() as u64
-}
-
-fn category(state: CellState) -> u64 {
-    match state {
-        CellState::Busy(_) => 1,
-        CellState::Moving => 2,
-        CellState::Waiting(_) => 3,
-        CellState::Blocked(_) => 4,
-        CellState::Idle => 5,
-    }
 }

@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use super::Trace;
-use crate::machine::{Activity, CellState, Cycles, FifoLevels, Visit, Words};
+use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, StateId, StateTimes, States, StationRecord};
+use crate::quantities::{Cycles, Words};
 
-/// A name for each state, in the order of [`CellState::ALL`]; waveform formats have no spaces in them.
-pub struct StateNames([String; CellState::ALL.len()]);
+/// A name for each state, by its number; waveform formats have no spaces in them.
+pub struct StateNames([String; StateTimes::MOST_STATES]);
 
 /// The signals of one party: what it does, and the FIFOs that it reads.
 pub struct Scope {
@@ -66,13 +67,13 @@ pub struct Signals<'a> {
 }
 
 impl StateNames {
-    pub fn new() -> StateNames {
-        StateNames(CellState::ALL.map(|state| word(state.name())))
+    pub fn new(states: &States) -> StateNames {
+        let name = |id: usize| states.get(StateId(id as u8)).map_or(String::new(), |state| word(&state.name));
+        StateNames(std::array::from_fn(name))
     }
 
-    fn of(&self, state: CellState) -> &str {
-        let place = CellState::ALL.iter().position(|&other| other == state);
-        &self.0[place.unwrap_or_default()]
+    fn of(&self, state: StateId) -> &str {
+        self.0.get(state.0 as usize).map_or("", String::as_str)
     }
 }
 
@@ -83,14 +84,18 @@ impl<'a> Signals<'a> {
         let mut all = Signals::default();
         all.scope("host sends");
         all.activity(&recording.host, window, names);
-        for (index, cell) in recording.cells.iter().enumerate() {
+        let levels = |all: &mut Signals<'a>, reader: Actor| {
+            let fifos = recording.topology.inputs_of(reader);
+            fifos.for_each(|fifo| all.levels(&recording.topology.fifos[fifo], &recording.fifos[fifo]));
+        };
+        for (index, cell) in recording.stations.iter().enumerate() {
             all.scope(&trace.cell_name(index));
-            recording.inputs_of(index).for_each(|fifo| all.levels(fifo));
+            levels(&mut all, Actor::Station(index));
             all.activity(cell, window, names);
         }
         all.scope("host reads");
-        recording.inputs_of(recording.cells.len()).for_each(|fifo| all.levels(fifo));
-        all.visits("hit", &recording.hits, window);
+        levels(&mut all, Actor::Host);
+        all.jobs("hit", &recording.answers, window);
         // Each signal's changes are in order, which makes this a merge.
         all.changes.sort_by_key(|change| change.at);
         all
@@ -109,28 +114,28 @@ impl<'a> Signals<'a> {
         self.count - 1
     }
 
-    fn levels(&mut self, fifo: &FifoLevels) {
-        let signal = self.signal(&fifo.name, Kind::Number(u64::BITS - fifo.capacity.0.leading_zeros()));
+    fn levels(&mut self, info: &FifoInfo, fifo: &FifoLevels) {
+        let signal = self.signal(&info.name, Kind::Number(u64::BITS - info.capacity.0.leading_zeros()));
         let change = |&(at, Words(level))| Change { at, signal, value: Value::Number(level) };
         self.changes.extend(fifo.levels.iter().map(change));
     }
 
-    fn activity(&mut self, activity: &Activity, window: &Range<Cycles>, names: &'a StateNames) {
+    fn activity(&mut self, record: &StationRecord, window: &Range<Cycles>, names: &'a StateNames) {
         let signal = self.signal("state", Kind::Text);
         let mut last = None;
-        for stretch in activity.states.iter().filter(|stretch| last.replace(stretch.state) != Some(stretch.state)) {
+        for stretch in record.states.iter().filter(|stretch| last.replace(stretch.state) != Some(stretch.state)) {
             self.changes.push(Change { at: stretch.from, signal, value: Value::Text(names.of(stretch.state)) });
         }
-        self.visits("ray", &activity.visits, window);
+        self.jobs("ray", &record.jobs, window);
     }
 
-    fn visits(&mut self, name: &str, visits: &[Visit], window: &Range<Cycles>) {
+    fn jobs(&mut self, name: &str, jobs: &[JobSpan], window: &Range<Cycles>) {
         let signal = self.signal(name, Kind::Number(u32::BITS));
         let mut free_from = window.start;
-        for visit in visits {
-            self.nothing(signal, free_from..visit.from);
-            self.changes.push(Change { at: visit.from, signal, value: Value::Number(visit.ray as u64) });
-            free_from = visit.until;
+        for span in jobs {
+            self.nothing(signal, free_from..span.from);
+            self.changes.push(Change { at: span.from, signal, value: Value::Number(span.job as u64) });
+            free_from = span.until;
         }
         self.nothing(signal, free_from..window.end);
     }

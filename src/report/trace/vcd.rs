@@ -9,7 +9,7 @@ use super::signals::{Kind, Signals, StateNames, Value};
 use super::time_scale::TimeScale;
 
 pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> Result<(), Error> {
-    let names = StateNames::new();
+    let names = StateNames::new(&trace.recording.topology.states);
     let signals = Signals::new(trace, &names);
     let mut writer = Writer::new(out);
     writer.version(concat!("pcs-sim ", env!("CARGO_PKG_VERSION")))?;

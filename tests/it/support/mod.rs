@@ -9,11 +9,15 @@ use std::convert::Infallible;
 
 use pcs_sim::geometry::{Hit, Ray};
 use pcs_sim::host::camera::{ImageSize, primary_rays};
-use pcs_sim::machine::OpBatch;
+use pcs_sim::isa::InstructionCycles;
+use pcs_sim::machine::{KernelTimes, Machine, MachineFile};
+use pcs_sim::measure::{FifoStats, Measured};
 use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::{ArrayProgram, Machine, MachineFile, Workload};
+use pcs_sim::program::{ArrayProgram, Workload, work};
+use pcs_sim::run::{self, TracedBatch, Workers};
 use pcs_sim::scene::{Mesh, Scene, builtin};
-use pcs_sim::simulation::{self, TracedBatch};
+use pcs_sim::seam::activity_trace::{Form, TraceWriter};
+use pcs_sim::seam::{Costs, Op, OpBatch};
 
 /// PCS.
 pub fn machine() -> Machine {
@@ -44,29 +48,58 @@ pub fn bits(hit: &Hit) -> [u32; 4] {
 /// The hits of a whole run.
 pub fn hits(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray], threads: usize) -> Vec<[u32; 4]> {
     let workload = workload(mesh, program, rays);
-    let outcome = simulation::run(&workload, &machine().spec, rays, threads, |_| Ok::<_, Infallible>(())).unwrap();
+    let outcome =
+        run::run(&workload, &machine().spec, rays, &Workers::new(threads), |_| Ok::<_, Infallible>(())).unwrap();
     outcome.hits.iter().map(bits).collect()
 }
 
 /// Standard programs for the cells.
 pub fn cell_options() -> CellOptions {
-    CellOptions { cycles: machine().instructions.unwrap(), folder: None, cycle_limit: 1 << 40 }
+    CellOptions { cycles: machine().instructions.unwrap(), folder: None, instruction_limit: 1 << 36 }
 }
 
 /// The hits of a whole run of cells that run programs.
 pub fn program_hits(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> Vec<[u32; 4]> {
     let workload = workload(mesh, program, rays).with_programs(&cell_options()).unwrap();
-    let outcome = simulation::run(&workload, &machine().spec, rays, 1, |_| Ok::<_, Infallible>(())).unwrap();
+    let outcome = run::run(&workload, &machine().spec, rays, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap();
     outcome.hits.iter().map(bits).collect()
 }
 
 /// The ops of a run.
 pub fn ops(workload: &Workload, rays: &[Ray]) -> Vec<OpBatch> {
     let mut batches = Vec::new();
-    simulation::trace(workload, rays, 1, |batch| {
+    run::trace(workload, rays, &Workers::new(1), |batch| {
         batches.push(batch.ops);
         Ok::<_, Infallible>(TracedBatch::default())
     })
     .unwrap();
     batches
+}
+
+/// Ops as an activity trace in cycles has them.
+pub fn priced(ops: &[Op], costs: &Costs) -> String {
+    let mut batch = OpBatch::new(1);
+    batch.host.end_line(0);
+    batch.cells[0].push_line(0, ops);
+    let mut writer = TraceWriter::new(Vec::new(), 1, costs.clone(), Form::Cycles).unwrap();
+    writer.write(&batch).unwrap();
+    let text = String::from_utf8(writer.into_inner()).unwrap();
+    text.lines().last().unwrap().trim_start_matches("0 0").trim().to_owned()
+}
+
+/// The units of cells that run programs, whose instructions take so many cycles.
+pub fn instruction_costs(cycles: &InstructionCycles) -> Costs {
+    work::costs(&work::vocabulary(true), &KernelTimes::default(), Some(cycles))
+}
+
+/// The cycles that some cell spent in a state, by the state's name.
+pub fn spent(run: &Measured, cell: usize, state: &str) -> u64 {
+    let found = run.topology.states.all().iter().find(|other| other.name == state).expect("there is such a state");
+    run.stations[cell].of(found.id).0
+}
+
+/// What a FIFO held, by its name.
+pub fn fifo<'a>(run: &'a Measured, name: &str) -> &'a FifoStats {
+    let place = run.topology.fifos.iter().position(|fifo| fifo.name == name).expect("there is such a FIFO");
+    &run.fifos[place]
 }

@@ -1,12 +1,34 @@
 //! Random op streams for random machines.
 
-use pcs_sim::machine::{Cycles, MachineSpec, OpBatch, OpKind, OpStream, RateCounts, Words, Work};
+use std::sync::Arc;
+
+use pcs_sim::machine::{Cycles, MachineSpec, RateCounts, Words};
+use pcs_sim::seam::{Activity, Costs, OpBatch, OpKind, OpStream, Unit, UnitOfWork, Vocabulary};
 use proptest::prelude::*;
+
+/// What the units of the random programs cost: four activities have one each of a cycle, of seven, and of none.
+const CYCLES: [u64; 3] = [1, 7, 0];
+
+/// The units of random programs, with their prices.
+pub fn costs() -> Costs {
+    let unit = |place: u8| UnitOfWork {
+        code: format!("u{}", char::from(b'a' + place)),
+        name: format!("unit_{place}"),
+        activity: Activity(place % 4),
+    };
+    let activities = [('g', "grid"), ('s', "slabs"), ('n', "intersection"), ('c', "other")];
+    let vocabulary = Vocabulary {
+        activities: activities.map(|(letter, name)| (letter, name.to_owned())).to_vec(),
+        units: (0..12).map(unit).collect(),
+        answer_words: 5,
+    };
+    Costs::new(Arc::new(vocabulary), |unit| Cycles(CYCLES[unit.0 as usize / 4]))
+}
 
 /// What a cell may do between its moves.
 fn compute() -> impl Strategy<Value = (OpKind, u32)> {
-    let work = prop::sample::select(Work::ALL.to_vec());
-    (work, prop_oneof![0u32..4, 0u32..60]).prop_map(|(work, cycles)| (OpKind::Compute(work), cycles))
+    let work = (0u8..12).prop_map(Unit);
+    (work, prop_oneof![0u32..4, 0u32..20]).prop_map(|(unit, count)| (OpKind::Work(unit), count))
 }
 
 /// For each ray: words on Y from each cell to the next and on Z to the one before, and an order in which each cell does
@@ -61,7 +83,7 @@ pub fn batch_of(cells: usize, rays: &[RayPlan], range: std::ops::Range<usize>) -
         if plan.waits && ray > 0 {
             batch.host.push(OpKind::Await, ray as u64 - 1);
         }
-        batch.host.push(OpKind::Compute(Work::Other), plan.host_time as u64);
+        batch.host.push(OpKind::Work(Unit(3)), plan.host_time as u64);
         batch.host.push(OpKind::WriteX, 8);
         batch.host.end_line(ray);
         for cell in 0..cells {

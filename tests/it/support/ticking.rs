@@ -3,15 +3,38 @@
 
 use std::collections::VecDeque;
 
-use pcs_sim::machine::{
-    Busy, CellState, CellStats, Cycles, FifoStats, MachineSpec, Op, OpBatch, OpKind, RateCounts, RunStats, Words,
-};
+use pcs_sim::machine::line::{IDLE, MOVING, blocked, waiting, working};
+use pcs_sim::machine::{Cycles, MachineSpec, RateCounts, Words};
+use pcs_sim::measure::{FifoStats, Measured, StateId, StateTimes};
+use pcs_sim::seam::{Channel, Costs, Op, OpBatch, OpKind};
+
+/// What the judge counts.
+#[derive(Debug, Default, PartialEq)]
+pub struct Ticked {
+    pub cycles: Cycles,
+    pub jobs: u64,
+    pub stations: Vec<StateTimes>,
+    /// Each FIFO's name, how many words it holds, and its figures.
+    pub fifos: Vec<(String, Words, FifoStats)>,
+}
+
+impl From<&Measured> for Ticked {
+    fn from(run: &Measured) -> Ticked {
+        let infos = run.topology.fifos.iter().map(|info| (info.name.clone(), info.capacity));
+        Ticked {
+            cycles: run.cycles,
+            jobs: run.jobs,
+            stations: run.stations.clone(),
+            fifos: infos.zip(&run.fifos).map(|((name, capacity), fifo)| (name, capacity, *fifo)).collect(),
+        }
+    }
+}
 
 /// What happened in every single cycle.
 #[derive(Default)]
 pub struct History {
     /// For each cell, its state in each cycle.
-    pub states: Vec<Vec<CellState>>,
+    pub states: Vec<Vec<StateId>>,
     /// For each cell, in each cycle the number of the op that it was at; that behind the last when it had done all.
     pub at: Vec<Vec<usize>>,
     /// For each FIFO, in the order of the statistics, its occupancy at the end of each cycle.
@@ -37,11 +60,12 @@ struct Actor {
     ops: Vec<Op>,
     at: usize,
     done_of_op: u64,
-    stats: CellStats,
+    times: StateTimes,
 }
 
 pub struct Ticking<'a> {
     spec: &'a MachineSpec,
+    costs: &'a Costs,
     host: Actor,
     cells: Vec<Actor>,
     x: Vec<Queue>,
@@ -58,13 +82,13 @@ pub struct Ticking<'a> {
 }
 
 /// Ticks the ops to the end. `None` if they never end.
-pub fn run(spec: &MachineSpec, batches: &[OpBatch]) -> Option<RunStats> {
-    Some(run_recorded(spec, batches)?.0)
+pub fn run(spec: &MachineSpec, costs: &Costs, batches: &[OpBatch]) -> Option<Ticked> {
+    Some(run_recorded(spec, costs, batches)?.0)
 }
 
 /// The same, and what happened in every cycle.
-pub fn run_recorded(spec: &MachineSpec, batches: &[OpBatch]) -> Option<(RunStats, History)> {
-    Ticking::new(spec, batches).run(batches)
+pub fn run_recorded(spec: &MachineSpec, costs: &Costs, batches: &[OpBatch]) -> Option<(Ticked, History)> {
+    Ticking::new(spec, costs, batches).run(batches)
 }
 
 impl Queue {
@@ -80,40 +104,45 @@ impl Queue {
         self.empty += (occupancy == 0) as u64;
     }
 
-    fn stats(&self, name: String, capacity: u64) -> FifoStats {
-        FifoStats {
-            name,
-            capacity: Words(capacity),
+    fn stats(&self, name: String, capacity: u64) -> (String, Words, FifoStats) {
+        let stats = FifoStats {
             words: Words(self.words),
             max: Words(self.max),
             word_cycles: self.word_cycles,
             full: Cycles(self.full),
             empty: Cycles(self.empty),
-        }
+        };
+        (name, Words(capacity), stats)
     }
 }
 
 impl Actor {
     fn new(ops: Vec<Op>) -> Actor {
-        Actor { ops, at: 0, done_of_op: 0, stats: CellStats::default() }
+        Actor { ops, at: 0, done_of_op: 0, times: StateTimes::default() }
     }
 
     /// One more cycle or word of the op under way.
-    fn step(&mut self) {
+    fn step(&mut self, costs: &Costs) {
         self.done_of_op += 1;
-        if self.done_of_op == self.ops[self.at].count() as u64 {
+        if self.done_of_op == length(self.ops[self.at], costs) {
             self.at += 1;
             self.done_of_op = 0;
         }
     }
 }
 
+/// How many cycles, or words, an op is long.
+fn length(op: Op, costs: &Costs) -> u64 {
+    op.count() as u64 * op.unit().map_or(1, |unit| costs.of(unit).0)
+}
+
 impl<'a> Ticking<'a> {
-    fn new(spec: &'a MachineSpec, batches: &[OpBatch]) -> Ticking<'a> {
+    fn new(spec: &'a MachineSpec, costs: &'a Costs, batches: &[OpBatch]) -> Ticking<'a> {
         let cells = batches[0].cells.len();
         let join = |stream: &dyn Fn(&OpBatch) -> Vec<Op>| Actor::new(batches.iter().flat_map(stream).collect());
         Ticking {
             spec,
+            costs,
             host: join(&|batch| batch.host.ops().to_vec()),
             cells: (0..cells).map(|index| join(&|batch| batch.cells[index].ops().to_vec())).collect(),
             x: (0..cells).map(|_| Queue::new()).collect(),
@@ -132,7 +161,7 @@ impl<'a> Ticking<'a> {
         }
     }
 
-    fn run(mut self, batches: &[OpBatch]) -> Option<(RunStats, History)> {
+    fn run(mut self, batches: &[OpBatch]) -> Option<(Ticked, History)> {
         let last = self.cells.last().unwrap();
         let to_return: u64 = last.ops.iter().filter(|op| op.kind() == OpKind::WriteY).map(|op| op.count() as u64).sum();
         let rate = self.spec.link_rate();
@@ -167,7 +196,9 @@ impl<'a> Ticking<'a> {
     }
 
     fn all_done(&self) -> bool {
-        std::iter::once(&self.host).chain(&self.cells).all(|a| a.ops[a.at..].iter().all(|op| op.count() == 0))
+        std::iter::once(&self.host)
+            .chain(&self.cells)
+            .all(|a| a.ops[a.at..].iter().all(|op| length(*op, self.costs) == 0))
     }
 
     /// One cycle. Returns whether anything happened in it.
@@ -177,10 +208,10 @@ impl<'a> Ticking<'a> {
         }
         let mut active = self.tick_host();
         for index in 0..self.cells.len() {
-            let before = self.cells[index].stats;
+            let before = self.cells[index].times;
             active |= self.tick_cell(index);
-            let after = self.cells[index].stats;
-            let state = CellState::ALL.into_iter().find(|&state| after.of(state) > before.of(state));
+            let after = self.cells[index].times;
+            let state = (0..=IDLE.0).map(StateId).find(|&state| after.of(state) > before.of(state));
             self.history.states[index].push(state.expect("every cycle is spent in some state"));
         }
         active |= self.host_reads();
@@ -199,9 +230,9 @@ impl<'a> Ticking<'a> {
             match op.kind() {
                 OpKind::Await if returned(op.count()) => self.host.at += 1,
                 OpKind::Await => return false,
-                _ if op.count() == 0 => self.host.at += 1,
-                OpKind::Compute(_) => {
-                    self.host.step();
+                _ if length(op, self.costs) == 0 => self.host.at += 1,
+                OpKind::Work(_) => {
+                    self.host.step(self.costs);
                     return true;
                 }
                 OpKind::WriteX => {
@@ -209,7 +240,7 @@ impl<'a> Ticking<'a> {
                     if room {
                         self.history.sent.push(self.now);
                         self.put(0, 0);
-                        self.host.step();
+                        self.host.step(self.costs);
                     }
                     return room;
                 }
@@ -220,20 +251,19 @@ impl<'a> Ticking<'a> {
     }
 
     fn tick_cell(&mut self, index: usize) -> bool {
-        while self.cells[index].ops.get(self.cells[index].at).is_some_and(|op| op.count() == 0) {
+        while self.cells[index].ops.get(self.cells[index].at).is_some_and(|op| length(*op, self.costs) == 0) {
             self.cells[index].at += 1;
         }
         self.history.at[index].push(self.cells[index].at);
         let Some(op) = self.cells[index].ops.get(self.cells[index].at).copied() else {
-            self.cells[index].stats.idle += Cycles(1);
+            *self.cells[index].times.of_mut(IDLE) += Cycles(1);
             return false;
         };
         let last = index + 1 == self.cells.len();
         let (reads, writes) = match op.kind() {
-            OpKind::Compute(work) => {
-                let Busy(busy) = &mut self.cells[index].stats.busy;
-                busy[work as usize] += Cycles(1);
-                self.cells[index].step();
+            OpKind::Work(unit) => {
+                *self.cells[index].times.of_mut(working(self.costs.activity(unit))) += Cycles(1);
+                self.cells[index].step(self.costs);
                 return true;
             }
             OpKind::PassX => (Some(0), (!last).then_some(0)),
@@ -245,22 +275,20 @@ impl<'a> Ticking<'a> {
             OpKind::WriteZ => (None, Some(2)),
             OpKind::Await => panic!("cells await nothing"),
         };
-        let stats = &self.cells[index].stats;
-        let mut stats = *stats;
+        let mut state = MOVING;
         // X and Y come from the left and go to the right; Z comes from the right and goes to the left.
         let from = |channel| if channel == 2 { index + 1 } else { index };
         let to = |channel| if channel == 2 { index } else { index + 1 };
         let moved = if reads.is_some_and(|channel| !self.word(from(channel), channel)) {
-            *[&mut stats.waiting_x, &mut stats.waiting_y, &mut stats.waiting_z][reads.unwrap()] += Cycles(1);
+            state = waiting(Channel::ALL[reads.unwrap()]);
             false
         } else if writes.is_some_and(|channel| !self.room(to(channel), channel)) {
-            *[&mut stats.blocked_x, &mut stats.blocked_y, &mut stats.blocked_z][writes.unwrap()] += Cycles(1);
+            state = blocked(Channel::ALL[writes.unwrap()]);
             false
         } else {
-            stats.moving += Cycles(1);
             true
         };
-        self.cells[index].stats = stats;
+        *self.cells[index].times.of_mut(state) += Cycles(1);
         if moved {
             if let Some(channel) = reads {
                 self.queue(from(channel), channel).unwrap().written_in.pop_front();
@@ -268,7 +296,7 @@ impl<'a> Ticking<'a> {
             if let Some(channel) = writes {
                 self.put(to(channel), channel);
             }
-            self.cells[index].step();
+            self.cells[index].step(self.costs);
         }
         moved
     }
@@ -312,24 +340,24 @@ impl<'a> Ticking<'a> {
         if read {
             self.queue(link, 1).unwrap().written_in.pop_front();
             self.returned_words += 1;
-            if self.returned_words.is_multiple_of(5) {
+            if self.returned_words.is_multiple_of(self.costs.vocabulary().answer_words) {
                 self.returned.push(self.now);
             }
         }
         read
     }
 
-    fn stats(&self, batches: &[OpBatch]) -> RunStats {
+    fn stats(&self, batches: &[OpBatch]) -> Ticked {
         let capacity = self.spec.fifo_words.0;
         let name = |index: usize| if index + 1 == self.y.len() { "Yhost".into() } else { format!("Y{}", index + 1) };
         let xs = self.x.iter().enumerate().map(|(index, q)| q.stats(format!("X{index}"), capacity));
         let ys = self.y.iter().enumerate().map(|(index, q)| q.stats(name(index), capacity));
         let zs = self.z.iter().enumerate().filter(|(_, q)| q.words > 0);
         let zs = zs.map(|(index, q)| q.stats(format!("Z{index}"), capacity));
-        RunStats {
+        Ticked {
             cycles: Cycles(self.now),
-            rays: batches.iter().map(|batch| batch.host.lines().len() as u64).sum(),
-            cells: self.cells.iter().map(|cell| cell.stats).collect(),
+            jobs: batches.iter().map(|batch| batch.host.lines().len() as u64).sum(),
+            stations: self.cells.iter().map(|cell| cell.times).collect(),
             fifos: xs.chain(ys).chain(zs).collect(),
         }
     }

@@ -1,0 +1,158 @@
+//! Flags that a command would take and not look at: whoever types one expects it to matter, and is told that it does not.
+//!
+//! A sweep is no such typing: a parameter that runs through its values may well be without effect at some points.
+
+use std::path::Path;
+
+use pcs_sim::error::InputError;
+use pcs_sim::program::ArrayProgram;
+use pcs_sim::run::{CellsRun, ImageSpec, RunOptions, RunSpec, Switch, is_builtin};
+use pcs_sim::scene::builtin;
+
+use super::args::{ImageArgs, ModelArgs};
+
+/// Refuses the flags that a run of primary rays would not look at.
+pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    check_shading(typed)?;
+    check_resolution(spec)?;
+    check_cells(typed, spec)?;
+    check_program(typed, &spec.program)
+}
+
+/// Refuses the flags that an image would not look at.
+pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: &ImageSpec) -> Result<(), InputError> {
+    if image.adaptive && image.samples == 1 {
+        let error = InputError::new("--adaptive has nothing to refine a pixel with: it has one sample in any case");
+        return Err(error.help("say with --samples how many samples along a side a refined pixel has"));
+    }
+    if image.timing == Switch::Off {
+        let files = [
+            ("--stats", args.results.stats.is_some()),
+            ("--hits", args.tracing.hits.is_some()),
+            ("--ops", args.tracing.ops.is_some()),
+            ("--plot", args.views.plot.is_some()),
+            ("--page", args.views.page.is_some()),
+            ("--trace", args.views.trace.is_some()),
+        ];
+        let (why, help) = ("is about the machine at work, which --timing off leaves out", "leave out one of the two");
+        if let Some((flag, _)) = files.iter().find(|(_, typed)| *typed) {
+            return Err(InputError::new(format!("{flag} {why}")).help(help));
+        }
+        let names = [&["policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
+        refuse(typed, &names.concat(), why, help)?;
+    }
+    check_resolution(spec)?;
+    check_cells(typed, spec)?;
+    check_program(typed, &spec.program)
+}
+
+/// Refuses what the cost model would not look at.
+pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    let program = &spec.program;
+    if program.mailbox {
+        let error = InputError::new("the cost model knows no mailbox: it is the paper's, which has none");
+        return Err(error.help("leave --mailbox out, or take a program with mailbox: false"));
+    }
+    if program.stop_words.is_some() || program.forward_ahead > 0 {
+        let error =
+            InputError::new("the cost model knows neither stop words nor rays forwarded ahead, as the paper does not");
+        return Err(error.help("take a program without them, or run this one to see what it does"));
+    }
+    if args.predict_only {
+        let (why, help) = ("is about the simulation, which --predict-only leaves out", "leave out one of the two");
+        let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
+        refuse(typed, &names, why, help)?;
+        if args.threads.is_some() {
+            return Err(InputError::new(format!("--threads {why}")).help(help));
+        }
+    }
+    check_shading(typed)?;
+    check_resolution(spec)?;
+    check_program(typed, program)
+}
+
+/// Refuses the flags that a replay would not look at.
+pub fn check_replay(typed: &RunOptions) -> Result<(), InputError> {
+    refuse(typed, &["memory_words"], "is held against a scene, which a trace has not", "leave it out")
+}
+
+/// Refuses the flags that a replay of a trace in cycles would not look at.
+pub fn check_replay_of_cycles(typed: &RunOptions) -> Result<(), InputError> {
+    let recorded = [&KERNELS[..], &HOST].concat();
+    let help = "record a trace in units of work to see what it does";
+    refuse(typed, &recorded, "is a time that the trace has recorded", help)
+}
+
+/// Whether a flag gives the price of a unit of work.
+pub fn prices(typed: &RunOptions, unit: &str) -> bool {
+    KERNELS.iter().chain(&HOST).any(|name| name.trim_end_matches("_us") == unit && typed.has(name))
+}
+
+fn check_shading(typed: &RunOptions) -> Result<(), InputError> {
+    let why = "is about shading hits, which only a whole image does";
+    refuse(typed, &["host_hit_us"], why, "`pcs-sim image` makes whole images")
+}
+
+fn check_cells(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    if spec.cells_run == CellsRun::Programs {
+        let why = "is a time of Figure 7, which cells that run programs do not take";
+        return refuse(typed, &KERNELS, why, "leave it out, or let the cells run timings");
+    }
+    let names = ["cell_programs", "instruction_limit"];
+    refuse(typed, &names, "is about programs of the cells, which run none", "ask for --cells-run programs")
+}
+
+fn check_program(typed: &RunOptions, program: &ArrayProgram) -> Result<(), InputError> {
+    if program.groups == 1 {
+        let why = "cuts the scene into sub-volumes, and one group has them all";
+        refuse(typed, &["partition"], why, "ask for several --groups")?;
+    }
+    if program.placement().slabs.is_none() {
+        let why = format!("is about slabs, which the program '{}' goes without", program.name);
+        refuse(typed, &["slabs_start", "slabs_polygon"], &why, "leave it out, or take a program with slabs")?;
+    }
+    Ok(())
+}
+
+/// Slices matter to spheres and cones, so not to every scene.
+fn check_resolution(spec: &RunSpec) -> Result<(), InputError> {
+    let scene = &spec.scene;
+    let of_polygons = if is_builtin(scene) {
+        builtin::all().iter().any(|known| known.name == scene && known.default_resolution.is_none())
+    } else {
+        let extension = Path::new(scene).extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        matches!(extension.as_deref(), Some("obj" | "ply"))
+    };
+    if of_polygons && spec.resolution.is_some() {
+        let error = InputError::new("--resolution slices spheres and cones, and this scene is of polygons only");
+        return Err(error.help("leave it out"));
+    }
+    Ok(())
+}
+
+/// Fails if one of the parameters was typed.
+fn refuse(typed: &RunOptions, names: &[&str], why: &str, help: &str) -> Result<(), InputError> {
+    match names.iter().find(|name| typed.has(name)) {
+        Some(name) => Err(InputError::new(format!("--{} {why}", name.replace('_', "-"))).help(help)),
+        None => Ok(()),
+    }
+}
+
+/// What joins the cells: all that computing does not depend on.
+const LINKS: [&str; 8] = [
+    "word_bytes",
+    "fifo_words",
+    "link_mb_s",
+    "rate_counts",
+    "latency_cycles",
+    "x_fifo_words",
+    "y_fifo_words",
+    "z_fifo_words",
+];
+
+/// The host's times.
+const HOST: [&str; 2] = ["host_ray_us", "host_hit_us"];
+
+/// The kernels' times.
+const KERNELS: [&str; 6] =
+    ["grid_start", "grid_voxel", "slabs_start", "slabs_polygon", "intersection_start", "intersection_polygon"];

@@ -1,0 +1,42 @@
+//! Which files have been read: a result is as fresh as all of them, also those that stand behind the one that was named.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FileRead {
+    /// Where it is, as it was named.
+    pub path: PathBuf,
+    /// BLAKE3 of its bytes, in hexadecimal digits.
+    pub digest: String,
+}
+
+thread_local! {
+    /// What this thread has read since it was asked to take note. Readers of all formats end here, through whatever
+    /// includes, so that none can forget to tell.
+    static NOTED: RefCell<Option<Vec<FileRead>>> = const { RefCell::new(None) };
+}
+
+/// Takes note of a file that was read.
+pub(crate) fn note(path: &Path, bytes: &[u8]) {
+    NOTED.with_borrow_mut(|noted| {
+        if let Some(files) = noted {
+            files.push(FileRead { path: path.to_owned(), digest: blake3::hash(bytes).to_hex().to_string() });
+        }
+    });
+}
+
+/// Does something, and tells which files this thread has read for it, each once and in the order of their names.
+#[cfg(feature = "report")] // Sweeps ask.
+pub(crate) fn noting<T>(read: impl FnOnce() -> T) -> (T, Vec<FileRead>) {
+    let before = NOTED.replace(Some(Vec::new()));
+    let result = read();
+    let mut files = NOTED.replace(before).unwrap_or_default();
+    files
+        .iter()
+        .for_each(|file| NOTED.with_borrow_mut(|noted| noted.as_mut().map_or((), |all| all.push(file.clone()))));
+    files.sort();
+    files.dedup();
+    (result, files)
+}

@@ -1,0 +1,429 @@
+//! The linear array: a host, cells in a row, a link into each cell and one back to the host.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::cell::Cell;
+use super::cursor::Halt;
+use super::fifo::Fifo;
+use super::link::Link;
+use super::observers::{Observed, Observers};
+use super::prices::Prices;
+use super::probe::Probe;
+use super::recorder::Recorder;
+use super::states::{blocked, states, waiting};
+use super::stuck::{self, Stuck};
+use crate::machine::MachineSpec;
+use crate::measure::{Actor, FifoInfo, LinkStats, Measured, SoFar, StateTimes, Topology};
+use crate::quantities::{Cycles, Words};
+use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
+
+/// An array at work: takes ops batch by batch and works out when they happen.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use pcs_sim::machine::{Array, Cycles, MachineSpec};
+/// use pcs_sim::seam::{Costs, OpBatch, OpKind, Unit, Vocabulary};
+///
+/// // A program with one unit of work, which takes 200 cycles, and answers of 5 words.
+/// let vocabulary = Vocabulary::of_cycles(&[('t', "think")], 5);
+/// let costs = Costs::new(Arc::new(vocabulary), |_| Cycles(200));
+///
+/// // One cell, one job: read 8 words, do 3 units of work, write 5 words.
+/// let mut batch = OpBatch::new(1);
+/// batch.host.push(OpKind::WriteX, 8);
+/// batch.host.end_line(0);
+/// batch.cells[0].push(OpKind::PassX, 8);
+/// batch.cells[0].push(OpKind::Work(Unit(0)), 3);
+/// batch.cells[0].push(OpKind::WriteY, 5);
+/// batch.cells[0].end_line(0);
+///
+/// let mut array = Array::new(&MachineSpec::default(), &costs, 1);
+/// array.feed(batch)?;
+/// array.run()?;
+/// // The host writes in cycles 0 to 7, the cell reads in 1 to 8, works in 9 to 608, writes in 609 to 613,
+/// // and the host reads the last word in cycle 614.
+/// assert_eq!(array.finish()?.cycles, Cycles(615));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Array {
+    /// `links[i]` leads into cell i, and on Z out of it to the left; the last one leads back to the host, on Y only.
+    links: Vec<Link>,
+    host: CellAt,
+    cells: Vec<CellAt>,
+    batches: VecDeque<OpBatch>,
+    /// How many batches have been dropped from the front of `batches`.
+    dropped: usize,
+    spent: Vec<OpBatch>,
+    vocabulary: Arc<Vocabulary>,
+    prices: Prices,
+    jobs: u64,
+    /// When the host read the last word of each returned message.
+    returned: Vec<u64>,
+    limit: u64,
+    /// See what happens when, if asked to. Boxed, as most arrays have none.
+    observers: Option<Box<Observers>>,
+}
+
+/// A cell and its place in the batches.
+#[derive(Debug)]
+struct CellAt {
+    cell: Cell,
+    /// The number of the batch that it is in, counted from the start of the run.
+    batch: usize,
+    /// How many of that batch's ops it has done.
+    done: usize,
+    halt: Halt,
+}
+
+/// Why an array has no statistics to give.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unfinished {
+    /// The ops can never be done.
+    #[error(transparent)]
+    Stuck(#[from] Stuck),
+    /// Some cell works on after the host has read its last word. The statistics end with that word: time the same ops
+    /// again in an array made by [`Array::until`].
+    #[error("some cell works on after the host has read its last word in cycle {0}")]
+    Outlived(Cycles),
+}
+
+impl Array {
+    /// An array of `cells` cells, at least 1, with empty FIFOs, in cycle 0, in which units of work take what `costs` say.
+    pub fn new(spec: &MachineSpec, costs: &Costs, cells: usize) -> Array {
+        Array::until(spec, costs, cells, Cycles(u64::MAX))
+    }
+
+    /// An array that ends with the cycle before `limit`: nothing happens in that cycle or later, and ops that are not done by
+    /// then are no fault. It is how statistics end with the host's last read where a cell works on after it; see
+    /// [`Unfinished::Outlived`].
+    pub fn until(spec: &MachineSpec, costs: &Costs, cells: usize, limit: Cycles) -> Array {
+        let station = || CellAt { cell: Cell::new(limit.0), batch: 0, done: 0, halt: Halt::OutOfOps };
+        Array {
+            links: (0..=cells).map(|_| Link::new(spec)).collect(),
+            host: station(),
+            cells: (0..cells).map(|_| station()).collect(),
+            batches: VecDeque::new(),
+            dropped: 0,
+            spent: Vec::new(),
+            vocabulary: Arc::clone(costs.vocabulary()),
+            prices: Prices::new(costs),
+            jobs: 0,
+            returned: Vec::new(),
+            limit: limit.0,
+            observers: None,
+        }
+    }
+
+    /// The same with a probe, so that [`Array::finish_observed`] gives a profile. To be asked for before any ops are fed.
+    pub fn probed(mut self) -> Array {
+        let probe = Probe::new(self.cells.len(), &self.links[0]);
+        self.observers.get_or_insert_default().probe = Some(probe);
+        self
+    }
+
+    /// The same with a recorder, so that [`Array::finish_observed`] gives a recording of the cycles in `window`, or of
+    /// the first of them if more than `most_events` events happen in it. To be asked for before any ops are fed.
+    pub fn recorded(mut self, window: Range<Cycles>, most_events: usize) -> Array {
+        let recorder = Recorder::new(self.cells.len(), self.vocabulary.answer_words, window, most_events);
+        self.observers.get_or_insert_default().recorder = Some(recorder);
+        self
+    }
+
+    /// Adds the next ops. A batch needs no whole jobs: each stream simply goes on where the one before it ended.
+    ///
+    /// # Errors
+    ///
+    /// If no array of so many cells could do the ops.
+    pub fn feed(&mut self, batch: OpBatch) -> Result<(), BatchError> {
+        batch.check(self.cells.len())?;
+        self.jobs += batch.host.lines().len() as u64;
+        if let Some(observers) = &mut self.observers {
+            observers.fed(&batch.host);
+        }
+        self.batches.push_back(batch);
+        Ok(())
+    }
+
+    /// A batch that has been done, emptied, for its memory to be used again.
+    pub fn take_spent(&mut self) -> Option<OpBatch> {
+        self.spent.pop()
+    }
+
+    /// Works out all times that the ops fed so far determine. Fails as soon as no further ops could help.
+    pub fn run(&mut self) -> Result<(), Stuck> {
+        while self.sweep() {}
+        let stations = || std::iter::once(&self.host).chain(&self.cells);
+        let helpless = stations().all(|s| !matches!(s.halt, Halt::OutOfOps | Halt::Limit));
+        if helpless { Err(self.stuck()) } else { Ok(()) }
+    }
+
+    /// The first cycle that the host has not spent on the ops fed so far, as far as they have been done.
+    pub fn host_clock(&self) -> Cycles {
+        Cycles(self.host.cell.now.clock)
+    }
+
+    /// The cycle in which the host reads the last word of the n-th message (from 0), if it is known.
+    pub fn returned_in(&self, message: u64) -> Option<Cycles> {
+        self.returned.get(message as usize).copied().map(Cycles)
+    }
+
+    /// What has been worked out by now. Takes no longer than a few reads for each cell.
+    pub fn so_far(&self) -> SoFar {
+        let fifo = |fifo: &Fifo| {
+            let until = fifo.known_until();
+            (fifo.stats(until), Cycles(until))
+        };
+        let stations: Vec<StateTimes> = self.cells.iter().map(|at| at.cell.times(at.cell.now.clock)).collect();
+        let topology = Arc::new(self.topology());
+        SoFar {
+            cycles: Cycles(self.links[self.cells.len()].y.known_until()),
+            returned: self.returned.len() as u64,
+            stations,
+            fifos: self.fifos().map(|(link, channel)| fifo(self.links[link].fifo(channel))).collect(),
+            topology,
+        }
+    }
+
+    /// Ends the run: no more ops will come.
+    pub fn finish(self) -> Result<Measured, Unfinished> {
+        self.finish_observed().map(|(measured, _)| measured)
+    }
+
+    /// Ends the run, and tells what its observers saw.
+    pub fn finish_observed(mut self) -> Result<(Measured, Observed), Unfinished> {
+        self.run()?;
+        let limited = self.limit != u64::MAX;
+        if limited {
+            self.stall_to_limit();
+        } else if std::iter::once(&self.host).chain(&self.cells).any(|s| s.halt != Halt::OutOfOps) {
+            return Err(self.stuck().into());
+        }
+        let cycles = self.cycles();
+        if !limited && self.cells.iter().any(|s| s.cell.now.clock > cycles) {
+            return Err(Unfinished::Outlived(Cycles(cycles)));
+        }
+        let measured = self.measured(cycles);
+        let clocks = std::iter::once(&self.host).chain(&self.cells).map(|station| station.cell.now.clock);
+        let observed =
+            self.observers.map(|observers| observers.finish(&measured.topology, &self.links, clocks, cycles));
+        Ok((measured, observed.unwrap_or_default()))
+    }
+
+    /// Lets each cell, from left to right, go on as far as it can. Returns whether anything moved.
+    fn sweep(&mut self) -> bool {
+        let mut moved = self.run_host();
+        for index in 0..self.cells.len() {
+            moved |= self.run_cell(index);
+        }
+        self.collect_returns();
+        self.drop_spent();
+        moved
+    }
+
+    fn run_host(&mut self) -> bool {
+        let Array { host, links, batches, dropped, returned, observers, prices, .. } = self;
+        let output = &mut links[0];
+        let before = host.progress();
+        while let Some(batch) = batches.get(host.batch - *dropped) {
+            let CellAt { cell, done, .. } = host;
+            let seen =
+                observers.as_mut().and_then(|all| all.run_host(cell, &batch.host, done, output, (prices, returned)));
+            host.halt = seen.unwrap_or_else(|| cell.run_host(batch.host.ops(), done, output, returned, (prices, ())));
+            if !host.next_batch() {
+                break;
+            }
+        }
+        let moved = host.progress() != before;
+        self.follow_link(0);
+        moved
+    }
+
+    fn run_cell(&mut self, index: usize) -> bool {
+        let is_last = index + 1 == self.cells.len();
+        let (left, right) = self.links.split_at_mut(index + 1);
+        let (input, output) = (&mut left[index], &mut right[0]);
+        let (station, prices) = (&mut self.cells[index], &self.prices);
+        let before = station.progress();
+        while let Some(batch) = self.batches.get(station.batch - self.dropped) {
+            let stream = &batch.cells[index];
+            let CellAt { cell, done, .. } = station;
+            let observers = self.observers.as_mut();
+            let seen =
+                observers.and_then(|all| all.run_cell(index, cell, stream, done, (input, output), (prices, is_last)));
+            station.halt = seen.unwrap_or_else(|| cell.run(stream.ops(), done, (input, output), is_last, (prices, ())));
+            if !station.next_batch() {
+                break;
+            }
+        }
+        if station.progress() == before {
+            return false;
+        }
+        self.follow_link(index);
+        self.follow_link(index + 1);
+        true
+    }
+
+    /// Brings what is known of a link's FIFOs up to date, after a stretch of reads or of writes.
+    fn follow_link(&mut self, index: usize) {
+        let link = &mut self.links[index];
+        link.track_max();
+        if let Some(observers) = &mut self.observers {
+            observers.follow(index, link);
+        }
+    }
+
+    /// The host reads each word in the first cycle in which it can be read.
+    fn collect_returns(&mut self) {
+        let inbox = &mut self.links[self.cells.len()].y;
+        while let Some(ready) = inbox.ready().filter(|ready| *ready < self.limit) {
+            inbox.read_one(ready, ready);
+            if inbox.words_read().is_multiple_of(self.vocabulary.answer_words) {
+                self.returned.push(ready);
+                if let Some(observers) = &mut self.observers {
+                    observers.returned(ready);
+                }
+            }
+        }
+        self.follow_link(self.cells.len());
+    }
+
+    fn drop_spent(&mut self) {
+        let stations = std::iter::once(&self.host).chain(&self.cells);
+        let oldest = stations.map(|s| s.batch).min().unwrap_or(0);
+        while self.dropped < oldest {
+            let Some(mut batch) = self.batches.pop_front() else { break };
+            batch.clear();
+            self.spent.push(batch);
+            self.dropped += 1;
+        }
+    }
+
+    fn cycles(&self) -> u64 {
+        let inbox = &self.links[self.cells.len()].y;
+        if inbox.words_read() > 0 {
+            inbox.last_read() + 1
+        } else {
+            std::iter::once(&self.host).chain(&self.cells).map(|s| s.cell.now.clock).max().unwrap_or(0)
+        }
+    }
+
+    fn stall_to_limit(&mut self) {
+        let Array { host, links, batches, dropped, observers, prices, .. } = self;
+        let observers = &mut **observers.get_or_insert_default();
+        let batch = |station: &CellAt| batches.get(station.batch - *dropped);
+        if let Some(&op) = batch(host).and_then(|batch| batch.host.ops().get(host.done)) {
+            observers.stall_host_to_limit(&mut host.cell, (host.halt, op), &links[0], prices);
+        }
+        for (index, station) in self.cells.iter_mut().enumerate() {
+            if let Some(&op) = batch(station).and_then(|batch| batch.cells[index].ops().get(station.done)) {
+                let halt = (station.halt, op);
+                observers.stall_cell_to_limit((index, &mut station.cell), halt, &links[index], prices);
+            }
+        }
+    }
+
+    fn measured(&self, cycles: u64) -> Measured {
+        let links = self.links.iter().zip((0..self.cells.len()).map(Actor::Station).chain([Actor::Host]));
+        Measured {
+            topology: Arc::new(self.topology()),
+            cycles: Cycles(cycles),
+            jobs: self.jobs,
+            stations: self.cells.iter().map(|at| at.cell.times(cycles)).collect(),
+            fifos: self.fifos().map(|(link, channel)| self.links[link].fifo(channel).stats(cycles)).collect(),
+            links: links.map(|(link, into)| LinkStats { into, busy: Cycles(link.busy()) }).collect(),
+        }
+    }
+
+    /// The FIFOs, by link and channel: `X0`, `X1`, ..., then `Y1`, `Y2`, ..., `Yhost`; then those of `Z0`, `Z1`, ... once
+    /// they have carried a word.
+    fn fifos(&self) -> impl Iterator<Item = (usize, Channel)> + '_ {
+        let count = self.cells.len();
+        let xs = (0..count).map(|link| (link, Channel::X));
+        let ys = (1..=count).map(|link| (link, Channel::Y));
+        let zs = (1..count).filter(|&link| self.links[link].z.words_written() > 0).map(|link| (link, Channel::Z));
+        xs.chain(ys).chain(zs)
+    }
+
+    /// What the array is made of, as far as it is in use.
+    fn topology(&self) -> Topology {
+        let fifos = self.fifos().map(|(link, channel)| {
+            let (from, to) = self.ends(link, channel);
+            let reader = match to {
+                Actor::Host => "host".to_owned(),
+                Actor::Station(cell) => cell.to_string(),
+            };
+            let capacity = Words(self.links[link].fifo(channel).capacity());
+            FifoInfo { name: format!("{channel}{reader}"), group: channel.to_string(), from, to, capacity }
+        });
+        let at_z = |times: &StateTimes| times.of(waiting(Channel::Z)) + times.of(blocked(Channel::Z)) > Cycles(0);
+        let uses_z = self.fifos().any(|(_, channel)| channel == Channel::Z)
+            || self.cells.iter().any(|station| at_z(&station.cell.times));
+        Topology { stations: self.cells.len(), fifos: fifos.collect(), states: states(&self.vocabulary, uses_z) }
+    }
+
+    /// Who writes to a channel of a link, and who reads from it.
+    fn ends(&self, link: usize, channel: Channel) -> (Actor, Actor) {
+        let left = link.checked_sub(1).map_or(Actor::Host, Actor::Station);
+        let right = if link < self.cells.len() { Actor::Station(link) } else { Actor::Host };
+        if channel == Channel::Z { (right, left) } else { (left, right) }
+    }
+
+    /// Who waits for whom, in an array that does not go on.
+    pub fn stuck(&self) -> Stuck {
+        let stations = (0..self.cells.len()).map(Actor::Station);
+        stuck::diagnose(std::iter::once(Actor::Host).chain(stations).filter_map(|actor| self.blocked(actor)))
+    }
+
+    /// What an actor stands at that is not done; `None` if it has done all its ops.
+    fn blocked(&self, actor: Actor) -> Option<stuck::Blocked> {
+        let station = self.station(actor);
+        let batch = self.batches.get(station.batch - self.dropped)?;
+        let stream = match actor {
+            Actor::Host => &batch.host,
+            Actor::Station(index) => &batch.cells[index],
+        };
+        let op = *stream.ops().get(station.done)?;
+        let (job, position) = stream.locate(station.done).unwrap_or((u32::MAX, station.done));
+        let left = if station.cell.now.left > 0 { station.cell.now.left } else { op.count() as u64 };
+        let mut blocked = stuck::Blocked {
+            actor,
+            halt: station.halt,
+            cycle: station.cell.now.clock,
+            op,
+            moved: op.count() as u64 - left,
+            job,
+            position,
+            cells: self.cells.len(),
+            capacity: None,
+        };
+        blocked.capacity = blocked.fifo().map(|(link, channel)| self.links[link].fifo(channel).capacity());
+        Some(blocked)
+    }
+
+    fn station(&self, actor: Actor) -> &CellAt {
+        match actor {
+            Actor::Host => &self.host,
+            Actor::Station(index) => &self.cells[index],
+        }
+    }
+}
+
+impl CellAt {
+    /// Goes to the start of the next batch, if it has done all of this one.
+    fn next_batch(&mut self) -> bool {
+        let done = self.halt == Halt::OutOfOps;
+        if done {
+            self.batch += 1;
+            self.done = 0;
+        }
+        done
+    }
+
+    fn progress(&self) -> (usize, usize, u64) {
+        (self.batch, self.done, self.cell.now.left)
+    }
+}

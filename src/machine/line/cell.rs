@@ -1,0 +1,99 @@
+//! One cell: a sequencer with a clock of its own that does its ops one after the other.
+
+use super::cursor::{Cursor, Halt, Ledger};
+use super::link::Link;
+use super::prices::Prices;
+use super::states::{IDLE, MOVING, blocked, waiting};
+use super::watcher::Watcher;
+use crate::measure::StateTimes;
+use crate::quantities::Cycles;
+use crate::seam::{Channel, Op, OpKind};
+
+/// A cell, or the host as a writer: where it stands, and where its cycles went.
+#[derive(Debug)]
+pub(super) struct Cell {
+    pub now: Cursor,
+    pub times: StateTimes,
+}
+
+impl Cell {
+    pub fn new(limit: u64) -> Cell {
+        Cell { now: Cursor::new(limit), times: StateTimes::default() }
+    }
+
+    /// Does a cell's ops, counting the finished ones up in `done`, until it can go no further. The last cell has no right
+    /// neighbour to pass rays on to (`is_last`).
+    pub fn run(
+        &mut self,
+        ops: &[Op],
+        done: &mut usize,
+        (input, output): (&mut Link, &mut Link),
+        is_last: bool,
+        (prices, watcher): (&Prices, impl Watcher),
+    ) -> Halt {
+        let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
+        self.now.run(ops, done, |now, op, left| {
+            // Asked first, and not in the match: two of three ops compute, and a branch is cheaper than a jump table.
+            if let Some(unit) = op.unit() {
+                return now.work(unit, left, ledger);
+            }
+            match op.kind() {
+                OpKind::Work(unit) => now.work(unit, left, ledger),
+                OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, ledger),
+                OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, ledger),
+                OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
+                OpKind::WriteX => now.write(left, Channel::X, output, ledger),
+                OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
+                OpKind::ReadZ | OpKind::WriteZ => now.move_back(op, left, input, output, ledger),
+                OpKind::Await => Err(Halt::NotReturned),
+            }
+        })
+    }
+
+    /// Does the host's ops likewise. It only writes, computes and waits for messages, of which `returned` tells when the
+    /// last word of each was read.
+    pub fn run_host(
+        &mut self,
+        ops: &[Op],
+        done: &mut usize,
+        output: &mut Link,
+        returned: &[u64],
+        (prices, watcher): (&Prices, impl Watcher),
+    ) -> Halt {
+        let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
+        self.now.run(ops, done, |now, op, left| match op.kind() {
+            OpKind::Work(unit) => now.work(unit, left, ledger),
+            OpKind::WriteX => now.write(left, Channel::X, output, ledger),
+            OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
+            OpKind::Await => now.wait_for_return(left, returned, ledger),
+            OpKind::PassX | OpKind::ReadX | OpKind::ReadY | OpKind::ReadZ | OpKind::WriteZ => Err(Halt::NoWord),
+        })
+    }
+
+    /// Spends the cycles up to the limit on what the cell stood at, op `op`, when its neighbour reached the limit.
+    pub fn stall_to_limit(&mut self, halt: Halt, op: Op, input: &Link, (prices, watcher): (&Prices, impl Watcher)) {
+        let now = &mut self.now;
+        let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
+        let (reads, writes) = (op.kind().reads(), op.kind().writes());
+        // A word that is passed on and waits for room still has to come in first.
+        if let (Some(channel), Halt::NoWord | Halt::NoRoom) = (reads, halt) {
+            let ready = if halt == Halt::NoWord { None } else { input.fifo(channel).ready() };
+            now.stall_until(ready.unwrap_or(now.limit), waiting(channel), ledger);
+        }
+        if let (Some(channel), Halt::NoRoom) = (writes, halt) {
+            now.stall_until(now.limit, blocked(channel), ledger);
+        }
+        if halt == Halt::NotReturned {
+            now.stall_until(now.limit, waiting(Channel::Y), ledger);
+        }
+    }
+
+    /// The times of a run of `cycles` cycles.
+    pub fn times(&self, cycles: u64) -> StateTimes {
+        // Every cycle up to the clock was spent in some way; those not counted elsewhere moved a word.
+        let mut times = self.times;
+        *times.of_mut(MOVING) = Cycles(self.now.clock) - times.total();
+        *times.of_mut(IDLE) = Cycles(cycles - self.now.clock);
+        times
+    }
+}

@@ -1,0 +1,219 @@
+//! Where a cell stands in its ops and in time, and how it does one op: this is where cycles pass.
+
+use super::fifo::Fifo;
+use super::link::Link;
+use super::prices::Prices;
+use super::states::{blocked, waiting};
+use super::watcher::Watcher;
+use crate::measure::{StateId, StateTimes};
+use crate::quantities::Cycles;
+use crate::seam::{Channel, Op, OpKind, Unit};
+
+/// Why a cell has stopped. Its op tells the channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Halt {
+    /// It has done all the ops that it has been given.
+    OutOfOps,
+    /// It reads, and it is not known when there will be a word.
+    NoWord,
+    /// It writes, and it is not known when there will be room.
+    NoRoom,
+    /// The host waits for a message whose last word is not known to have come back.
+    NotReturned,
+    /// Its clock has reached the last cycle that is to be simulated.
+    Limit,
+}
+
+/// Where a cell stands. It is copied out of the cell while the cell runs, to stay in registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Cursor {
+    /// The first cycle that has not been spent yet.
+    pub clock: u64,
+    /// Units or words that are left of the op under way; 0 if none is.
+    pub left: u64,
+    /// Cycles from this one on are not simulated.
+    pub limit: u64,
+}
+
+/// Where a cell's cycles are entered.
+pub(super) struct Ledger<'a, W> {
+    pub prices: &'a Prices,
+    pub times: &'a mut StateTimes,
+    pub watcher: W,
+}
+
+impl<W: Watcher> Ledger<'_, W> {
+    #[inline(always)]
+    fn spend(&mut self, state: StateId, from: u64, cycles: u64) {
+        *self.times.of_mut(state) += Cycles(cycles);
+        self.watcher.spent(state, from, cycles);
+    }
+}
+
+/// What an op ends with, or the part of it that could be done.
+pub(super) type Done = Result<(), Halt>;
+
+impl Cursor {
+    /// At the start of a run of which the cycles from `limit` on are not simulated.
+    pub fn new(limit: u64) -> Cursor {
+        Cursor { clock: 0, left: 0, limit }
+    }
+
+    /// Does one op after the other until one halts. `step` does one, of which so much is left to do.
+    #[inline(always)]
+    pub fn run(&mut self, ops: &[Op], done: &mut usize, mut step: impl FnMut(&mut Cursor, Op, u64) -> Done) -> Halt {
+        let mut now = *self;
+        let mut halt = Halt::OutOfOps;
+        let mut finished = *done;
+        let mut resume = std::mem::take(&mut now.left);
+        while let Some(&op) = ops.get(finished) {
+            let left = if resume > 0 { resume } else { op.count() as u64 };
+            if let Err(why) = step(&mut now, op, left) {
+                halt = why;
+                break;
+            }
+            resume = 0;
+            finished += 1;
+        }
+        *done = finished;
+        *self = now;
+        halt
+    }
+
+    /// Works on so many units. What the limit cuts off is never gone on with, so it need not be told how far it came.
+    #[inline(always)]
+    pub fn work(&mut self, unit: Unit, count: u64, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
+        let (cost, state) = ledger.prices.of(unit);
+        let wanted = count * cost;
+        let cycles = wanted.min(self.limit - self.clock);
+        ledger.spend(state, self.clock, cycles);
+        self.clock += cycles;
+        if cycles < wanted { self.halt(Halt::Limit, count) } else { Ok(()) }
+    }
+
+    #[inline(always)]
+    pub fn read(
+        &mut self,
+        mut left: u64,
+        channel: Channel,
+        input: &mut Fifo,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
+        while left > 0 {
+            if left > 1 && self.clock + left <= self.limit && input.can_read(self.clock, left) {
+                input.read_burst(self.clock, left);
+                self.clock += left;
+                return Ok(());
+            }
+            let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
+            self.stall_until(ready, waiting(channel), ledger);
+            if self.clock >= self.limit {
+                return self.halt(Halt::Limit, left);
+            }
+            input.read_one(self.clock, ready);
+            self.clock += 1;
+            left -= 1;
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    pub fn write(
+        &mut self,
+        mut left: u64,
+        channel: Channel,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
+        while left > 0 {
+            if left > 1 && self.clock + left <= self.limit && output.can_write(channel, self.clock, left) {
+                output.fifo_mut(channel).write_burst(self.clock, left);
+                self.clock += left;
+                return Ok(());
+            }
+            let Some(room) = output.fifo(channel).room() else { return self.halt(Halt::NoRoom, left) };
+            self.stall_until(room.max(output.wire_free(channel)), blocked(channel), ledger);
+            if self.clock >= self.limit {
+                return self.halt(Halt::Limit, left);
+            }
+            output.write_one(channel, self.clock, room);
+            self.clock += 1;
+            left -= 1;
+        }
+        Ok(())
+    }
+
+    /// Reads from Z, which comes from the right, or writes to the left neighbour's. Kept out of the way of the programs that
+    /// have no use for it.
+    #[cold]
+    #[inline(never)]
+    pub fn move_back(
+        &mut self,
+        op: Op,
+        left: u64,
+        input: &mut Link,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
+        match op.kind() {
+            OpKind::ReadZ => self.read(left, Channel::Z, &mut output.z, ledger),
+            _ => self.write(left, Channel::Z, input, ledger),
+        }
+    }
+
+    /// Reads words from X and writes each to the right neighbour's X in the cycle in which it is read.
+    #[inline(always)]
+    pub fn pass_on(
+        &mut self,
+        mut left: u64,
+        input: &mut Fifo,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
+        while left > 0 {
+            if self.clock + left <= self.limit
+                && input.can_read(self.clock, left)
+                && output.can_write(Channel::X, self.clock, left)
+            {
+                input.read_burst(self.clock, left);
+                output.x.write_burst(self.clock, left);
+                self.clock += left;
+                return Ok(());
+            }
+            // Both times must be known before a cycle is spent, as the cell may have to come back to this word.
+            let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
+            let Some(room) = output.x.room() else { return self.halt(Halt::NoRoom, left) };
+            self.stall_until(ready, waiting(Channel::X), ledger);
+            self.stall_until(room.max(output.wire_free(Channel::X)), blocked(Channel::X), ledger);
+            if self.clock >= self.limit {
+                return self.halt(Halt::Limit, left);
+            }
+            input.read_one(self.clock, ready);
+            output.write_one(Channel::X, self.clock, room);
+            self.clock += 1;
+            left -= 1;
+        }
+        Ok(())
+    }
+
+    /// The wait ends in the cycle in which the message's last word is read; the next op starts in the cycle after it.
+    pub fn wait_for_return(&mut self, message: u64, returned: &[u64], ledger: &mut Ledger<'_, impl Watcher>) -> Done {
+        let Some(read_at) = returned.get(message as usize) else { return Err(Halt::NotReturned) };
+        self.stall_until(read_at + 1, waiting(Channel::Y), ledger);
+        Ok(())
+    }
+
+    #[inline(always)]
+    pub fn stall_until(&mut self, cycle: u64, state: StateId, ledger: &mut Ledger<'_, impl Watcher>) {
+        let until = cycle.min(self.limit).max(self.clock);
+        ledger.spend(state, self.clock, until - self.clock);
+        self.clock = until;
+    }
+
+    /// Stops in the middle of an op.
+    #[inline(always)]
+    fn halt(&mut self, why: Halt, left: u64) -> Done {
+        self.left = left;
+        Err(why)
+    }
+}

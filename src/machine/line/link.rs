@@ -1,0 +1,94 @@
+//! A link between neighbours: its FIFOs, and the wires that lead to them.
+
+use super::fifo::Fifo;
+use crate::machine::spec::{LinkRate, MachineSpec, RateCounts};
+use crate::seam::Channel;
+
+/// The FIFOs at both ends of a link, and the wires that lead to them.
+#[derive(Debug)]
+pub(super) struct Link {
+    pub x: Fifo,
+    pub y: Fifo,
+    /// At the left end: the right cell writes to it, on a wire of its own.
+    pub z: Fifo,
+    rate: LinkRate,
+    /// For X and Y, the first cycle in which the wire takes its next word.
+    wire_free: [u64; 2],
+    /// The same for the wire that leads to the left.
+    wire_back_free: u64,
+}
+
+impl Link {
+    pub fn new(spec: &MachineSpec) -> Link {
+        let [x, y, z] = Channel::ALL.map(|channel| Fifo::new(spec.fifo_words_of(channel).0, spec.latency.0));
+        Link { x, y, z, rate: spec.link_rate(), wire_free: [0; 2], wire_back_free: 0 }
+    }
+
+    /// Cycles in which its wire to the right carried words so far: where channels have wires of their own, the busier's.
+    pub fn busy(&self) -> u64 {
+        let (x, y) = (self.x.words_written(), self.y.words_written());
+        let words = match self.rate.counts {
+            RateCounts::Link => x + y,
+            RateCounts::Channel => x.max(y),
+        };
+        words.saturating_mul(self.rate.cycles_per_word)
+    }
+
+    #[inline(always)]
+    pub fn fifo(&self, channel: Channel) -> &Fifo {
+        match channel {
+            Channel::X => &self.x,
+            Channel::Y => &self.y,
+            Channel::Z => &self.z,
+        }
+    }
+
+    #[inline(always)]
+    pub fn fifo_mut(&mut self, channel: Channel) -> &mut Fifo {
+        match channel {
+            Channel::X => &mut self.x,
+            Channel::Y => &mut self.y,
+            Channel::Z => &mut self.z,
+        }
+    }
+
+    /// The first cycle in which the wire takes the next word of `channel`.
+    #[inline(always)]
+    pub fn wire_free(&self, channel: Channel) -> u64 {
+        if channel == Channel::Z { self.wire_back_free } else { self.wire_free[channel as usize] }
+    }
+
+    /// Whether `count` words can be written in as many cycles from `at` on.
+    #[inline(always)]
+    pub fn can_write(&self, channel: Channel, at: u64, count: u64) -> bool {
+        self.rate.cycles_per_word == 1 && self.fifo(channel).can_write(at, count)
+    }
+
+    /// Writes a word in cycle `at`, which found room in the FIFO from cycle `room` on.
+    #[inline(always)]
+    pub fn write_one(&mut self, channel: Channel, at: u64, room: u64) {
+        self.fifo_mut(channel).write_one(at, room);
+        // The writer's own clock keeps words one cycle apart.
+        if self.rate.cycles_per_word > 1 {
+            self.occupy_wire(channel, at);
+        }
+    }
+
+    fn occupy_wire(&mut self, channel: Channel, at: u64) {
+        let free = at + self.rate.cycles_per_word;
+        match self.rate.counts {
+            _ if channel == Channel::Z => self.wire_back_free = free,
+            RateCounts::Link => self.wire_free = [free; 2],
+            RateCounts::Channel => self.wire_free[channel as usize] = free,
+        }
+    }
+
+    /// Brings the FIFOs' maxima up to date; see [`Fifo::track_max`].
+    pub fn track_max(&mut self) {
+        self.x.track_max();
+        self.y.track_max();
+        if self.z.words_written() > 0 {
+            self.z.track_max();
+        }
+    }
+}

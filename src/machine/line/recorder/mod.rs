@@ -1,0 +1,168 @@
+//! Records what an array does cycle by cycle, in a window of time and in bounded memory.
+//!
+//! Cells run ahead of each other, so events come cell by cell and out of order. Where a recording is cut must not depend
+//! on that: it ends before the earliest cycle up to which there would be too many events. Whenever there are twice as
+//! many as it may hold, the latest are dropped, and the window ends where they began; nothing after that is recorded.
+
+mod answers;
+mod track;
+mod words;
+
+use std::ops::Range;
+
+use std::sync::Arc;
+
+use super::link::Link;
+use crate::measure::{FifoLevels, Recording, Topology};
+use crate::quantities::Cycles;
+use crate::seam::{Channel, OpStream};
+use answers::Answers;
+use track::Track;
+use words::WordTimes;
+
+pub(super) use track::Recorded;
+
+/// Records all cells and FIFOs of an array, and its host.
+#[derive(Debug)]
+pub(super) struct Recorder {
+    window: Window,
+    /// Whether the window has been made shorter.
+    cut: bool,
+    host: Track,
+    cells: Vec<Track>,
+    /// X, Y and Z of each link, where there is such a FIFO.
+    links: Vec<[Option<WordTimes>; 3]>,
+    answers: Answers,
+    /// About how many events are held: all but those of the last stretches.
+    events: usize,
+    most_events: usize,
+}
+
+/// The cycles that are recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Window {
+    from: u64,
+    until: u64,
+}
+
+impl Window {
+    /// The part of `from..until` that lies inside; `None` if none does.
+    #[inline]
+    fn clip(self, from: u64, until: u64) -> Option<(u64, u64)> {
+        let (from, until) = (from.max(self.from), until.min(self.until));
+        (from < until).then_some((from, until))
+    }
+}
+
+impl Recorder {
+    /// A recorder for an array of `cells` cells.
+    pub fn new(cells: usize, answer_words: u64, window: Range<Cycles>, most_events: usize) -> Recorder {
+        let words = |exists: bool| exists.then(WordTimes::default);
+        Recorder {
+            window: Window { from: window.start.0, until: window.end.0 },
+            cut: false,
+            host: Track::default(),
+            cells: vec![Track::default(); cells],
+            links: (0..=cells)
+                .map(|link| [words(link < cells), words(link > 0), words(link > 0 && link < cells)])
+                .collect(),
+            answers: Answers::new(answer_words),
+            events: 0,
+            most_events,
+        }
+    }
+
+    /// Whether anything from cycle `clock` on may be recorded.
+    pub fn is_open_at(&self, clock: u64) -> bool {
+        clock < self.window.until
+    }
+
+    /// The track of the host.
+    pub fn host(&mut self) -> Recorded<'_> {
+        Recorded::new(&mut self.host, self.window)
+    }
+
+    /// The track of a cell.
+    pub fn cell(&mut self, index: usize) -> Recorded<'_> {
+        Recorded::new(&mut self.cells[index], self.window)
+    }
+
+    /// The host's next lines are known.
+    pub fn fed(&mut self, host: &OpStream) {
+        self.answers.fed(host);
+    }
+
+    /// Follows the FIFOs of a link, after each stretch of reads or writes.
+    pub fn follow(&mut self, index: usize, link: &Link) {
+        for (words, fifo) in self.links[index].iter_mut().zip([&link.x, &link.y, &link.z]) {
+            if let Some(words) = words {
+                self.events += words.follow(fifo, self.window);
+            }
+        }
+        if index == self.cells.len() {
+            self.events += self.answers.follow(&link.y, self.window);
+        }
+        if self.events >= 2 * self.most_events {
+            self.shorten();
+        }
+    }
+
+    /// A stretch of a cell or of the host has added so many events.
+    pub fn count(&mut self, events: usize) {
+        self.events += events;
+    }
+
+    /// Drops the latest events, so that there are no more than may be held.
+    fn shorten(&mut self) {
+        let tracks = || std::iter::once(&self.host).chain(&self.cells);
+        let words = || self.links.iter().flatten().flatten();
+        let starts = tracks().flat_map(Track::starts).chain(words().flat_map(WordTimes::times));
+        let mut starts: Vec<u64> = starts.chain(self.answers.starts()).collect();
+        if starts.len() <= self.most_events {
+            return;
+        }
+        let (_, &mut end, _) = starts.select_nth_unstable(self.most_events);
+        self.window.until = end;
+        self.cut = true;
+        self.host.forget_from(end);
+        self.cells.iter_mut().for_each(|track| track.forget_from(end));
+        self.links.iter_mut().flatten().flatten().for_each(|words| words.forget_from(end));
+        self.answers.forget_from(end);
+        self.events = starts.iter().filter(|&&start| start < end).count();
+    }
+
+    /// All that was recorded of a run of `cycles` cycles. `clocks` are those of the host and of the cells at its end.
+    pub fn finish(
+        mut self,
+        topology: &Arc<Topology>,
+        links: &[Link],
+        clocks: impl Iterator<Item = u64>,
+        cycles: u64,
+    ) -> Recording {
+        for (track, clock) in std::iter::once(&mut self.host).chain(&mut self.cells).zip(clocks) {
+            track.finish(self.window, clock, cycles);
+        }
+        self.shorten();
+        let from = self.window.from.min(cycles);
+        let window = Window { from, until: self.window.until.clamp(from, cycles.max(from)) };
+        let mut fifos: [Vec<FifoLevels>; 3] = Default::default();
+        for (words, link) in self.links.into_iter().zip(links) {
+            for (words, channel) in words.into_iter().zip(Channel::ALL) {
+                let fifo = link.fifo(channel);
+                let words = words.filter(|_| channel != Channel::Z || fifo.words_written() > 0);
+                let levels = |words: WordTimes| words.finish(window);
+                fifos[channel as usize].extend(words.map(levels));
+            }
+        }
+        Recording {
+            topology: Arc::clone(topology),
+            window: Cycles(window.from)..Cycles(window.until),
+            cycles: Cycles(cycles),
+            cut: self.cut,
+            host: self.host.into_record(window),
+            answers: self.answers.into_spans(window),
+            stations: self.cells.into_iter().map(|track| track.into_record(window)).collect(),
+            fifos: fifos.into_iter().flatten().collect(),
+        }
+    }
+}

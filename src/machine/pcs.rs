@@ -1,0 +1,260 @@
+//! The machine file: the array's parameters and Figure 7's times.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Cycles, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
+use crate::error::InputError;
+use crate::input::fields::{self, Fault};
+use crate::isa::{Class, InstructionCycles};
+use crate::parameters::parameters;
+
+/// Declares the machine's parameters, each once: the machine file and the changes that are laid over it come of it.
+///
+/// A field of the file that may be missing has its `#[serde(default)]`; those among `optional` may be `None`.
+macro_rules! machine_parameters {
+    (
+        values { $($(#[$meta:meta])* $name:ident: $type:ty, $value:literal, $kind:ident, $label:literal;)* }
+        optional {
+            $($(#[$maybe_meta:meta])* $maybe:ident: $maybe_type:ty, $maybe_value:literal, $maybe_kind:ident, $maybe_label:literal;)*
+        }
+        host { $($(#[$host_meta:meta])* $host:ident: $host_label:literal;)* }
+        times_us { $($(#[$time_meta:meta])* $time:ident: $time_label:literal;)* }
+    ) => {
+        /// A machine as a file describes it, in the units that people use.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct MachineFile {
+            $($(#[$meta])* pub $name: $type,)*
+            $($(#[$maybe_meta])* #[serde(default, skip_serializing_if = "Option::is_none")] pub $maybe: Option<$maybe_type>,)*
+            $($(#[$host_meta])* #[serde(default)] pub $host: f64,)*
+            /// Figure 7.
+            pub times_us: TimesUs,
+            /// What instructions cost, for cells that run programs; `None` for a machine that is only told Figure 7.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub instruction_cycles: Option<InstructionCycles>,
+        }
+
+        /// Figure 7, in µs.
+        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct TimesUs {
+            $($(#[$time_meta])* pub $time: f64,)*
+        }
+
+        parameters! {
+            /// Changes to a machine file.
+            pub struct MachineOptions under "Machine" {
+                $($(#[$meta])* $name: $type, $value, $kind, $label;)*
+                $($(#[$maybe_meta])* $maybe: $maybe_type, $maybe_value, $maybe_kind, $maybe_label;)*
+                $($(#[$host_meta])* $host: f64, "US", Number, $host_label;)*
+                $($(#[$time_meta])* $time: f64, "US", Number, $time_label;)*
+            }
+        }
+
+        impl MachineOptions {
+            /// Lays the changes over a machine file.
+            pub fn change(&self, file: &mut MachineFile) {
+                $(file.$name = self.$name.unwrap_or(file.$name);)*
+                $(file.$maybe = self.$maybe.or(file.$maybe);)*
+                $(file.$host = self.$host.unwrap_or(file.$host);)*
+                $(file.times_us.$time = self.$time.unwrap_or(file.times_us.$time);)*
+            }
+        }
+    };
+}
+
+machine_parameters! {
+    values {
+        /// Length of a cycle, in ns.
+        clock_ns: f64, "NS", Number, "length of a cycle (ns)";
+        /// Size of a word, in bytes.
+        word_bytes: u32, "N", Whole, "size of a word (bytes)";
+        /// Words that each of a cell's two input FIFOs holds.
+        fifo_words: u64, "N", Whole, "depth of each FIFO (words)";
+        /// Rate of a link, in 10^6 bytes a second.
+        link_mb_s: f64, "RATE", Number, "rate of a link (Mbyte/s)";
+        /// Whether the rate counts both channels of a link together or each by itself: link or channel.
+        rate_counts: RateCounts, "WHAT", Text, "what the rate of a link counts";
+        /// Cycles from the write of a word until it can be read.
+        latency_cycles: u64, "N", Whole, "latency of a link (cycles)";
+    }
+    optional {
+        /// Words of memory of a cell.
+        memory_words: u64, "N", Whole, "memory of a cell (words)";
+        /// Words that each FIFO of the X channel holds, where that is not fifo_words.
+        x_fifo_words: u64, "N", Whole, "depth of each FIFO of X (words)";
+        /// Words that each FIFO of the Y channel holds, where that is not fifo_words.
+        y_fifo_words: u64, "N", Whole, "depth of each FIFO of Y (words)";
+        /// Words that each FIFO of the Z channel holds, where that is not fifo_words.
+        z_fifo_words: u64, "N", Whole, "depth of each FIFO of Z (words)";
+    }
+    host {
+        /// What the host spends on each ray before it sends it, in µs.
+        host_ray_us: "host's time for sending a ray (µs)";
+        /// What the host spends on shading a hit, in µs.
+        host_hit_us: "host's time for shading a hit (µs)";
+    }
+    times_us {
+        /// Figure 7: the grid's start, in µs a ray.
+        grid_start: "grid: start of a ray (µs)";
+        /// Figure 7: the grid's work, in µs a voxel.
+        grid_voxel: "grid: step to a voxel (µs)";
+        /// Figure 7: the slabs' start, in µs a ray.
+        slabs_start: "slabs: start of a ray (µs)";
+        /// Figure 7: the slabs' work, in µs a polygon.
+        slabs_polygon: "slabs: test of a polygon (µs)";
+        /// Figure 7: the intersection's start, in µs a ray.
+        intersection_start: "intersection: start of a ray (µs)";
+        /// Figure 7: the intersection's work, in µs a polygon.
+        intersection_polygon: "intersection: test of a polygon (µs)";
+    }
+}
+
+/// A machine in cycles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// The array.
+    pub spec: MachineSpec,
+    /// What the kernels cost.
+    pub times: KernelTimes,
+    /// What instructions cost, if the machine file says.
+    pub instructions: Option<InstructionCycles>,
+    /// What had to be rounded, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// No link may be slower, in cycles a word, so that no clock leaves 64 bits.
+const LONGEST_WORD_CYCLES: f64 = 1e6;
+
+/// No kernel time may be longer, so that no sum of cycles leaves 64 bits.
+const LONGEST_TIME_CYCLES: u64 = 1_000_000_000;
+
+impl Machine {
+    /// What instructions cost, which a machine file need not say.
+    pub fn instruction_cycles(&self) -> Result<InstructionCycles, InputError> {
+        self.instructions.ok_or_else(|| {
+            let error =
+                InputError::new("the machine file does not say what instructions cost: instruction_cycles is missing");
+            error.help("`pcs-sim calibrate --machine FILE` adds it")
+        })
+    }
+}
+
+impl MachineFile {
+    /// The text of the standard machine file.
+    pub const STANDARD_TEXT: &str = include_str!("../../pcs-programs/pcs.ron");
+
+    /// PCS, as the paper and the standard machine file have it.
+    pub fn standard() -> Result<MachineFile, InputError> {
+        MachineFile::parse(Path::new("pcs.ron"), Self::STANDARD_TEXT)
+    }
+
+    /// Reads the file of a machine, which must be a possible one.
+    pub fn read(path: &Path) -> Result<MachineFile, InputError> {
+        MachineFile::parse(path, &fields::read_text(path)?)
+    }
+
+    /// Reads the text of a machine file; `path` is for the errors.
+    pub fn parse(path: &Path, text: &str) -> Result<MachineFile, InputError> {
+        let file: MachineFile = fields::parse(path, text)?;
+        file.convert().map_err(|fault| fault.in_text(path, text))?;
+        Ok(file)
+    }
+
+    /// The machine in cycles, or why it is impossible.
+    pub fn build(&self) -> Result<Machine, InputError> {
+        self.convert().map_err(Fault::in_flags)
+    }
+
+    fn convert(&self) -> Result<Machine, Fault> {
+        self.check()?;
+        let spec = MachineSpec {
+            clock_ns: self.clock_ns,
+            word_bytes: self.word_bytes,
+            fifo_words: Words(self.fifo_words),
+            link_mb_s: self.link_mb_s,
+            rate_counts: self.rate_counts,
+            latency: Cycles(self.latency_cycles),
+            memory_words: self.memory_words.map(Words),
+            channel_words: [self.x_fifo_words, self.y_fifo_words, self.z_fifo_words].map(|words| words.map(Words)),
+        };
+        let mut notes = Vec::new();
+        if spec.rounds_link_rate() {
+            notes.push(format!(
+                "{} Mbyte/s are {:.3} cycles a word; rounded up to {}",
+                self.link_mb_s,
+                spec.exact_cycles_per_word(),
+                spec.link_rate().cycles_per_word,
+            ));
+        }
+        if spec.exact_cycles_per_word() > LONGEST_WORD_CYCLES {
+            return Err(impossible("link_mb_s", self.link_mb_s, "at least a word in a million cycles"));
+        }
+        let times = self.times(&spec, &mut notes)?;
+        Ok(Machine { spec, times, instructions: self.instruction_cycles, notes })
+    }
+
+    fn check(&self) -> Result<(), Fault> {
+        let positive = |name: &'static str, value: f64, most: f64| {
+            let possible = value.is_finite() && value > 0.0 && value <= most;
+            if possible { Ok(()) } else { Err(impossible(name, value, format!("above 0 and at most {most}"))) }
+        };
+        let within = |name: &'static str, value: u64, most: u64| {
+            let possible = (1..=most).contains(&value);
+            if possible { Ok(()) } else { Err(impossible(name, value, format!("from 1 to {most}"))) }
+        };
+        positive("clock_ns", self.clock_ns, 1e9)?;
+        positive("link_mb_s", self.link_mb_s, 1e9)?;
+        for class in Class::ALL {
+            if let Some(cycles) = self.instruction_cycles {
+                within(class.name(), cycles.of(class) as u64, InstructionCycles::MOST as u64)?;
+            }
+        }
+        within("word_bytes", self.word_bytes as u64, 1024)?;
+        within("fifo_words", self.fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
+        within("latency_cycles", self.latency_cycles, 1_000_000)?;
+        let maybe_within = |name, value: Option<u64>, most| value.map_or(Ok(()), |value| within(name, value, most));
+        maybe_within("x_fifo_words", self.x_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
+        maybe_within("y_fifo_words", self.y_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
+        maybe_within("z_fifo_words", self.z_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
+        maybe_within("memory_words", self.memory_words, u64::MAX)
+    }
+
+    fn times(&self, spec: &MachineSpec, notes: &mut Vec<String>) -> Result<KernelTimes, Fault> {
+        let us = &self.times_us;
+        let mut convert = |name: &'static str, us: f64| {
+            if !(us.is_finite() && us >= 0.0) {
+                return Err(impossible(name, us, "0 or more"));
+            }
+            let (cycles, rounded) = spec.cycles_of_us(us);
+            if cycles.0 > LONGEST_TIME_CYCLES {
+                return Err(impossible(name, us, format!("at most {LONGEST_TIME_CYCLES} cycles long")));
+            }
+            if rounded {
+                notes.push(format!("{name}: {us} µs are no whole number of cycles; rounded up to {cycles}"));
+            }
+            Ok(cycles)
+        };
+        Ok(KernelTimes {
+            grid: Times { start: convert("grid_start", us.grid_start)?, each: convert("grid_voxel", us.grid_voxel)? },
+            slabs: Times {
+                start: convert("slabs_start", us.slabs_start)?,
+                each: convert("slabs_polygon", us.slabs_polygon)?,
+            },
+            intersection: Times {
+                start: convert("intersection_start", us.intersection_start)?,
+                each: convert("intersection_polygon", us.intersection_polygon)?,
+            },
+            host: HostTimes {
+                ray: convert("host_ray_us", self.host_ray_us)?,
+                hit: convert("host_hit_us", self.host_hit_us)?,
+            },
+        })
+    }
+}
+
+fn impossible(name: &'static str, value: impl std::fmt::Display, range: impl std::fmt::Display) -> Fault {
+    Fault::new(name, format!("impossible machine: {name} is {value}, it must be {range}"))
+}

@@ -1,0 +1,24 @@
+//! What was seen of a machine at work, whichever machine it was: reports are made of this and of nothing else.
+//!
+//! A [`Topology`] says what there is: the stations, the FIFOs between them, and the states that a station can be in. The
+//! figures stand beside it, in its order: [`Measured`] for a whole run, [`Profile`] for a run over time, [`Recording`] for
+//! a window of it cycle by cycle, [`Moment`] for one cycle of that, [`SoFar`] for a run that goes on. Every cycle of a station is in just one state, so a
+//! station's states sum to the run.
+
+mod clock;
+mod moment;
+mod profile;
+mod recording;
+mod so_far;
+mod state;
+mod stats;
+mod topology;
+
+pub use clock::Clock;
+pub use moment::{Moment, StationMoment};
+pub use profile::{FifoBin, FifoProfile, Latency, Profile};
+pub use recording::{FifoLevels, JobSpan, Recording, StationRecord, Stretch};
+pub use so_far::SoFar;
+pub use state::{State, StateId, StateKind, StateTimes, States, Toward};
+pub use stats::{FifoStats, LinkStats, Measured};
+pub use topology::{Actor, FifoInfo, Topology};

@@ -1,0 +1,154 @@
+//! A run over time, as a probe saw it. Every figure is an exact integer.
+
+use std::sync::Arc;
+
+use super::state::StateTimes;
+use super::topology::Topology;
+use crate::quantities::{Cycles, Words};
+
+/// What a run did when: its time cut into bins of one width.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Profile {
+    /// What the figures are of.
+    pub topology: Arc<Topology>,
+    /// Width of a bin: a power of two.
+    pub bin: Cycles,
+    /// Length of the run; the last bin ends with it.
+    pub cycles: Cycles,
+    /// For each station, its states in each bin.
+    pub stations: Vec<Vec<StateTimes>>,
+    /// The FIFOs.
+    pub fifos: Vec<FifoProfile>,
+    /// In each bin, how many answers' last words the host read.
+    pub jobs: Vec<u64>,
+    /// From a job's first word, written by the host, to the last word of its answer, read by the host; both included.
+    pub latency: Latency,
+}
+
+/// One FIFO over time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FifoProfile {
+    /// What it held in each bin.
+    pub bins: Vec<FifoBin>,
+    /// Cycles for each occupancy: entry i is for the occupancies from i times `step` to just below (i + 1) times `step`.
+    pub histogram: Vec<Cycles>,
+    /// Occupancies that share an entry of the histogram: 1, unless the FIFO is very deep.
+    pub step: Words,
+}
+
+/// What a FIFO held at the ends of some cycles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FifoBin {
+    /// The lowest occupancy.
+    pub min: Words,
+    /// The highest occupancy.
+    pub max: Words,
+    /// The sum of the occupancies, in words times cycles.
+    pub word_cycles: u64,
+    /// Cycles at whose end it was full.
+    pub full: Cycles,
+}
+
+impl Default for FifoBin {
+    /// Of no cycle.
+    fn default() -> FifoBin {
+        FifoBin { min: Words(u64::MAX), max: Words(0), word_cycles: 0, full: Cycles(0) }
+    }
+}
+
+impl FifoBin {
+    /// Some FIFOs at the same time: the lowest and the highest level of any, and the sums of the rest.
+    pub fn of_all(fifos: &[FifoBin]) -> FifoBin {
+        FifoBin {
+            min: fifos.iter().map(|bin| bin.min).min().unwrap_or_default(),
+            max: fifos.iter().map(|bin| bin.max).max().unwrap_or_default(),
+            word_cycles: fifos.iter().map(|bin| bin.word_cycles).sum(),
+            full: fifos.iter().map(|bin| bin.full).sum(),
+        }
+    }
+}
+
+/// How long jobs took: exact extremes and sum, and counts in buckets at most a 32nd wide.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Latency {
+    /// How many jobs.
+    pub jobs: u64,
+    /// The shortest.
+    pub min: Cycles,
+    /// The longest.
+    pub max: Cycles,
+    /// The sum of all.
+    pub total: u64,
+    /// Jobs for each bucket, up to the last that is not empty.
+    pub buckets: Vec<u64>,
+}
+
+impl Latency {
+    /// Buckets between one power of two and the next.
+    const PARTS: u64 = 32;
+
+    /// Counts one job.
+    pub fn add(&mut self, latency: u64) {
+        let bucket = Latency::bucket(latency);
+        if bucket >= self.buckets.len() {
+            self.buckets.resize(bucket + 1, 0);
+        }
+        self.buckets[bucket] += 1;
+        self.min = Cycles(if self.jobs == 0 { latency } else { self.min.0.min(latency) });
+        self.max = Cycles(self.max.0.max(latency));
+        self.total += latency;
+        self.jobs += 1;
+    }
+
+    /// The bucket of a latency: small ones have one each, the others share a 32nd of their power of two.
+    fn bucket(latency: u64) -> usize {
+        let octave = latency.max(1).ilog2().saturating_sub(Latency::PARTS.ilog2());
+        (octave as u64 * Latency::PARTS + (latency >> octave)) as usize
+    }
+
+    /// The shortest latency of a bucket.
+    pub fn start_of(bucket: usize) -> Cycles {
+        let octave = (bucket as u64 / Latency::PARTS).saturating_sub(1);
+        Cycles((bucket as u64 - octave * Latency::PARTS) << octave)
+    }
+
+    /// The mean, in cycles.
+    pub fn mean(&self) -> f64 {
+        if self.jobs == 0 { 0.0 } else { self.total as f64 / self.jobs as f64 }
+    }
+
+    /// A latency that at least so large a share of the jobs does not exceed: the end of the bucket that it falls into.
+    pub fn quantile(&self, share: f64) -> Cycles {
+        let wanted = (share * self.jobs as f64).ceil() as u64;
+        let mut seen = 0;
+        let reached = self.buckets.iter().position(|count| {
+            seen += count;
+            seen >= wanted
+        });
+        reached.map_or(self.max, |bucket| Latency::start_of(bucket + 1).min(self.max))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_latency_lies_in_its_bucket() {
+        for latency in (0..5000).chain([1 << 20, (1 << 20) + 12345, u64::MAX / 4]) {
+            let bucket = Latency::bucket(latency);
+            assert!(Latency::start_of(bucket).0 <= latency, "{latency}");
+            assert!(latency < Latency::start_of(bucket + 1).0, "{latency}");
+        }
+    }
+
+    #[test]
+    fn quantiles_bound_the_jobs_from_above() {
+        let mut latency = Latency::default();
+        (1..=1000).for_each(|cycles| latency.add(cycles));
+        let median = latency.quantile(0.5).0;
+        assert!((500..=564).contains(&median), "{median}");
+        assert_eq!(latency.quantile(1.0), Cycles(1000));
+        assert_eq!((latency.min, latency.max, latency.mean()), (Cycles(1), Cycles(1000), 500.5));
+    }
+}

@@ -1,0 +1,404 @@
+//! What the cells do for a ray: hits and ops, without a clock.
+//!
+//! `RayInGroup` has the six steps that a group of cells takes for a ray, in the order and with the numbers of docs/machine.md.
+//! The paper's P1, P2 and P3 (§4.2, figure 5) are `walk`, `slabs_test` and `intersection_test` in the third of them.
+
+use std::ops::ControlFlow;
+
+use bitvec::vec::BitVec;
+
+use crate::geometry::partition::Weight;
+use crate::geometry::{Hit, Ray, RaySlabs};
+use crate::isa::Fault;
+use crate::quantities::Cycles;
+use crate::seam::{Costs, OpBatch, OpKind, OpStream, Unit};
+
+use super::cells::ProgramTracer;
+use super::messages::{CANDIDATE_WORDS, HIT_WORDS, RAY_WORDS};
+use super::stop_words::Stopping;
+use super::work::{
+    GRID_START, GRID_VOXEL, HOST_RAY, INTERSECTION_POLYGON, INTERSECTION_START, SLABS_POLYGON, SLABS_START,
+};
+use super::workload::{Group, Workload};
+
+/// How often the kernels did their work, over all cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Voxels walked through.
+    pub voxels: u64,
+    /// Polygons tested against slabs.
+    pub slab_tests: u64,
+    /// Polygons tested for intersection.
+    pub intersection_tests: u64,
+    /// Rays that hit a polygon.
+    pub hits: u64,
+}
+
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, other: Counts) {
+        self.voxels += other.voxels;
+        self.slab_tests += other.slab_tests;
+        self.intersection_tests += other.intersection_tests;
+        self.hits += other.hits;
+    }
+}
+
+/// Where a sample of rays made one cell work, and for how many cycles.
+#[derive(Debug, Default)]
+pub(super) struct WorkSample {
+    pub weights: Vec<Weight>,
+}
+
+/// Traces rays through a workload. Each thread has its own.
+#[derive(Debug)]
+pub struct Tracer<'a> {
+    workload: &'a Workload,
+    mailbox: Mailbox,
+    /// The cells at work, if they run programs.
+    programs: Option<ProgramTracer<'a>>,
+    /// What has been counted so far.
+    pub counts: Counts,
+    /// The first fault of a cell's program; rays that a fault ends hit nothing.
+    pub fault: Option<Fault>,
+}
+
+/// The polygons that a ray has already been tested against.
+#[derive(Debug, Default)]
+struct Mailbox {
+    seen: BitVec,
+    marked: Vec<u32>,
+}
+
+impl<'a> Tracer<'a> {
+    /// A tracer that has counted nothing yet.
+    pub fn new(workload: &'a Workload) -> Tracer<'a> {
+        let polygons = if workload.mailbox { workload.polygons.len() } else { 0 };
+        let mailbox = Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() };
+        let programs = workload.programs.as_ref().map(|cells| ProgramTracer::new(cells, workload.polygons.len()));
+        Tracer { workload, mailbox, programs, counts: Counts::default(), fault: None }
+    }
+
+    /// Instructions that cells with programs have executed.
+    pub fn executed(&self) -> u64 {
+        self.programs.as_ref().map_or(0, ProgramTracer::executed)
+    }
+
+    /// Traces ray number `id` of `count` rays that the host sends without waiting for hits: adds a line to the host's and
+    /// to every cell's ops, and returns the first hit.
+    pub fn trace(&mut self, id: u32, count: usize, ray: &Ray, batch: &mut OpBatch) -> Hit {
+        send_ray(&mut batch.host, id);
+        let ahead = self.workload.forward_ahead as u64;
+        let known_before = if id == 0 { 0 } else { id as u64 + ahead };
+        let passed_on = (id as u64 + 1 + ahead).min(count as u64).saturating_sub(known_before);
+        self.trace_line(id, passed_on, ray, &mut batch.cells)
+    }
+
+    /// The same without the host's line, for who decides himself when the ray is sent. No ray is passed on ahead.
+    pub fn trace_cells(&mut self, id: u32, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+        self.trace_line(id, 1, ray, cells)
+    }
+
+    /// Each cell reads and passes on so many rays (programs just the one), then works on this one.
+    fn trace_line(&mut self, id: u32, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+        let hit = match &mut self.programs {
+            Some(programs) => programs.trace(id, ray, cells, &mut self.counts).unwrap_or_else(|fault| {
+                self.fault.get_or_insert(fault);
+                Hit::MISS
+            }),
+            None => self.trace_groups(passed_on, ray, cells),
+        };
+        cells.iter_mut().for_each(|cell| cell.end_line(id));
+        self.counts.hits += hit.is_hit() as u64;
+        hit
+    }
+
+    /// The same where the cells take Figure 7's times.
+    fn trace_groups(&mut self, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+        let mut nearest = Hit::MISS;
+        let mut ray_slabs = None;
+        let stages = self.workload.stages.count();
+        for (index, (group, cells)) in self.workload.groups.iter().zip(cells.chunks_mut(stages)).enumerate() {
+            let mut in_group = RayInGroup {
+                workload: self.workload,
+                ray,
+                cells,
+                ray_slabs,
+                entered: Entered::default(),
+                stopping: Stopping::default(),
+                hit: Hit::MISS,
+            };
+            in_group.read_ray(passed_on);
+            in_group.start_kernels();
+            in_group.take_candidates(group, &mut self.mailbox, &mut self.counts);
+            in_group.end_candidates();
+            if index > 0 {
+                in_group.read_earlier_hit();
+            }
+            in_group.write_hit();
+            ray_slabs = in_group.ray_slabs;
+            nearest = nearest.nearer(in_group.hit);
+            self.mailbox.clear();
+        }
+        nearest
+    }
+
+    /// Traces a ray through a workload of one cell and notes its work, voxel by voxel.
+    pub(super) fn sample(&mut self, ray: &Ray, sample: &mut WorkSample) {
+        let workload = self.workload;
+        let mut cells = [OpStream::default()];
+        let Some(group) = workload.groups.first() else { return };
+        let mut in_group = RayInGroup {
+            workload,
+            ray,
+            cells: &mut cells,
+            ray_slabs: None,
+            entered: Entered::default(),
+            stopping: Stopping::default(),
+            hit: Hit::MISS,
+        };
+        let mut t_enter = 0.0;
+        group.grid.walk(ray, workload.polygons.beyond_margin(ray.origin), |voxel| {
+            for &polygon in voxel.polygons {
+                in_group.candidate(polygon, &mut self.counts);
+            }
+            let work = cycles(&in_group.cells[0], workload.costs());
+            in_group.cells[0].clear();
+            let at = group.grid.voxel_center(ray.at((t_enter + voxel.t_exit) / 2.0));
+            sample.weights.push(Weight { at, amount: (work + workload.costs().of(GRID_VOXEL)).0 as f64 });
+            t_enter = voxel.t_exit;
+            in_group.done_in(voxel.t_exit)
+        });
+    }
+}
+
+/// The cycles of all work of a stream.
+fn cycles(ops: &OpStream, costs: &Costs) -> Cycles {
+    let work = ops.ops().iter().filter_map(|op| Some(Cycles(costs.of(op.unit()?).0 * op.count() as u64)));
+    work.sum()
+}
+
+/// Ends the host's line with the ray: the host's work on it, then its words.
+pub fn send_ray(host: &mut OpStream, id: u32) {
+    host.push(OpKind::Work(HOST_RAY), 1);
+    host.push(OpKind::WriteX, RAY_WORDS);
+    host.end_line(id);
+}
+
+/// Which kernels have been entered, and their start paid, for a ray.
+#[derive(Clone, Copy, Debug, Default)]
+struct Entered {
+    slabs: bool,
+    intersection: bool,
+}
+
+/// One ray in one group of cells.
+struct RayInGroup<'a> {
+    workload: &'a Workload,
+    ray: &'a Ray,
+    cells: &'a mut [OpStream],
+    ray_slabs: Option<RaySlabs>,
+    entered: Entered,
+    stopping: Stopping,
+    hit: Hit,
+}
+
+impl RayInGroup<'_> {
+    /// Step 1, the ray: every cell reads it and passes it on. Where rays are passed on ahead, these are `passed_on` rays up to
+    /// one further on: several at first, none at the end.
+    fn read_ray(&mut self, passed_on: u64) {
+        if passed_on > 0 {
+            self.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, passed_on * RAY_WORDS));
+        }
+    }
+
+    /// Step 2, the starts: each cell's first kernel starts. The others do at the first candidate that reaches them.
+    fn start_kernels(&mut self) {
+        self.work(0, GRID_START, 1);
+        let stages = self.workload.stages;
+        if let Some(slabs) = stages.slabs.filter(|&slabs| slabs > 0) {
+            self.enter_slabs(slabs);
+        }
+        // The intersection is its cell's first kernel if neither the grid nor the slabs run there.
+        if stages.intersection > 0 && stages.slabs != Some(stages.intersection) {
+            self.enter_intersection();
+        }
+    }
+
+    /// Part of step 2 for the slabs: their start.
+    fn enter_slabs(&mut self, cell: usize) {
+        self.entered.slabs = true;
+        self.work(cell, SLABS_START, 1);
+    }
+
+    /// Part of step 2 for the intersection: its start.
+    fn enter_intersection(&mut self) {
+        self.entered.intersection = true;
+        self.work(self.workload.stages.intersection, INTERSECTION_START, 1);
+    }
+
+    /// Step 3, the candidates: the grid's walk finds them, and each goes through the kernels that follow.
+    fn take_candidates(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
+        if self.workload.stop_words.is_some() {
+            self.walk_told(group, mailbox, counts);
+        } else {
+            self.walk(group, mailbox, counts);
+        }
+    }
+
+    /// P1: the grid's walk, and what becomes of each candidate.
+    fn walk(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
+        let workload = self.workload;
+        let mut voxels = 0;
+        group.grid.walk(self.ray, workload.polygons.beyond_margin(self.ray.origin), |voxel| {
+            voxels += 1;
+            if voxel.polygons.is_empty() {
+                return self.done_in(voxel.t_exit);
+            }
+            self.work(0, GRID_VOXEL, voxels);
+            counts.voxels += voxels;
+            voxels = 0;
+            for &polygon in voxel.polygons {
+                if !workload.mailbox || mailbox.mark(polygon) {
+                    self.candidate(polygon, counts);
+                }
+            }
+            self.done_in(voxel.t_exit)
+        });
+        if voxels > 0 {
+            self.work(0, GRID_VOXEL, voxels);
+            counts.voxels += voxels;
+        }
+    }
+
+    /// The same where the cells tell each other of every voxel: the grid's cell walks until it has read the stop.
+    fn walk_told(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
+        let workload = self.workload;
+        let Some(words) = workload.stop_words else { return };
+        group.grid.walk(self.ray, workload.polygons.beyond_margin(self.ray.origin), |voxel| {
+            self.work(0, GRID_VOXEL, 1);
+            counts.voxels += 1;
+            for &polygon in voxel.polygons {
+                if !workload.mailbox || mailbox.mark(polygon) {
+                    self.candidate(polygon, counts);
+                }
+            }
+            words.end_voxel(self.cells);
+            self.stopping.end_voxel(self.hit.t <= voxel.t_exit);
+            let stop = self.stopping.seen_by(0, workload.stop_words);
+            if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+    }
+
+    /// A cell that has both grid and intersection stops when its nearest hit lies inside the voxel just done.
+    #[inline]
+    fn done_in(&self, t_exit: f32) -> ControlFlow<()> {
+        if self.workload.stages.intersection == 0 && self.hit.t <= t_exit {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// A polygon from the grid goes through the slabs, if there are any, to the intersection.
+    #[inline]
+    fn candidate(&mut self, polygon: u32, counts: &mut Counts) {
+        let stages = self.workload.stages;
+        let mut cell = 0;
+        if let Some(slabs) = stages.slabs {
+            self.send(cell, slabs);
+            if self.stopping.seen_by(slabs, self.workload.stop_words) {
+                return;
+            }
+            cell = slabs;
+            counts.slab_tests += 1;
+            if !self.slabs_test(slabs, polygon) {
+                return;
+            }
+        }
+        self.send(cell, stages.intersection);
+        if self.stopping.seen_by(stages.intersection, self.workload.stop_words) {
+            return;
+        }
+        counts.intersection_tests += 1;
+        self.intersection_test(polygon);
+    }
+
+    /// Sends one word on Y, if the kernels do not run in the same cell.
+    #[inline]
+    fn send(&mut self, from: usize, to: usize) {
+        if from != to {
+            self.cells[from].push(OpKind::WriteY, CANDIDATE_WORDS);
+            self.cells[to].push(OpKind::ReadY, CANDIDATE_WORDS);
+        }
+    }
+
+    /// P2: a candidate whose slabs the ray misses is dropped.
+    #[inline]
+    fn slabs_test(&mut self, cell: usize, polygon: u32) -> bool {
+        if !self.entered.slabs {
+            self.enter_slabs(cell);
+        }
+        self.work(cell, SLABS_POLYGON, 1);
+        let polygons = &self.workload.polygons;
+        let new = || RaySlabs::new(self.ray, polygons.largest_coordinate());
+        self.workload.slabs.meets(self.ray_slabs.get_or_insert_with(new), polygon)
+    }
+
+    /// P3: a candidate is intersected, and kept if it is the nearest so far.
+    #[inline]
+    fn intersection_test(&mut self, polygon: u32) {
+        if !self.entered.intersection {
+            self.enter_intersection();
+        }
+        self.work(self.workload.stages.intersection, INTERSECTION_POLYGON, 1);
+        self.hit = self.workload.polygons.nearer(self.ray, polygon, self.hit);
+    }
+
+    #[inline]
+    fn work(&mut self, cell: usize, unit: Unit, count: u64) {
+        self.cells[cell].push(OpKind::Work(unit), count);
+    }
+
+    /// Step 4, the end: END goes down the stages.
+    fn end_candidates(&mut self) {
+        let last = self.workload.stages.intersection;
+        for stage in 0..last {
+            self.cells[stage].push(OpKind::WriteY, CANDIDATE_WORDS);
+            self.cells[stage + 1].push(OpKind::ReadY, CANDIDATE_WORDS);
+        }
+    }
+
+    /// Step 5, the earlier group's hit: every stage reads it, and all but the last pass it on. The last merges it with its
+    /// own, which takes no time.
+    fn read_earlier_hit(&mut self) {
+        let last = self.workload.stages.intersection;
+        for (stage, cell) in self.cells.iter_mut().enumerate() {
+            cell.push(OpKind::ReadY, HIT_WORDS);
+            if stage < last {
+                cell.push(OpKind::WriteY, HIT_WORDS);
+            }
+        }
+    }
+
+    /// Step 6, the answer: the last stage writes the nearer hit.
+    fn write_hit(&mut self) {
+        self.cells[self.workload.stages.intersection].push(OpKind::WriteY, HIT_WORDS);
+    }
+}
+
+impl Mailbox {
+    /// Marks a polygon; false if it was marked before.
+    fn mark(&mut self, polygon: u32) -> bool {
+        let new = !self.seen.replace(polygon as usize, true);
+        if new {
+            self.marked.push(polygon);
+        }
+        new
+    }
+
+    fn clear(&mut self) {
+        for polygon in self.marked.drain(..) {
+            self.seen.set(polygon as usize, false);
+        }
+    }
+}

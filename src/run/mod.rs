@@ -1,0 +1,27 @@
+//! A run: described, as a value ([`RunOptions`] are what can be asked of one, a [`RunSpec`] is what it then is), and done:
+//! primary rays by [`run`], whole images by [`render`], recorded ops by [`replay`].
+//!
+//! Whatever runs a workload first checks that the machine can.
+
+mod ahead;
+mod closed_loop;
+mod options;
+mod outputs;
+mod render;
+mod spec;
+mod timed;
+mod trace;
+mod trees;
+mod workers;
+
+pub use options::{
+    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, ProgramOptions, RayOptions,
+    RunOptions, SceneOptions, ShapeOptions, Switch,
+};
+pub use outputs::{OutputFile, OutputFolder, Outputs};
+pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
+pub use spec::{ImageSpec, RunSpec, array_program, is_builtin, machine_file};
+pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
+pub use trace::{TracedBatch, trace};
+pub use trees::{ByKind, KindCounts};
+pub use workers::{Cancel, Cancelled, Workers};

@@ -1,0 +1,242 @@
+//! A whole image: trees of rays on all threads, ahead of the host and the array in a closed loop.
+
+use std::ops::RangeInclusive;
+
+use glam::{DVec3, Vec3};
+
+use super::ahead;
+use super::closed_loop::ClosedLoop;
+use super::timed::UNLIMITED;
+use super::trace::BATCH_LINES;
+use super::trees::{ByKind, Grower, KindCounts, TreeBatch};
+use super::{RunError, Watching, Workers};
+use crate::error::InputError;
+use crate::geometry::Hit;
+use crate::host::camera::{ImageSize, View};
+use crate::host::policy::HostRules;
+use crate::host::sampling::{Pass, Sampling};
+use crate::host::shading::{Limits, Shader};
+use crate::machine::{Array, Cycles, MachineSpec, Observed, Unfinished};
+use crate::measure::Measured;
+use crate::program::{Counts, Tracer, Workload};
+use crate::scene::{Mesh, Object, Scene};
+use crate::seam::OpBatch;
+
+/// About the rays of a tree, to make batches of a good size.
+const RAYS_PER_TREE: usize = 8;
+
+/// Trees of a batch: as many rays, about, as a batch of primary rays has.
+const TREES_PER_BATCH: RangeInclusive<usize> = 4..=128;
+
+/// What is to be seen, and how well.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture<'a> {
+    /// The scene, whose mesh is the workload's.
+    pub scene: &'a Scene,
+    /// The scene laid out for the array.
+    pub workload: &'a Workload,
+    /// Size of the image.
+    pub size: ImageSize,
+    /// Rays from the eye.
+    pub sampling: Sampling,
+    /// Where the trees of rays end.
+    pub limits: Limits,
+}
+
+/// What an observer sees of a run under way.
+#[derive(Debug)]
+pub enum Seen<'a> {
+    /// More samples are known: so many of so many (more may be added to these by adaptive sampling).
+    Samples {
+        /// How many are known by now.
+        done: usize,
+        /// How many are to be known.
+        of: usize,
+        /// The array as it is by now, if there is one.
+        array: Option<&'a Array>,
+    },
+    /// The host sends a ray: its ops, and the hit that it will find. Not without timing.
+    Sent(&'a OpBatch, &'a Hit),
+}
+
+/// An image and what it took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendered {
+    /// Pixels of linear light, line by line from the top left. They do not depend on threads, timing, array or host.
+    pub pixels: Vec<Vec3>,
+    /// How often the kernels did their work.
+    pub counts: Counts,
+    /// What the rays of each kind came to.
+    pub kinds: ByKind<KindCounts>,
+    /// The machine's part, if it was asked for.
+    pub timing: Option<Timing>,
+}
+
+/// What the machine did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Timing {
+    /// Where every cycle and word went.
+    pub stats: Measured,
+    /// The latencies of the rays of each kind.
+    pub latencies: ByKind<KindLatencies>,
+    /// What the array's observers saw.
+    pub observed: Observed,
+}
+
+/// Latencies in rising order: each from the cycle in which the host writes a ray's last word to that in which it reads
+/// the last word of the ray's hit.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct KindLatencies(Vec<u64>);
+
+impl KindLatencies {
+    fn new(mut latencies: Vec<u64>) -> KindLatencies {
+        latencies.sort_unstable();
+        KindLatencies(latencies)
+    }
+
+    /// The latency that `percent` % of the rays do not exceed: 0 gives the shortest, 100 the longest. 0 without rays.
+    pub fn percentile(&self, percent: u32) -> Cycles {
+        let rank = (self.0.len() * percent as usize).div_ceil(100).max(1);
+        Cycles(self.0.get(rank - 1).copied().unwrap_or(0))
+    }
+
+    /// The mean, in cycles; 0 without rays.
+    pub fn mean(&self) -> f64 {
+        if self.0.is_empty() { 0.0 } else { self.0.iter().sum::<u64>() as f64 / self.0.len() as f64 }
+    }
+}
+
+/// What times an image.
+#[derive(Clone, Debug)]
+pub struct Timed<'a> {
+    /// The machine.
+    pub spec: &'a MachineSpec,
+    /// What its host may do.
+    pub rules: HostRules,
+    /// What is watched of it over time.
+    pub watching: Watching,
+}
+
+/// Makes an image; with a machine, it also times it.
+///
+/// `observe` sees it grow: for progress, or to keep the ops.
+///
+/// # Errors
+///
+/// If the machine cannot run the workload ([`Workload::check`]), or not for such a host
+/// ([`Workload::check_closed_loop`]); if the array or a cell's program cannot go on; if `observe` fails; and if it is told
+/// to stop.
+pub fn render<E>(
+    picture: &Picture,
+    timed: Option<Timed<'_>>,
+    workers: &Workers,
+    mut observe: impl FnMut(Seen<'_>) -> Result<(), E>,
+) -> Result<Rendered, RunError<E>> {
+    let mut host = timed.map(|timed| timed.host(picture.workload)).transpose()?;
+    let mut canvas = Canvas::new(picture);
+    let mut seen = |seen: Seen<'_>| {
+        workers.cancel.check()?;
+        observe(seen).map_err(RunError::Observer)
+    };
+    let first = Pass::first(picture.size, picture.sampling);
+    canvas.take_pass(picture, &first, workers.threads, &mut host, &mut seen)?;
+    if picture.sampling.adaptive && picture.sampling.side > 1 {
+        let second = Pass::second(picture.size, picture.sampling, &canvas.objects);
+        canvas.take_pass(picture, &second, workers.threads, &mut host, &mut seen)?;
+    }
+    if let Some(host) = &mut host {
+        host.drain(&mut |ops, hit| seen(Seen::Sent(ops, hit)))?;
+    }
+    let timing = host.map(finish).transpose()?;
+    Ok(Rendered { pixels: canvas.pixels, counts: canvas.counts, kinds: canvas.kinds, timing })
+}
+
+impl Timed<'_> {
+    fn host(self, workload: &Workload) -> Result<ClosedLoop, InputError> {
+        workload.check(self.spec)?;
+        workload.check_closed_loop()?;
+        let array = self.watching.array(self.spec, workload.costs(), workload.cells(), UNLIMITED);
+        Ok(ClosedLoop::new(array, workload, self.rules))
+    }
+}
+
+fn finish(mut host: ClosedLoop) -> Result<Timing, Unfinished> {
+    let latencies = std::mem::take(&mut host.latencies).map(KindLatencies::new);
+    let (stats, observed) = host.into_array().finish_observed()?;
+    Ok(Timing { stats, latencies, observed })
+}
+
+/// What is known of the image.
+struct Canvas {
+    pixels: Vec<Vec3>,
+    /// What each pixel shows, if adaptive sampling asks for it; `None` for the background.
+    objects: Vec<Option<Object>>,
+    counts: Counts,
+    kinds: ByKind<KindCounts>,
+}
+
+impl Canvas {
+    fn new(picture: &Picture) -> Canvas {
+        let count = picture.size.pixels();
+        Canvas {
+            pixels: vec![Vec3::ZERO; count],
+            objects: vec![None; if picture.sampling.adaptive { count } else { 0 }],
+            counts: Counts::default(),
+            kinds: Default::default(),
+        }
+    }
+
+    fn take_pass<E>(
+        &mut self,
+        picture: &Picture,
+        pass: &Pass,
+        threads: usize,
+        host: &mut Option<ClosedLoop>,
+        observe: &mut impl FnMut(Seen<'_>) -> Result<(), RunError<E>>,
+    ) -> Result<(), RunError<E>> {
+        let cells = picture.workload.cells();
+        let shader = Shader::new(picture.scene, picture.workload.polygons(), picture.limits);
+        let view = View::new(&picture.scene.camera, picture.size);
+        let worker =
+            || Grower { tracer: Tracer::new(picture.workload), costs: picture.workload.costs(), shader: &shader, view };
+        let per_batch = (BATCH_LINES / cells / RAYS_PER_TREE).clamp(*TREES_PER_BATCH.start(), *TREES_PER_BATCH.end());
+        let samples = |index: usize| index * per_batch..pass.len().min((index + 1) * per_batch);
+        let make =
+            |grower: &mut Grower<'_>, index: usize, batch: TreeBatch| grower.grow(pass, samples(index), cells, batch);
+        let (mut index, mut sum) = (0, DVec3::ZERO);
+        ahead::in_order(pass.len().div_ceil(per_batch), threads, worker, make, |mut batch| {
+            batch.traced.fault.take().map_or(Ok(()), Err)?;
+            let range = samples(index);
+            self.counts += batch.traced.counts;
+            self.kinds.iter_mut().zip(batch.kinds).for_each(|(all, new)| *all += new);
+            for (tree, (sample, &color)) in range.clone().zip(&batch.colors).enumerate() {
+                self.take_sample(pass, sample, color, &mut sum);
+                if let Some(seen) = self.objects.get_mut(pass.pixel(sample)) {
+                    *seen = object(&picture.scene.mesh, batch.root_hit(tree));
+                }
+            }
+            index += 1;
+            let array = host.as_ref().map(ClosedLoop::array);
+            observe(Seen::Samples { done: range.end, of: pass.len(), array })?;
+            match host {
+                Some(host) => host.add(batch, &mut |ops, hit| observe(Seen::Sent(ops, hit))),
+                None => Ok(batch),
+            }
+        })
+    }
+
+    /// Adds a sample; after a pixel's last one, `sum` is its light, and starts anew.
+    fn take_sample(&mut self, pass: &Pass, sample: usize, color: DVec3, sum: &mut DVec3) {
+        *sum += color;
+        if (sample + 1).is_multiple_of(pass.per_pixel()) {
+            let pixel = pass.pixel(sample);
+            self.pixels[pixel] = (*sum / pass.per_pixel() as f64).as_vec3();
+            *sum = DVec3::ZERO;
+        }
+    }
+}
+
+/// The object that a hit shows.
+fn object(mesh: &Mesh, hit: &Hit) -> Option<Object> {
+    hit.is_hit().then(|| mesh.object(&mesh.faces()[hit.polygon as usize]))
+}

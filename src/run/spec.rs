@@ -1,0 +1,340 @@
+//! What a run is: all that its results depend on, with every default filled in.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::options::{CellsRun, Mode, RunOptions, Switch};
+use crate::error::InputError;
+use crate::geometry::{Partition, Ray};
+use crate::host::camera::{self, ImageSize};
+use crate::host::policy::{HostRules, Policy};
+use crate::host::ray_file;
+use crate::host::sampling::Sampling;
+use crate::host::shading::Limits;
+use crate::input::fields;
+use crate::isa::Processor;
+use crate::machine::{Machine, MachineFile};
+use crate::program::cells::CellOptions;
+use crate::program::{ArrayProgram, Workload};
+use crate::scene::{ReadOptions, Scene, builtin};
+
+/// A run, described: enough to repeat it to the bit.
+///
+/// It is the `configuration` of a run's statistics; fields that it does not know are refused.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunSpec {
+    /// The simulator's version that wrote it.
+    pub version: String,
+    /// A built-in scene or a file.
+    pub scene: String,
+    /// Size factor of a built-in scene; `None` for its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size_factor: Option<u32>,
+    /// Slices of spheres and cones; `None` for the scene's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resolution: Option<u32>,
+    /// Size of the image, if the rays are a camera's.
+    #[serde(default = "standard_size")]
+    pub size: ImageSize,
+    /// The file of the rays, if they are not a camera's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rays: Option<PathBuf>,
+    /// How a whole image is made; `None` for a run of primary rays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<ImageSpec>,
+    /// The array program, as its file would have it.
+    pub program: ArrayProgram,
+    /// What the cells run.
+    pub cells_run: CellsRun,
+    /// The programs of cells that run any: a folder, or `standard`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell_programs: Option<PathBuf>,
+    /// The most cycles that a program may compute for one ray, if cells run any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instruction_limit: Option<u64>,
+    /// The machine, as its file would have it.
+    pub machine: MachineFile,
+}
+
+/// How an image is made of its scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImageSpec {
+    /// Samples along each side of a pixel.
+    pub samples: u32,
+    /// Whether a pixel has them only where a neighbour shows another object.
+    pub adaptive: bool,
+    /// How often light may be reflected or refracted.
+    pub depth: u8,
+    /// The least share of a pixel for which a ray is followed.
+    pub min_contribution: f64,
+    /// Whether the array is timed.
+    pub timing: Switch,
+    /// What the host sends next.
+    pub policy: Policy,
+    /// How many rays may be in the array at once; `None` for as many as it takes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub in_flight: Option<u64>,
+    /// How many samples the host may have begun and not done.
+    pub open_samples: u32,
+}
+
+/// What stands for the standard programs of the cells.
+const STANDARD_PROGRAMS: &str = "standard";
+
+fn standard_size() -> ImageSize {
+    ImageSize { width: 256, height: 256 }
+}
+
+impl Default for ImageSpec {
+    fn default() -> Self {
+        let (limits, rules) = (Limits { depth: 5, contribution: 1.0 / 256.0 }, HostRules::default());
+        ImageSpec {
+            samples: 1,
+            adaptive: false,
+            depth: limits.depth,
+            min_contribution: limits.contribution,
+            timing: Switch::On,
+            policy: rules.policy,
+            in_flight: rules.in_flight,
+            open_samples: rules.open_samples as u32,
+        }
+    }
+}
+
+impl RunSpec {
+    /// What a run of primary rays is that was asked for by `options`: they are laid over `base`, or over the defaults.
+    ///
+    /// Fails if a file cannot be read, or if the options make an impossible program or machine.
+    pub fn new(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
+        let base = base.as_ref();
+        let machine = machine_file(options, base.map(|base| &base.machine))?;
+        machine.build()?;
+        let program = array_program(options, base.map(|base| &base.program))?;
+        let (scene, shape, cells) = (&options.scene.scene, &options.shape, &options.cells);
+        let of_same_scene = base.filter(|base| scene.as_ref().is_none_or(|scene| *scene == base.scene));
+        let size = shape.size.or(base.map(|base| base.size)).unwrap_or_else(standard_size);
+        let cells_run = cells.cells_run.or(base.map(|base| base.cells_run)).unwrap_or(CellsRun::Timings);
+        let runs_programs = cells_run == CellsRun::Programs;
+        // A folder that happens to have that name is still a folder.
+        let folder = cells.cell_programs.as_ref().map(|folder| match folder == Path::new(STANDARD_PROGRAMS) {
+            true => Path::new(".").join(folder),
+            false => folder.clone(),
+        });
+        let cell_programs = folder.or_else(|| base?.cell_programs.clone()).unwrap_or_else(|| STANDARD_PROGRAMS.into());
+        let instruction_limit = cells.instruction_limit.or(base.and_then(|base| base.instruction_limit));
+        let instruction_limit = instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
+        let rays = options.rays.rays.clone().or_else(|| base?.rays.clone().filter(|_| shape.size.is_none()));
+        Ok(RunSpec {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: scene.clone().or(base.map(|base| base.scene.clone())).unwrap_or_else(|| "teapot".to_owned()),
+            size_factor: shape.size_factor.or(of_same_scene.and_then(|base| base.size_factor)),
+            resolution: shape.resolution.or(of_same_scene.and_then(|base| base.resolution)),
+            size,
+            rays,
+            image: None,
+            program,
+            cells_run,
+            cell_programs: runs_programs.then_some(cell_programs),
+            instruction_limit: runs_programs.then_some(instruction_limit),
+            machine,
+        })
+    }
+
+    /// The same of a whole image.
+    pub fn of_image(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
+        let below = base.as_ref().and_then(|base| base.image.clone()).unwrap_or_default();
+        let (light, host) = (&options.light, &options.host);
+        let image = ImageSpec {
+            samples: light.samples.unwrap_or(below.samples),
+            adaptive: light.adaptive.unwrap_or(below.adaptive),
+            depth: light.depth.unwrap_or(below.depth),
+            min_contribution: light.min_contribution.unwrap_or(below.min_contribution),
+            timing: host.timing.unwrap_or(below.timing),
+            policy: host.policy.unwrap_or(below.policy),
+            in_flight: host.in_flight.or(below.in_flight),
+            open_samples: host.open_samples.unwrap_or(below.open_samples),
+        };
+        image.check()?;
+        Ok(RunSpec { image: Some(image), rays: None, ..RunSpec::new(options, base)? })
+    }
+
+    /// Reads a description: a run's configuration, or the statistics that have it.
+    pub fn read(path: &Path) -> Result<RunSpec, InputError> {
+        #[derive(Deserialize)]
+        struct Statistics {
+            configuration: serde_json::Value,
+        }
+        let text = fields::read_text(path)?;
+        let described = match serde_json::from_str::<Statistics>(&text) {
+            Ok(statistics) => RunSpec::of_facts(statistics.configuration),
+            Err(_) => serde_json::from_str(&text).and_then(RunSpec::of_facts),
+        };
+        let spec = described.map_err(|error| InputError::in_file(path, format!("describes no run: {error}")))?;
+        spec.machine.build()?;
+        spec.program.check()?;
+        spec.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
+        Ok(spec)
+    }
+
+    /// A configuration tells more than what was asked for: what the scene came to, which is worked out again.
+    fn of_facts(mut configuration: serde_json::Value) -> serde_json::Result<RunSpec> {
+        if let Some(fields) = configuration.as_object_mut() {
+            fields.remove("polygons");
+            fields.remove("memory");
+        }
+        serde_json::from_value(configuration)
+    }
+
+    /// What the scene and the rays depend on.
+    pub fn stage_key(&self) -> String {
+        let RunSpec { scene, size_factor, resolution, size, rays, .. } = self;
+        format!("{scene:?} {size_factor:?} {resolution:?} {size:?} {rays:?}")
+    }
+
+    /// What the cells' ops depend on, beside scene and rays.
+    pub fn work_key(&self, machine: &Machine) -> String {
+        let RunSpec { program, cells_run, cell_programs, instruction_limit, .. } = self;
+        // What work costs is clockwork, but for a cut that weighs it.
+        let weighed = (program.partition == Partition::Work && program.groups > 1).then_some(machine.times);
+        format!("{program:?} {cells_run:?} {cell_programs:?} {instruction_limit:?} {weighed:?}")
+    }
+
+    /// Reads or generates the scene.
+    pub fn load_scene(&self) -> Result<Scene, InputError> {
+        if is_builtin(&self.scene) {
+            return builtin::generate(&self.scene, self.size_factor, self.resolution);
+        }
+        if self.size_factor.is_some() {
+            let error = InputError::new("a size factor is for built-in scenes, not for files");
+            return Err(error.help("`pcs-sim scenes` lists the built-in scenes"));
+        }
+        let default = ReadOptions::default();
+        let options = ReadOptions { resolution: self.resolution.unwrap_or(default.resolution) };
+        crate::scene::load(Path::new(&self.scene), &options)
+    }
+
+    /// The rays: the camera's, or a file's.
+    pub fn load_rays(&self, scene: &Scene) -> Result<Vec<Ray>, InputError> {
+        match &self.rays {
+            Some(path) => ray_file::read(path),
+            None => Ok(camera::primary_rays(&scene.camera, self.size)),
+        }
+    }
+
+    /// The scene laid out for the array, with the cells' programs if they run any.
+    pub fn lay_out(&self, scene: &Scene, machine: &Machine, rays: &[Ray]) -> Result<Workload, InputError> {
+        let workload = Workload::new(&scene.mesh, &self.program, machine.times, rays)?;
+        match self.cells_run {
+            CellsRun::Programs => workload.with_programs(&self.cell_options(machine)?),
+            CellsRun::Timings => Ok(workload),
+        }
+    }
+
+    /// How the cells run programs.
+    fn cell_options(&self, machine: &Machine) -> Result<CellOptions, InputError> {
+        let instruction_limit = self.instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
+        let folder = self.cell_programs.clone().filter(|folder| folder != Path::new(STANDARD_PROGRAMS));
+        Ok(CellOptions { cycles: machine.instruction_cycles()?, folder, instruction_limit })
+    }
+}
+
+impl ImageSpec {
+    fn check(&self) -> Result<(), InputError> {
+        let within = |what: &str, value: u64, least: u64, most: u64| match (least..=most).contains(&value) {
+            true => Ok(()),
+            false => Err(InputError::new(format!("{what} are {value}, they must be from {least} to {most}"))),
+        };
+        let share = self.min_contribution;
+        if !(0.0..=1.0).contains(&share) {
+            return Err(InputError::new(format!("the least contribution is {share}, it must be from 0 to 1")));
+        }
+        within("the samples along a side of a pixel", self.samples as u64, 1, 64)?;
+        within("the open samples", self.open_samples as u64, 1, 1 << 20)?;
+        within("the rays in flight", self.in_flight.unwrap_or(1), 1, u64::MAX)
+    }
+
+    /// How many samples a pixel has.
+    pub fn sampling(&self) -> Sampling {
+        Sampling { side: self.samples, adaptive: self.adaptive }
+    }
+
+    /// How far light is followed.
+    pub fn limits(&self) -> Limits {
+        Limits { depth: self.depth, contribution: self.min_contribution }
+    }
+
+    /// What the host may do.
+    pub fn rules(&self) -> HostRules {
+        HostRules { policy: self.policy, in_flight: self.in_flight, open_samples: self.open_samples as usize }
+    }
+}
+
+/// Whether a scene is the name of a built-in one, not that of a file.
+pub fn is_builtin(scene: &str) -> bool {
+    !scene.contains(['.', '/', '\\'])
+}
+
+/// The machine: that of a file, of `base` or PCS, with the changes that are asked for.
+pub fn machine_file(options: &RunOptions, base: Option<&MachineFile>) -> Result<MachineFile, InputError> {
+    let mut file = match (&options.machine_file.machine, base) {
+        (Some(path), _) => MachineFile::read(path)?,
+        (None, Some(base)) => base.clone(),
+        (None, None) => MachineFile::standard()?,
+    };
+    options.machine.change(&mut file);
+    Ok(file)
+}
+
+/// The array program: a standard one, a file's or `base`, with the changes that are asked for.
+pub fn array_program(options: &RunOptions, base: Option<&ArrayProgram>) -> Result<ArrayProgram, InputError> {
+    let options = &options.program;
+    if let (Some(_), Some(_)) = (options.mode, &options.program) {
+        return Err(InputError::new("mode and program cannot both be given"));
+    }
+    if let (Some(_), Some(_)) = (options.cells, options.groups) {
+        return Err(InputError::new("cells and groups cannot both be given"));
+    }
+    let mut program = match (&options.program, options.mode, base) {
+        (Some(path), _, _) => named_program(path)?,
+        (None, None, Some(base)) => base.clone(),
+        (None, mode, _) => standard_program(mode.unwrap_or(Mode::Pipeline))?,
+    };
+    let is_pipeline = program == standard_program(Mode::Pipeline)?;
+    let stages = program.stages.len();
+    if let Some(cells) = options.cells {
+        if cells == 0 || !cells.is_multiple_of(stages) {
+            let message = format!("{cells} cells are no whole number of groups of {stages}");
+            let help = format!("program '{}' takes {stages}, {}, {}, ... cells", program.name, 2 * stages, 3 * stages);
+            return Err(InputError::new(message).help(help));
+        }
+        program.groups = cells / stages;
+    }
+    program.groups = options.groups.unwrap_or(program.groups);
+    if is_pipeline && program.groups != 1 {
+        let message = format!("the macro-pipeline is one group of {stages} cells, not {} groups", program.groups);
+        return Err(InputError::new(message).help("several macro-pipelines side by side are --program hybrid-3"));
+    }
+    program.partition = options.partition.unwrap_or(program.partition);
+    program.grid_coefficient = options.grid_coefficient.unwrap_or(program.grid_coefficient);
+    program.mailbox |= options.mailbox.unwrap_or(false);
+    program.stop_words = options.stop_words.or(program.stop_words);
+    program.forward_ahead = options.forward_ahead.unwrap_or(program.forward_ahead);
+    program.check()?;
+    Ok(program)
+}
+
+fn standard_program(mode: Mode) -> Result<ArrayProgram, InputError> {
+    let name = mode.program();
+    ArrayProgram::standard(name).unwrap_or_else(|| Err(InputError::new(format!("there is no standard program {name}"))))
+}
+
+/// A program file, or a standard program where there is no such file.
+fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
+    match path.to_str().filter(|_| !path.exists()).and_then(ArrayProgram::standard) {
+        Some(standard) => standard,
+        None => ArrayProgram::read(path),
+    }
+}

@@ -1,0 +1,155 @@
+//! The functional half of an image: trees of rays, traced and shaded without a clock.
+
+use glam::DVec3;
+
+use super::TracedBatch;
+use crate::geometry::Hit;
+use crate::host::camera::View;
+use crate::host::sampling::Pass;
+use crate::host::shading::{Branch, RayKind, Shader};
+use crate::program::{Tracer, work};
+use crate::seam::{Costs, OpStream};
+
+/// What was counted on the rays of each kind, in the order of [`RayKind::ALL`].
+pub type ByKind<T> = [T; RayKind::ALL.len()];
+
+/// What the rays of one kind came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KindCounts {
+    /// How many there were.
+    pub rays: u64,
+    /// How many hit a polygon.
+    pub hits: u64,
+    /// Cycles that the cells computed on them.
+    pub busy: u64,
+}
+
+impl std::ops::AddAssign for KindCounts {
+    fn add_assign(&mut self, other: KindCounts) {
+        self.rays += other.rays;
+        self.hits += other.hits;
+        self.busy += other.busy;
+    }
+}
+
+/// The trees of some consecutive samples. A ray's number in the batch is that of its line in the cells' ops.
+#[derive(Debug, Default)]
+pub struct TreeBatch {
+    /// All rays, tree by tree; in a tree, generation by generation, so that each one's children stand together.
+    pub rays: Vec<TreeRay>,
+    /// Where the trees end among the rays.
+    pub ends: Vec<u32>,
+    /// For each tree, how many samples from the first one on the host must know before it may begin this one.
+    pub decided_by: Vec<usize>,
+    /// Each tree's light.
+    pub colors: Vec<DVec3>,
+    /// What the cells do for the rays; the host's ops are not known before the rays are sent.
+    pub traced: TracedBatch,
+    /// What was counted on the rays.
+    pub kinds: ByKind<KindCounts>,
+    branches: Vec<Branch>,
+}
+
+/// A ray's place in its tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TreeRay {
+    /// What it is for.
+    pub kind: RayKind,
+    /// Its distance from the root.
+    pub generation: u8,
+    /// Whether the host shades its hit: shadow rays and rays that hit nothing take no time.
+    pub shaded: bool,
+    /// The rays that its hit asks for: the first one's number in the batch, and how many.
+    pub children: (u32, u32),
+    /// The number of its tree in the batch.
+    pub tree: u32,
+}
+
+/// Traces the trees of samples. Each thread has its own.
+pub(super) struct Grower<'a> {
+    pub tracer: Tracer<'a>,
+    /// What the cells' work costs.
+    pub costs: &'a Costs,
+    pub shader: &'a Shader<'a>,
+    pub view: View,
+}
+
+impl Grower<'_> {
+    /// Traces the trees of some samples of a pass into an old batch.
+    pub fn grow(&mut self, pass: &Pass, samples: std::ops::Range<usize>, cells: usize, batch: TreeBatch) -> TreeBatch {
+        let mut batch = batch;
+        batch.reset(cells);
+        for sample in samples {
+            let (x, y) = pass.position(sample);
+            batch.decided_by.push(pass.decided_by(sample));
+            self.tree(Branch::primary(self.view.ray(x, y)), &mut batch);
+        }
+        batch.traced.counts = std::mem::take(&mut self.tracer.counts);
+        batch.traced.fault = self.tracer.fault.take();
+        batch
+    }
+
+    fn tree(&mut self, root: Branch, batch: &mut TreeBatch) {
+        let mut color = DVec3::ZERO;
+        let tree = batch.ends.len() as u32;
+        let first = batch.rays.len();
+        batch.branches.clear();
+        batch.branches.push(root);
+        let mut next = 0;
+        while next < batch.branches.len() {
+            let branch = batch.branches[next];
+            let hit = self.ray(&branch, batch);
+            let children = batch.branches.len();
+            color += self.shader.shade(&branch, &hit, |child| batch.branches.push(child));
+            batch.rays.push(TreeRay {
+                kind: branch.kind,
+                generation: branch.generation,
+                shaded: hit.is_hit() && branch.kind != RayKind::Shadow,
+                children: ((first + children) as u32, (batch.branches.len() - children) as u32),
+                tree,
+            });
+            next += 1;
+        }
+        batch.colors.push(color);
+        batch.ends.push(batch.rays.len() as u32);
+    }
+
+    fn ray(&mut self, branch: &Branch, batch: &mut TreeBatch) -> Hit {
+        let ops = &mut batch.traced.ops;
+        let number = batch.rays.len();
+        let hit = self.tracer.trace_cells(number as u32, &branch.ray, &mut ops.cells);
+        let busy = ops.cells.iter().map(|cell| computing(cell, number, self.costs)).sum();
+        batch.kinds[branch.kind as usize] += KindCounts { rays: 1, hits: hit.is_hit() as u64, busy };
+        batch.traced.hits.push(hit);
+        hit
+    }
+}
+
+/// The cycles that a cell computes on a ray, in its kernels.
+fn computing(cell: &OpStream, line: usize, costs: &Costs) -> u64 {
+    let units = cell.line(line).iter().filter_map(|op| Some((op.unit()?, op.count())));
+    let of_kernels = units.filter(|(unit, _)| costs.activity(*unit) != work::OTHER);
+    of_kernels.map(|(unit, count)| costs.of(unit).0 * count as u64).sum()
+}
+
+impl TreeBatch {
+    fn reset(&mut self, cells: usize) {
+        self.traced.reset(cells);
+        self.rays.clear();
+        self.ends.clear();
+        self.decided_by.clear();
+        self.colors.clear();
+        self.kinds = Default::default();
+    }
+
+    /// The hit of a tree's root.
+    pub fn root_hit(&self, tree: usize) -> &Hit {
+        &self.traced.hits[self.tree(tree).start as usize]
+    }
+
+    /// The rays of a tree, as numbers in the batch.
+    pub fn tree(&self, tree: usize) -> std::ops::Range<u32> {
+        let start = if tree == 0 { 0 } else { self.ends[tree - 1] };
+        start..self.ends[tree]
+    }
+}

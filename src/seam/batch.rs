@@ -1,0 +1,84 @@
+//! The ops of all stations for some jobs, and what must hold of them.
+
+use super::{OpKind, OpStream};
+
+/// The ops of the host and of every cell for some jobs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct OpBatch {
+    /// What the host does: `w` to the first cell's X, `a`, `c`.
+    pub host: OpStream,
+    /// What each cell does, from left to right.
+    pub cells: Vec<OpStream>,
+}
+
+impl OpBatch {
+    /// An empty batch for an array of `cells` cells.
+    pub fn new(cells: usize) -> OpBatch {
+        OpBatch { host: OpStream::default(), cells: vec![OpStream::default(); cells] }
+    }
+
+    /// Forgets all ops but keeps the memory.
+    pub fn clear(&mut self) {
+        self.host.clear();
+        self.cells.iter_mut().for_each(OpStream::clear);
+    }
+}
+
+/// Ops that no array of so many cells could do.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BatchError {
+    /// The batch is for another number of cells.
+    #[error("the batch has ops for {found} cells, and the array has {expected}")]
+    Cells {
+        /// Cells of the batch.
+        found: usize,
+        /// Cells of the array.
+        expected: usize,
+    },
+    /// The host has an op that is none of a host's.
+    #[error("the host can write to X, work and wait for answers, and do nothing else")]
+    Host,
+    /// A cell waits for an answer, which only the host can.
+    #[error("cell {cell} waits for an answer, which only the host gets")]
+    Await {
+        /// The cell.
+        cell: usize,
+    },
+    /// The last cell writes words to X.
+    #[error("the last cell writes to X, which has nobody to read it")]
+    LastWritesX,
+    /// Cell 0 writes words to Z.
+    #[error("cell 0 writes to Z, which has nobody to read it")]
+    FirstWritesZ,
+    /// The last cell reads words from Z.
+    #[error("the last cell reads from Z, to which nobody writes")]
+    LastReadsZ,
+}
+
+impl OpBatch {
+    /// Whether an array of `cells` cells can do these ops: each of an actor that has it, each word with a reader and a
+    /// writer. Whether they come to an end is for the timing half to find out.
+    pub fn check(&self, cells: usize) -> Result<(), BatchError> {
+        if self.cells.len() != cells {
+            return Err(BatchError::Cells { found: self.cells.len(), expected: cells });
+        }
+        let of_host = |kind| matches!(kind, OpKind::Work(_) | OpKind::WriteX | OpKind::Await);
+        if !self.host.ops().iter().all(|op| of_host(op.kind())) {
+            return Err(BatchError::Host);
+        }
+        (0..cells).try_for_each(|cell| {
+            self.cells[cell].ops().iter().try_for_each(|op| OpBatch::check_op(op.kind(), cell, cell + 1 == cells))
+        })
+    }
+
+    /// Whether a cell can have an op.
+    pub(super) fn check_op(kind: OpKind, cell: usize, is_last: bool) -> Result<(), BatchError> {
+        match kind {
+            OpKind::Await => Err(BatchError::Await { cell }),
+            OpKind::WriteX if is_last => Err(BatchError::LastWritesX),
+            OpKind::WriteZ if cell == 0 => Err(BatchError::FirstWritesZ),
+            OpKind::ReadZ if is_last => Err(BatchError::LastReadsZ),
+            _ => Ok(()),
+        }
+    }
+}

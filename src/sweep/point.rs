@@ -1,0 +1,291 @@
+//! One point of a sweep, and what it shares with others.
+
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::fmt::Display;
+
+use super::parameters::IMAGE;
+use crate::geometry::Ray;
+use crate::machine::Machine;
+use crate::measure::{Measured, StateKind, StateTimes};
+use crate::program::{Counts, Workload, work};
+use crate::quantities::Cycles;
+use crate::report::table::{Column, Kind};
+use crate::run::{
+    self, Cancel, ImageSpec, Picture, RunError, RunOptions, RunSpec, Switch, Timed, TracedBatch, Watching, Workers,
+};
+use crate::scene::Scene;
+use crate::seam::OpBatch;
+
+/// What the table tells of a point, behind its parameters. `grid_us` to `idle_us` are what all cells together spend on a
+/// ray in each state; they add up to `array_cells` times `us_per_ray`, but for what the cells' programs do beside the kernels.
+pub const COLUMNS: [Column<'static>; 27] = [
+    column("array_cells", Kind::Whole, "cells of the array"),
+    column("polygons", Kind::Whole, "polygons of the scene"),
+    column("placed_polygons", Kind::Whole, "polygons of all sub-volumes together"),
+    column("ray_count", Kind::Whole, "rays"),
+    column("cycles", Kind::Whole, "simulated time (cycles)"),
+    column("seconds", Kind::Number, "simulated time (s)"),
+    column("rays_per_second", Kind::Number, "rays a second of simulated time"),
+    column("us_per_ray", Kind::Number, "simulated time (µs a ray)"),
+    column("hits", Kind::Whole, "rays that hit"),
+    column("voxels", Kind::Whole, "voxels visited"),
+    column("slab_tests", Kind::Whole, "slabs tests"),
+    column("intersection_tests", Kind::Whole, "intersection tests"),
+    column("grid_us", Kind::Number, "time of all cells on the grid (µs a ray)"),
+    column("slabs_us", Kind::Number, "time of all cells on slabs tests (µs a ray)"),
+    column("intersection_us", Kind::Number, "time of all cells on intersection tests (µs a ray)"),
+    column("moving_us", Kind::Number, "time of all cells moving words (µs a ray)"),
+    column("waiting_us", Kind::Number, "time of all cells waiting for words (µs a ray)"),
+    column("blocked_us", Kind::Number, "time of all cells blocked (µs a ray)"),
+    column("idle_us", Kind::Number, "time of all cells with nothing left to do (µs a ray)"),
+    column("mean_works", Kind::Number, "share of the time that a cell works, mean of all cells"),
+    column("busiest_cell", Kind::Whole, "number of the busiest cell"),
+    column("busiest_cell_works", Kind::Number, "share of the time that the busiest cell works"),
+    column("busiest_link_words", Kind::Whole, "words through the busiest link"),
+    column("fullest_fifo", Kind::Text, "fullest FIFO"),
+    column("fullest_fifo_words", Kind::Whole, "most that a FIFO held (words)"),
+    column("fullest_memory_words", Kind::Whole, "most that a cell's memory holds (words)"),
+    column("error", Kind::Text, "why the point failed"),
+];
+
+const fn column(name: &'static str, kind: Kind, label: &'static str) -> Column<'static> {
+    Column { name, kind, label }
+}
+
+/// All that a point is made of.
+pub struct Setting {
+    spec: RunSpec,
+    machine: Machine,
+}
+
+/// A scene and its rays.
+pub struct Stage {
+    scene: Scene,
+    rays: Vec<Ray>,
+}
+
+/// What a point gives.
+pub struct Outcome {
+    stats: Measured,
+    counts: Counts,
+    seconds: f64,
+    polygons: usize,
+    placed_polygons: usize,
+    memory_words: u64,
+}
+
+impl Setting {
+    /// The run whose parameters have these values.
+    pub fn new(values: impl Iterator<Item = (&'static str, String)>) -> Result<Setting, String> {
+        let (mut options, mut image) = (RunOptions::default(), None);
+        for (name, value) in values {
+            match name == IMAGE.name {
+                true => image = Some(value == "true"),
+                false => options.set(name, &value).map_err(reason)?,
+            }
+        }
+        let mut of_images = RunOptions::image_parameters().map(|known| known.name).chain(["host_hit_us"]);
+        let of_image = of_images.find(|name| options.has(name));
+        let spec = match (image, of_image) {
+            (Some(false), Some(name)) => return Err(format!("{name} is for images, and image is false")),
+            (Some(true), _) | (None, Some(_)) => image_spec(&options),
+            (Some(false) | None, None) => RunSpec::new(&options, None).map_err(reason),
+        }?;
+        let machine = spec.machine.build().map_err(reason)?;
+        Ok(Setting { spec, machine })
+    }
+
+    /// What its scene and its rays depend on.
+    pub fn stage_key(&self) -> String {
+        self.spec.stage_key()
+    }
+
+    /// What its cells' ops depend on, beside the scene. When an image's rays are sent depends on the whole machine.
+    pub fn work_key(&self) -> String {
+        match &self.spec.image {
+            Some(_) => format!("{:?}", self.spec),
+            None => self.spec.work_key(&self.machine),
+        }
+    }
+
+    /// How its image is made, if it is one.
+    pub fn image(&self) -> Option<&ImageSpec> {
+        self.spec.image.as_ref()
+    }
+
+    /// Its scene and rays.
+    pub fn stage(&self) -> Result<Stage, String> {
+        let scene = self.spec.load_scene().map_err(reason)?;
+        let rays = self.spec.load_rays(&scene).map_err(reason)?;
+        Ok(Stage { scene, rays })
+    }
+
+    /// The scene laid out for its program.
+    pub fn workload(&self, stage: &Stage) -> Result<Workload, String> {
+        self.spec.lay_out(&stage.scene, &self.machine, &stage.rays).map_err(reason)
+    }
+
+    /// Runs it.
+    pub fn run(&self, workload: &Workload, rays: &[Ray], workers: &Workers) -> Result<Outcome, String> {
+        let outcome = run::run(workload, &self.machine.spec, rays, workers, |_| Ok::<_, Infallible>(()));
+        let outcome = outcome.map_err(reason)?;
+        Ok(self.outcome(workload, outcome.stats, outcome.counts))
+    }
+
+    /// Makes its image.
+    pub fn render(&self, image: &ImageSpec, stage: &Stage, workers: &Workers) -> Result<Outcome, String> {
+        let workload = &self.workload(stage)?;
+        let (size, sampling, limits) = (self.spec.size, image.sampling(), image.limits());
+        let picture = Picture { scene: &stage.scene, workload, size, sampling, limits };
+        let timed = Timed { spec: &self.machine.spec, rules: image.rules(), watching: Watching::default() };
+        let rendered = run::render(&picture, Some(timed), workers, |_| Ok::<_, Infallible>(())).map_err(reason)?;
+        let timing = rendered.timing.ok_or("the image was not timed")?;
+        Ok(self.outcome(workload, timing.stats, rendered.counts))
+    }
+
+    fn outcome(&self, workload: &Workload, stats: Measured, counts: Counts) -> Outcome {
+        let seconds = self.machine.spec.seconds(stats.cycles);
+        let memory = (0..workload.cells()).map(|cell| workload.memory_of(cell).total().0).max();
+        let (polygons, memory_words) = (workload.polygons().len(), memory.unwrap_or(0));
+        let placed_polygons = workload.placed_polygons();
+        Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words }
+    }
+}
+
+impl Stage {
+    pub fn rays(&self) -> &[Ray] {
+        &self.rays
+    }
+}
+
+/// The ops of a run, to be timed under any machine.
+pub struct Recording<'a> {
+    workload: &'a Workload,
+    batches: Vec<OpBatch>,
+    counts: Counts,
+}
+
+impl Recording<'_> {
+    /// Works the ops out.
+    pub fn new<'a>(workload: &'a Workload, rays: &[Ray], workers: &Workers) -> Result<Recording<'a>, String> {
+        let (mut batches, mut counts) = (Vec::new(), Counts::default());
+        run::trace(workload, rays, workers, |batch| {
+            workers.cancel.check().map_err(reason)?;
+            batch.fault.map_or(Ok(()), |fault| Err(reason(fault)))?;
+            counts += batch.counts;
+            batches.push(batch.ops);
+            Ok::<_, String>(TracedBatch::default())
+        })?;
+        Ok(Recording { workload, batches, counts })
+    }
+
+    /// Times the ops under a setting's machine.
+    pub fn time(&self, setting: &Setting, cancel: &Cancel) -> Result<Outcome, String> {
+        let spec = &setting.machine.spec;
+        self.workload.check(spec).map_err(reason)?;
+        let machine = &setting.machine;
+        let costs = work::costs(self.workload.costs().vocabulary(), &machine.times, machine.instructions.as_ref());
+        let stats = run::replay::<Infallible>(spec, &costs, self.workload.cells(), cancel, |take| {
+            let mut copy = OpBatch::default();
+            self.batches.iter().try_for_each(|batch| {
+                copy.clone_from(batch);
+                copy = take(std::mem::take(&mut copy))?;
+                Ok::<_, RunError<Infallible>>(())
+            })
+        });
+        let stats = stats.map_err(reason)?;
+        Ok(setting.outcome(self.workload, stats, self.counts))
+    }
+}
+
+/// What an image is whose array is timed.
+fn image_spec(options: &RunOptions) -> Result<RunSpec, String> {
+    if options.has("rays") {
+        return Err("the rays of an image are a camera's, not a file's".to_owned());
+    }
+    let spec = RunSpec::of_image(options, None).map_err(reason)?;
+    if spec.image.as_ref().is_some_and(|image| image.timing == Switch::Off) {
+        return Err("timing is off, and the table is about nothing else".to_owned());
+    }
+    Ok(spec)
+}
+
+fn reason(error: impl Display) -> String {
+    error.to_string()
+}
+
+/// The results of a point that is done, or that failed.
+pub fn results(result: Result<Outcome, String>) -> Vec<String> {
+    match result {
+        Ok(outcome) => outcome.results(),
+        Err(reason) => {
+            let mut row = vec![String::new(); COLUMNS.len() - 1];
+            row.push(reason);
+            row
+        }
+    }
+}
+
+impl Outcome {
+    fn results(&self) -> Vec<String> {
+        let Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words } = self;
+        let states = &stats.topology.states;
+        let count = stats.stations.len();
+        let work = |cell: usize| states.works(&stats.stations[cell]).0;
+        let busiest = stats.busiest().unwrap_or(0);
+        let fullest = stats.topology.fifos.iter().zip(&stats.fifos).rev().max_by_key(|(_, fifo)| fifo.max);
+        let cycles = stats.cycles.0.max(1) as f64;
+        let all_work: u64 = (0..count).map(work).sum();
+        let rate = if *seconds > 0.0 { stats.jobs as f64 / seconds } else { 0.0 };
+        let all = StateTimes::sum(&stats.stations);
+        let kind = |kind: StateKind| self.us_a_ray(states.sum(&all, |state| state.kind == kind));
+        let activity =
+            |name: &str| self.us_a_ray(states.sum(&all, |state| state.kind == StateKind::Works && state.name == name));
+        vec![
+            count.to_string(),
+            polygons.to_string(),
+            placed_polygons.to_string(),
+            stats.jobs.to_string(),
+            stats.cycles.0.to_string(),
+            seconds.to_string(),
+            rate.to_string(),
+            self.us_a_ray(stats.cycles),
+            counts.hits.to_string(),
+            counts.voxels.to_string(),
+            counts.slab_tests.to_string(),
+            counts.intersection_tests.to_string(),
+            activity("grid"),
+            activity("slabs"),
+            activity("intersection"),
+            kind(StateKind::Moves),
+            kind(StateKind::Waits),
+            kind(StateKind::Blocked),
+            kind(StateKind::Idle),
+            (all_work as f64 / cycles / count as f64).to_string(),
+            busiest.to_string(),
+            (work(busiest) as f64 / cycles).to_string(),
+            busiest_link_words(stats).to_string(),
+            fullest.map(|(info, _)| info.name.clone()).unwrap_or_default(),
+            fullest.map(|(_, fifo)| fifo.max.0.to_string()).unwrap_or_default(),
+            memory_words.to_string(),
+            String::new(),
+        ]
+    }
+
+    /// Cycles as µs a ray, to a tenth of a nanosecond.
+    fn us_a_ray(&self, cycles: Cycles) -> String {
+        let us = 1e6 * self.seconds * cycles.0 as f64 / self.stats.cycles.0.max(1) as f64;
+        let rounded = (1e4 * us / self.stats.jobs.max(1) as f64).round() / 1e4;
+        rounded.to_string()
+    }
+}
+
+/// Words through the link between two neighbours, host included, through which most go: both channels together.
+fn busiest_link_words(stats: &Measured) -> u64 {
+    let mut words = BTreeMap::new();
+    for (info, fifo) in stats.topology.fifos.iter().zip(&stats.fifos) {
+        *words.entry((info.from, info.to)).or_insert(0) += fifo.words.0;
+    }
+    words.into_values().max().unwrap_or(0)
+}
