@@ -69,7 +69,13 @@ fn a_scene_that_is_read() {
     for command in ["--scene slow.obj --stats s.json", "image slow.obj -o i.png --stats s.json"] {
         let folder = Folder::new();
         silent_pipe(&folder, "slow.obj");
-        let (told, left) = interrupted(&folder, command, opened);
+        // The files are opened an instant before the scene is, and nothing outside shows that instant's end.
+        let reading = |folder: &Folder| {
+            let opened = opened(folder);
+            std::thread::sleep(Duration::from_millis(if opened { 300 } else { 0 }));
+            opened
+        };
+        let (told, left) = interrupted(&folder, command, reading);
         assert_eq!(told, "stopped while preparing the scene; nothing was written\n");
         assert_eq!(left, ["slow.obj"]);
     }
