@@ -61,6 +61,9 @@ struct Body<'a> {
     strips: Option<usize>,
 }
 
+/// What makes faces of corners: their indices, each behind its place in the file.
+type TakeCorners<P, V> = fn(&P, &mut V, &[(usize, f64)], &mut Draft) -> Result<(), InputError>;
+
 impl<'a> Body<'a> {
     fn new(text: Text, header: &'a Header) -> Result<Self, InputError> {
         let Some(vertex) = header.element("vertex") else {
@@ -152,7 +155,7 @@ impl<'a> Body<'a> {
         row: Row,
         corners: Option<usize>,
         draft: &mut Draft,
-        take: fn(&Self, &mut V, &[(usize, f64)], &mut Draft) -> Result<(), InputError>,
+        take: TakeCorners<Self, V>,
     ) -> Result<(), InputError> {
         for (i, property) in row.element.properties.iter().enumerate() {
             match property.shape {
