@@ -1,7 +1,7 @@
 //! The timing half: machines, which turn what is done into when it is done. A machine has [costs](crate::seam::Costs) for
 //! units of work, and fills [`measure`](crate::measure) with what it saw.
 //!
-//! [`line`] is the row of cells of the paper (§4.2); [`MachineFile`] describes PCS.
+//! [`mod@line`] is the row of cells of the paper (§4.2); [`MachineFile`] describes PCS.
 
 pub mod line;
 mod pcs;
