@@ -33,6 +33,7 @@ use args::{Cli, Command, Typed};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
+use pcs_sim::program::cells::figure7::MeasureError;
 use pcs_sim::seam::BatchError;
 
 /// Why a command failed.
@@ -57,6 +58,15 @@ impl From<InputError> for Failure {
 impl From<Fault> for Failure {
     fn from(fault: Fault) -> Failure {
         Failure::Fault(Box::new(fault))
+    }
+}
+
+impl From<MeasureError> for Failure {
+    fn from(error: MeasureError) -> Failure {
+        match error {
+            MeasureError::Input(error) => error.into(),
+            MeasureError::Fault(fault) => Failure::Fault(fault),
+        }
     }
 }
 
