@@ -33,6 +33,7 @@ use args::{Cli, Command, Typed};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
+use pcs_sim::program::cells::figure7::MeasureError;
 use pcs_sim::run::RunError;
 
 /// Why a command failed.
@@ -70,6 +71,15 @@ impl<E: std::fmt::Display> From<RunError<E>> for Failure {
             RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
                 Failure::Output(error.to_string())
             }
+        }
+    }
+}
+
+impl From<MeasureError> for Failure {
+    fn from(error: MeasureError) -> Failure {
+        match error {
+            MeasureError::Input(error) => error.into(),
+            MeasureError::Fault(fault) => Failure::Fault(fault),
         }
     }
 }

@@ -125,9 +125,6 @@ pub struct Machine {
     pub notes: Vec<String>,
 }
 
-/// No link may be slower, in cycles a word, so that no clock leaves 64 bits.
-const LONGEST_WORD_CYCLES: f64 = 1e6;
-
 /// No kernel time may be longer, so that no sum of cycles leaves 64 bits.
 const LONGEST_TIME_CYCLES: u64 = 1_000_000_000;
 
@@ -189,7 +186,7 @@ impl MachineFile {
                 spec.link_rate().cycles_per_word,
             ));
         }
-        if spec.exact_cycles_per_word() > LONGEST_WORD_CYCLES {
+        if spec.exact_cycles_per_word() > MachineSpec::MAX_WORD_CYCLES as f64 {
             return Err(impossible("link_mb_s", self.link_mb_s, "at least a word in a million cycles"));
         }
         let times = self.times(&spec, &mut notes)?;
@@ -214,7 +211,7 @@ impl MachineFile {
         }
         within("word_bytes", self.word_bytes as u64, 1024)?;
         within("fifo_words", self.fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
-        within("latency_cycles", self.latency_cycles, 1_000_000)?;
+        within("latency_cycles", self.latency_cycles, MachineSpec::MAX_LATENCY_CYCLES)?;
         let maybe_within = |name, value: Option<u64>, most| value.map_or(Ok(()), |value| within(name, value, most));
         maybe_within("x_fifo_words", self.x_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
         maybe_within("y_fifo_words", self.y_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;

@@ -49,7 +49,7 @@ impl std::str::FromStr for RateCounts {
 /// A link's rate in cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkRate {
-    /// Cycles from one word to the next, at least 1; rounded up.
+    /// Cycles from one word to the next, rounded up: from 1 to [`MachineSpec::MAX_WORD_CYCLES`].
     pub cycles_per_word: u64,
     /// Between which words.
     pub counts: RateCounts,
@@ -75,15 +75,27 @@ impl MachineSpec {
     /// The largest FIFO that can be simulated, in words.
     pub const MAX_FIFO_WORDS: u64 = 1 << 20;
 
-    /// Words that each FIFO of a channel holds.
+    /// The longest latency that can be simulated, in cycles.
+    pub const MAX_LATENCY_CYCLES: u64 = 1_000_000;
+
+    /// The slowest link that can be simulated, in cycles a word, so that no clock leaves 64 bits.
+    pub const MAX_WORD_CYCLES: u64 = 1_000_000;
+
+    /// Words that each FIFO of a channel holds, from 1 to [`MachineSpec::MAX_FIFO_WORDS`].
     pub fn fifo_words_of(&self, channel: Channel) -> Words {
-        self.channel_words[channel as usize].unwrap_or(self.fifo_words)
+        let words = self.channel_words[channel as usize].unwrap_or(self.fifo_words);
+        Words(words.0.clamp(1, Self::MAX_FIFO_WORDS))
+    }
+
+    /// Cycles from the write of a word to its first read, from 1 to [`MachineSpec::MAX_LATENCY_CYCLES`].
+    pub fn link_latency(&self) -> Cycles {
+        Cycles(self.latency.0.clamp(1, Self::MAX_LATENCY_CYCLES))
     }
 
     /// The rate of a link in cycles.
     pub fn link_rate(&self) -> LinkRate {
         let exact = self.exact_cycles_per_word();
-        LinkRate { cycles_per_word: round_up(exact).max(1), counts: self.rate_counts }
+        LinkRate { cycles_per_word: round_up(exact).clamp(1, Self::MAX_WORD_CYCLES), counts: self.rate_counts }
     }
 
     /// Cycles from one word to the next as the rate has it, before it is rounded up.

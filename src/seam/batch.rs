@@ -82,3 +82,56 @@ impl OpBatch {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seam::Unit;
+
+    /// What an array of two cells says to ops of the host (`None`) or of a cell, each op of one word, unit or answer.
+    fn checked(cell: Option<usize>, kind: OpKind) -> Result<(), BatchError> {
+        let mut batch = OpBatch::new(2);
+        let stream = match cell {
+            None => &mut batch.host,
+            Some(cell) => &mut batch.cells[cell],
+        };
+        stream.push(OpKind::Work(Unit(0)), 1);
+        stream.push(kind, 1);
+        stream.end_line(0);
+        batch.check(2)
+    }
+
+    #[test]
+    fn a_batch_is_for_one_number_of_cells() {
+        for found in [0, 1, 3] {
+            assert_eq!(OpBatch::new(found).check(2), Err(BatchError::Cells { found, expected: 2 }));
+        }
+        assert_eq!(OpBatch::new(2).check(2), Ok(()));
+    }
+
+    #[test]
+    fn the_host_has_ops_of_its_own() {
+        for kind in [OpKind::WriteX, OpKind::Await, OpKind::Work(Unit(3))] {
+            assert_eq!(checked(None, kind), Ok(()), "{kind:?}");
+        }
+        for kind in [OpKind::PassX, OpKind::ReadX, OpKind::ReadY, OpKind::WriteY, OpKind::ReadZ, OpKind::WriteZ] {
+            assert_eq!(checked(None, kind), Err(BatchError::Host), "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn each_word_of_a_cell_has_somebody_at_its_other_end() {
+        for cell in 0..2 {
+            assert_eq!(checked(Some(cell), OpKind::Await), Err(BatchError::Await { cell }));
+            for kind in [OpKind::PassX, OpKind::ReadX, OpKind::ReadY, OpKind::WriteY] {
+                assert_eq!(checked(Some(cell), kind), Ok(()), "{kind:?}");
+            }
+        }
+        assert_eq!(checked(Some(0), OpKind::WriteX), Ok(()));
+        assert_eq!(checked(Some(1), OpKind::WriteX), Err(BatchError::LastWritesX));
+        assert_eq!(checked(Some(1), OpKind::WriteZ), Ok(()));
+        assert_eq!(checked(Some(0), OpKind::WriteZ), Err(BatchError::FirstWritesZ));
+        assert_eq!(checked(Some(0), OpKind::ReadZ), Ok(()));
+        assert_eq!(checked(Some(1), OpKind::ReadZ), Err(BatchError::LastReadsZ));
+    }
+}

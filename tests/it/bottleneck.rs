@@ -50,6 +50,19 @@ fn shallow_fifos() {
     assert!(replay(&trace, "--fifo-words 4096").1 < cycles * 8 / 10);
 }
 
+/// Z's FIFOs block as all others do: cell 1 cannot begin its work before cell 0 has taken the words that go back to it.
+#[test]
+fn shallow_fifos_of_words_to_the_left() {
+    let trace =
+        rays(40, |ray| format!("{ray} host a{} w8\n{ray} 0 x8 g350 b9 o1\n{ray} 1 x8 z9 n300 i1 o5\n", ray.max(1) - 1));
+    let trace = trace.replacen("a0 ", "", 1);
+    let (sentence, cycles) = replay(&trace, "--z-fifo-words 4");
+    assert!(sentence.contains("but full FIFOs block a cell for "), "{sentence}");
+    let (deep, fewer) = replay(&trace, "--z-fifo-words 16");
+    assert!(!deep.contains("full FIFOs"), "{deep}");
+    assert!(fewer < cycles * 7 / 10, "{fewer} against {cycles}");
+}
+
 #[test]
 fn uneven_work() {
     let trace =

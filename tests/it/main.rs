@@ -9,6 +9,7 @@ mod bad_scene_files;
 mod beyond_the_paper;
 mod bottleneck;
 mod builtin_scenes;
+mod by_hand;
 mod command_line;
 mod cost_model;
 mod cost_model_bounds;

@@ -208,6 +208,25 @@ fn faults_and_mistakes_as_people_read_them() {
     insta::assert_snapshot!("mistake", command("start:  mov r1, xp\n        fmull r2, r1, r1").refused());
 }
 
+/// An endless loop ends by the limit of instructions, wherever Figure 7 is measured, and its line is shown.
+#[test]
+fn an_endless_loop_shows_its_line_where_figure_7_is_measured() {
+    for command in ["figure7", "calibrate"] {
+        let folder = folder_with("grid.pcs", "start:  jmp start ; for ever");
+        let error = folder.run(&format!("{command} --cell-programs cells")).failed();
+        assert!(error.starts_with("error: more than 200000000 instructions for one message"), "{command}: {error}");
+        assert!(
+            error.contains("cell 0, ray 0, address 0") && error.contains("cells/grid.pcs:1:"),
+            "{command}: {error}"
+        );
+        assert!(error.contains("jmp start ; for ever"), "{command}: {error}");
+        assert!(
+            !error.contains("--cycle") && !error.contains("--instruction"),
+            "{command} takes no such flag: {error}"
+        );
+    }
+}
+
 /// A program cell's ops are ops like all others: their trace replays to the same statistics, and images are the same.
 #[test]
 fn everything_behind_the_seam_serves_them() {

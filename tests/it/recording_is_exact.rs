@@ -6,7 +6,7 @@ use crate::support::random_ops::{batches_of, case, costs};
 use crate::support::ticking::{self, History, Ticked};
 use pcs_sim::machine::line::{IDLE, MOVING, waiting};
 use pcs_sim::machine::{Array, Cycles, MachineSpec, Unfinished, Words};
-use pcs_sim::measure::{JobSpan, Measured, Recording, StateId, StationRecord};
+use pcs_sim::measure::{JobSpan, Measured, Moment, Recording, StateId, StationMoment, StationRecord, Stretch};
 use pcs_sim::seam::{Channel, Costs, OpBatch};
 use proptest::prelude::*;
 
@@ -116,6 +116,63 @@ fn assert_exact(recording: &Recording, batches: &[OpBatch], history: &History) {
     assert!(recording.answers.len() <= hits.len() + 1);
 }
 
+/// What a station is at in each cycle of a window, of its state in each and of its jobs.
+fn station_moments(states: &[StateId], jobs: &[JobSpan], window: &Range<Cycles>) -> Vec<StationMoment> {
+    let job_at = |at: Cycles| jobs.iter().find(|job| job.from <= at && at < job.until).copied();
+    let mut moments: Vec<StationMoment> = Vec::new();
+    for (&state, cycle) in states.iter().zip(window.start.0..) {
+        let (at, job) = (Cycles(cycle), job_at(Cycles(cycle)));
+        let last = moments.last().filter(|last| (last.stretch.state, last.job) == (state, job));
+        let from = last.map_or(at, |last| last.stretch.from);
+        moments.push(StationMoment { stretch: Stretch { state, from, until: window.end }, job });
+    }
+    let mut until = window.end;
+    for at in (1..moments.len()).rev() {
+        moments[at].stretch.until = until;
+        if moments[at].stretch.from.0 == window.start.0 + at as u64 {
+            until = moments[at].stretch.from;
+        }
+    }
+    moments.first_mut().into_iter().for_each(|first| first.stretch.until = until);
+    moments
+}
+
+/// Each cycle's moment is the model's, and the changes are the cycles in which moments differ.
+fn assert_moments(recording: &Recording, batches: &[OpBatch], history: &History) {
+    let window = &recording.window;
+    let cycles = window.start.0 as usize..window.end.0 as usize;
+    let station = |cell: usize| {
+        let visits = clipped(&naive_visits(batches, cell, history), window);
+        station_moments(&history.states[cell][cycles.clone()], &visits, window)
+    };
+    let stations: Vec<_> = (0..recording.stations.len()).map(station).collect();
+    let mut changes = Vec::new();
+    let mut before: Option<Moment> = None;
+    for (place, cycle) in cycles.clone().enumerate() {
+        let moment = recording.moment(Cycles(cycle as u64)).expect("it lies in the window");
+        assert_eq!(moment.stations, stations.iter().map(|cell| cell[place]).collect::<Vec<_>>(), "cycle {cycle}");
+        let levels = history.occupancies.iter().map(|fifo| Words(fifo[cycle]));
+        assert_eq!(moment.levels, levels.collect::<Vec<_>>(), "cycle {cycle}");
+        assert_eq!(moment.host.stretch.state == MOVING, history.sent.contains(&(cycle as u64)), "cycle {cycle}");
+        let ends = moment.answer.is_some_and(|answer| answer.until == moment.at + Cycles(1));
+        // The window may end within one.
+        let cut = ends && moment.at + Cycles(1) == window.end;
+        assert_eq!(ends, cut || history.returned.contains(&(cycle as u64)), "cycle {cycle}");
+        if before.is_some_and(|before| Moment { at: moment.at, ..before } != moment) {
+            changes.push(moment.at);
+        }
+        before = Some(moment);
+    }
+    let next = std::iter::successors(recording.next_change(Cycles(0)), |&change| recording.next_change(change));
+    assert_eq!(next.collect::<Vec<_>>(), changes);
+    let end = Cycles(u64::MAX);
+    let previous = std::iter::successors(recording.previous_change(end), |&change| recording.previous_change(change));
+    changes.reverse();
+    assert_eq!(previous.collect::<Vec<_>>(), changes);
+    assert_eq!((recording.moment(window.end), recording.moment(end)), (None, None));
+    assert!(window.start.0 == 0 || recording.moment(window.start - Cycles(1)).is_none());
+}
+
 fn events(recording: &Recording) -> usize {
     let activity = |activity: &StationRecord| activity.states.len() + activity.jobs.len();
     let activities = activity(&recording.host) + recording.stations.iter().map(activity).sum::<usize>();
@@ -147,11 +204,13 @@ proptest! {
         let inside = window.start.min(stats.cycles)..window.end.min(stats.cycles);
         prop_assert_eq!((&part.window, part.cut), (&inside, false));
         assert_exact(&part, &batches, &history);
+        assert_moments(&part, &batches, &history);
 
         let (_, short) = record(machine, &batches, window.clone(), most_events).unwrap();
         prop_assert_eq!(short.cut, short.window != part.window);
         prop_assert!(events(&short) <= most_events);
         assert_exact(&short, &batches, &history);
+        assert_moments(&short, &batches, &history);
         // Where it was cut depends on nothing but what happened.
         let other = batches_of(cells, &rays, 1 + per_batch % 5);
         prop_assert_eq!(short, record(machine, &other, window, most_events).unwrap().1);

@@ -269,6 +269,27 @@ mod tests {
     }
 
     #[test]
+    fn waits_and_blocks_on_words_to_the_left_are_seen() {
+        let mut cell = StateTimes::default();
+        for (state, cycles) in [(working(Activity(0)), 25), (waiting(Channel::Z), 25), (blocked(Channel::Z), 50)] {
+            *cell.of_mut(state) = Cycles(cycles);
+        }
+        let shown = |cells: usize, width: usize| {
+            let fifos = vec!["X0".to_owned()];
+            let topology = topology(cells, &fifos);
+            let stations = vec![cell; cells];
+            let now = SoFar { topology, cycles: Cycles(100), returned: 0, stations, fifos: vec![fifo(0, 0, 100)] };
+            lines(&SoFar::default(), &now, width, 24)
+        };
+        let few = shown(1, 77);
+        assert!(few.contains(" ggggg......!!!!!!!!!! "), "{few}");
+        let many = shown(64, 110);
+        let row = |name: &str| many.lines().find(|line| line.starts_with(name)).unwrap_or_default().to_owned();
+        assert!(row("waits").ends_with("25  25  25 %"), "{many}");
+        assert!(row("blocked").ends_with("50  50  50 %"), "{many}");
+    }
+
+    #[test]
     fn many_cells_have_a_column_each() {
         let cells = (0..64).map(|index| cell(index, 0, 63 - index, 0)).collect();
         let names = (0..64).map(|index| format!("X{index}")).chain((1..=64).map(|index| format!("Y{index}")));

@@ -92,7 +92,10 @@ pub enum Unfinished {
 }
 
 impl Array {
-    /// An array of `cells` cells, at least 1, with empty FIFOs, in cycle 0, in which units of work take what `costs` say.
+    /// An array of `cells` cells with empty FIFOs, in cycle 0, in which units of work take what `costs` say.
+    ///
+    /// A machine file is checked, a [`MachineSpec`] made by hand is not: depths, a latency or a rate that no file may have are
+    /// taken for the nearest that it may, and 0 cells for 1.
     pub fn new(spec: &MachineSpec, costs: &Costs, cells: usize) -> Array {
         Array::until(spec, costs, cells, Cycles(u64::MAX))
     }
@@ -101,6 +104,7 @@ impl Array {
     /// then are no fault. It is how statistics end with the host's last read where a cell works on after it; see
     /// [`Unfinished::Outlived`].
     pub fn until(spec: &MachineSpec, costs: &Costs, cells: usize, limit: Cycles) -> Array {
+        let cells = cells.max(1);
         let station = || CellAt { cell: Cell::new(limit.0), batch: 0, done: 0, halt: Halt::OutOfOps };
         Array {
             links: (0..=cells).map(|_| Link::new(spec)).collect(),

@@ -20,7 +20,7 @@ pub(super) struct Link {
 
 impl Link {
     pub fn new(spec: &MachineSpec) -> Link {
-        let [x, y, z] = Channel::ALL.map(|channel| Fifo::new(spec.fifo_words_of(channel).0, spec.latency.0));
+        let [x, y, z] = Channel::ALL.map(|channel| Fifo::new(spec.fifo_words_of(channel).0, spec.link_latency().0));
         Link { x, y, z, rate: spec.link_rate(), wire_free: [0; 2], wire_back_free: 0 }
     }
 

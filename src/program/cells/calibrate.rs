@@ -7,14 +7,13 @@
 
 use std::path::PathBuf;
 
-use crate::error::InputError;
 use crate::isa::kernels::{KERNELS, unit};
 use crate::isa::{Class, InstructionCycles, Processor};
 use crate::machine::MachineSpec;
 use crate::seam::{Activity, Unit, Vocabulary};
 
 use super::CellOptions;
-use super::figure7::{NUMBERS, mix};
+use super::figure7::{MeasureError, NUMBERS, mix};
 
 /// What a class of instructions can have cost in 1988, in ns.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +68,11 @@ const TYPICAL_WEIGHT: f64 = 1e-3;
 type Classes = [[f64; Class::ALL.len()]; NUMBERS.len()];
 
 /// The instructions' cycles on a machine that come nearest to Figure 7, for the programs of a folder or the standard ones.
-pub fn calibrate(spec: &MachineSpec, folder: Option<PathBuf>) -> Result<InstructionCycles, InputError> {
+///
+/// # Errors
+///
+/// If the programs have a mistake, or do what no program may.
+pub fn calibrate(spec: &MachineSpec, folder: Option<PathBuf>) -> Result<InstructionCycles, MeasureError> {
     let classes = classes(folder)?;
     let goal = NUMBERS.map(|number| number.paper_us * 1e3 / spec.clock_ns);
     let cycles = |ns: f64| (ns / spec.clock_ns).round().max(1.0);
@@ -121,7 +124,7 @@ fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
 }
 
 /// How many instructions of each class are behind each of the six numbers. All prices are open, so this is one run.
-fn classes(folder: Option<PathBuf>) -> Result<Classes, InputError> {
+fn classes(folder: Option<PathBuf>) -> Result<Classes, MeasureError> {
     let options = CellOptions { cycles: nothing(), folder, instruction_limit: Processor::INSTRUCTION_LIMIT };
     let mix = mix(Some(&options))?;
     let count = |row: [f64; Vocabulary::MOST_UNITS], class: Class| {

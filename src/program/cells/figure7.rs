@@ -13,6 +13,7 @@ use glam::Vec3;
 
 use crate::error::InputError;
 use crate::geometry::Ray;
+use crate::isa::Fault;
 use crate::machine::{KernelTimes, MachineSpec};
 use crate::program::{ArrayProgram, Tracer, Workload, work};
 use crate::scene::Mesh;
@@ -42,12 +43,23 @@ pub const NUMBERS: [Number; 6] = [
 /// How many units of work are behind each of the six numbers, by the unit. They may be fractions, as means.
 pub type Mix = [[f64; Vocabulary::MOST_UNITS]; NUMBERS.len()];
 
+/// Why the six numbers cannot be measured.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeasureError {
+    /// A program has a mistake.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A program does what none may.
+    #[error("Figure 7 cannot be measured: {0}")]
+    Fault(Box<Fault>),
+}
+
 /// The units of work behind the six numbers: of cells that take Figure 7's times, or that run programs.
 ///
 /// # Errors
 ///
 /// If the programs have a mistake, or do what no program may.
-pub fn mix(programs: Option<&CellOptions>) -> Result<Mix, InputError> {
+pub fn mix(programs: Option<&CellOptions>) -> Result<Mix, MeasureError> {
     let cells = Cells { programs };
     let [grid_start, voxel] = cells.grid()?;
     let [slabs_start, slabs_polygon] = cells.candidates(1)?;
@@ -66,7 +78,7 @@ pub fn measure(mix: &Mix, costs: &Costs) -> [f64; NUMBERS.len()] {
 /// # Errors
 ///
 /// If the programs have a mistake, or do what no program may.
-pub fn numbers(times: &KernelTimes, programs: Option<&CellOptions>) -> Result<[f64; NUMBERS.len()], InputError> {
+pub fn numbers(times: &KernelTimes, programs: Option<&CellOptions>) -> Result<[f64; NUMBERS.len()], MeasureError> {
     let vocabulary = work::vocabulary(programs.is_some());
     let costs = work::costs(&vocabulary, times, programs.map(|options| &options.cycles));
     Ok(measure(&mix(programs)?, &costs))
@@ -99,7 +111,7 @@ fn each_unit(of: impl Fn(usize) -> f64) -> Units {
 impl Cells<'_> {
     /// The grid's start and work. The volume is spanned by two small triangles in opposite corners; the ray goes from a
     /// third corner to a fourth, and is ended earlier or later.
-    fn grid(&self) -> Result<[Units; 2], InputError> {
+    fn grid(&self) -> Result<[Units; 2], MeasureError> {
         let mut mesh = Mesh::default();
         for (corner, size) in [(Vec3::ZERO, 0.1), (Vec3::splat(100.0), -0.1)] {
             let corners = [Vec3::ZERO, Vec3::new(size, 0.0, size), Vec3::new(0.0, size, size)];
@@ -115,7 +127,7 @@ impl Cells<'_> {
     }
 
     /// The start and the work of a cell that reads candidates: triangles one behind the other, all in one voxel.
-    fn candidates(&self, cell: usize) -> Result<[Units; 2], InputError> {
+    fn candidates(&self, cell: usize) -> Result<[Units; 2], MeasureError> {
         let units = |count: u32| {
             let mut mesh = Mesh::default();
             for z in 0..count {
@@ -124,7 +136,7 @@ impl Cells<'_> {
                 mesh.add_face(&points, 0);
             }
             let ray = Ray::new(Vec3::new(0.9, 1.1, -1.0), Vec3::new(0.01, 0.02, 1.0));
-            Ok::<Units, InputError>(self.work(&mesh, 1.0 / count as f64, ray, cell)?.units)
+            Ok::<Units, MeasureError>(self.work(&mesh, 1.0 / count as f64, ray, cell)?.units)
         };
         let (few, many) = (2, 12);
         let (with_few, with_many) = (units(few)?, units(many)?);
@@ -137,7 +149,7 @@ impl Cells<'_> {
     }
 
     /// What a cell of the macro-pipeline does on a ray.
-    fn work(&self, mesh: &Mesh, coefficient: f64, ray: Ray, cell: usize) -> Result<Work, InputError> {
+    fn work(&self, mesh: &Mesh, coefficient: f64, ray: Ray, cell: usize) -> Result<Work, MeasureError> {
         let pipeline = ArrayProgram::standard("pipeline").unwrap_or_else(|| Err(InputError::new("no pipeline")))?;
         let pipeline = ArrayProgram { grid_coefficient: coefficient, ..pipeline };
         let mut workload = Workload::new(mesh, &pipeline, KernelTimes::default(), &[ray])?;
@@ -148,7 +160,7 @@ impl Cells<'_> {
         let mut cells = vec![OpStream::default(); workload.cells()];
         tracer.trace_cells(0, &ray, &mut cells);
         if let Some(fault) = tracer.fault {
-            return Err(InputError::new(format!("Figure 7 cannot be measured: {fault}")));
+            return Err(MeasureError::Fault(Box::new(fault)));
         }
         let mut units = [0.0; Vocabulary::MOST_UNITS];
         let works = cells[cell].ops().iter().filter_map(|op| Some((op.unit()?, op.count())));
