@@ -199,7 +199,9 @@ impl RunSpec {
         let RunSpec { program, cells_run, cell_programs, instruction_limit, .. } = self;
         // What work costs is clockwork, but for a cut that weighs it.
         let weighed = (program.partition == Partition::Work && program.groups > 1).then_some(machine.times);
-        format!("{program:?} {cells_run:?} {cell_programs:?} {instruction_limit:?} {weighed:?}")
+        // A machine that does not say what instructions cost runs no programs, whatever others would make of their ops.
+        let priced = *cells_run == CellsRun::Timings || machine.instructions.is_some();
+        format!("{program:?} {cells_run:?} {cell_programs:?} {instruction_limit:?} {weighed:?} {priced}")
     }
 
     /// Reads or generates the scene.

@@ -49,6 +49,26 @@ fn a_point_is_what_a_run_with_its_flags_is() {
     }
 }
 
+/// What a machine lacks is its own point's affair, whichever machine comes first.
+#[test]
+fn machines_that_cannot_run_programs_fail_alone() {
+    let folder = Folder::new();
+    let text = std::fs::read_to_string("pcs-programs/pcs.ron").unwrap();
+    let without = format!("{})\n", &text[..text.find("    instruction_cycles").unwrap()]);
+    folder.file("costs.ron", &text);
+    folder.file("plain.ron", without);
+    for (order, runs) in [(r#""costs.ron", "plain.ron""#, 0), (r#""plain.ron", "costs.ron""#, 1)] {
+        let sweep = r#"scene: "tetra", size_factor: 2, size: 4, cells_run: "programs", machine:"#;
+        folder.file("sweep.ron", format!("({sweep} [{order}])"));
+        folder.run("sweep sweep.ron -o t.csv --force").success();
+        let rows = rows(&folder.read("t.csv"));
+        let (errors, cycles) = (column(&rows, "error"), column(&rows, "cycles"));
+        assert_eq!((errors[runs].as_str(), cycles[1 - runs].as_str()), ("", ""), "{rows:?}");
+        assert!(errors[1 - runs].starts_with("the machine file does not say what instructions cost"), "{rows:?}");
+        assert!(cycles[runs].parse::<u64>().unwrap() > 0);
+    }
+}
+
 /// A parameter that only images have makes a point an image.
 #[test]
 fn a_point_of_an_image_is_what_the_command_makes() {
