@@ -18,7 +18,7 @@ use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::TraceWriter;
 
 use super::args::{ImageArgs, Typed};
-use super::run::{cell_names, machine_line, memory_line, plural, workers};
+use super::run::{cell_names, json, machine_line, memory_line, plural, workers};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, moot_flags, outputs, print, progress};
@@ -205,7 +205,7 @@ fn write_outputs(
             stats: &timing.stats,
             observed: &timing.observed,
             cell_names: &cell_names(&setup.workload),
-            configuration: Some(&configuration),
+            configuration: Some(&json(&configuration)?),
             image: Some(&png),
         };
         files.views.write(&seen, &mut written)?;

@@ -264,10 +264,15 @@ fn write_views(
         stats: &outcome.stats,
         observed: &outcome.observed,
         cell_names,
-        configuration: Some(configuration),
+        configuration: Some(&json(configuration)?),
         image: image.as_deref(),
     };
     views.write(&seen, written)
+}
+
+/// A configuration as pages have it.
+pub fn json(configuration: &Configuration) -> Result<String, Failure> {
+    configuration.to_json().map_err(|error| Failure::Output(format!("the configuration cannot be written: {error}")))
 }
 
 /// The traced picture, if a view shows it and the rays are those of a picture.

@@ -10,7 +10,6 @@ use pcs_sim::measure::{Clock, Measured};
 use pcs_sim::quantities::Cycles;
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
-use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::trace::{Format, Trace};
 use pcs_sim::run::{OutputFile, OutputFolder, Watching};
 
@@ -36,8 +35,8 @@ pub struct Seen<'a> {
     pub observed: &'a Observed,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
-    /// All parameters, if they are known.
-    pub configuration: Option<&'a Configuration>,
+    /// All parameters as JSON, if they are known.
+    pub configuration: Option<&'a str>,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
 }
@@ -58,7 +57,12 @@ impl Views {
         })
     }
 
-    /// What the views need to see of an array.
+    /// No views.
+    pub fn none() -> Views {
+        Views { plot: None, page: None, trace: None, window: Cycles(0)..Cycles(0), force: false }
+    }
+
+    /// What the views need to see of a machine.
     pub fn watching(&self) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
         Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()) }

@@ -5,6 +5,7 @@
 
 mod array_program;
 pub mod cells;
+pub mod farm;
 mod layout;
 pub mod messages;
 mod stop_words;

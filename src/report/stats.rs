@@ -21,6 +21,11 @@ pub struct Configuration {
 }
 
 impl Configuration {
+    /// As indented JSON.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self)
+    }
+
     /// What a run is made of.
     pub fn new(run: &RunSpec, workload: &Workload) -> Configuration {
         Configuration {
@@ -74,7 +79,7 @@ struct Report<'a> {
     configuration: Option<&'a Configuration>,
 }
 
-/// A cell's cycles by state: `busy` by activity, then `moving`, `waiting_x`, ..., `idle`.
+/// A station's cycles by state: `busy` by activity, then `moving`, `waiting_x`, ..., `idle`.
 type Cell = serde_json::Map<String, serde_json::Value>;
 
 #[derive(Serialize)]
@@ -96,7 +101,8 @@ struct CountsJson {
     hits: u64,
 }
 
-fn cell(run: &Measured, times: &StateTimes) -> Cell {
+/// A station's cycles by state.
+pub(super) fn station(run: &Measured, times: &StateTimes) -> Cell {
     let key = |name: &str| name.to_lowercase().replace(' ', "_");
     let states = &run.topology.states;
     let busy: Cell = states.by_activity(times).map(|(name, cycles)| (key(name), cycles.0.into())).collect();
@@ -154,7 +160,7 @@ fn json(
         seconds,
         rays: run.jobs,
         rays_per_second: if seconds > 0.0 { run.jobs as f64 / seconds } else { 0.0 },
-        cells: run.stations.iter().map(|times| cell(run, times)).collect(),
+        cells: run.stations.iter().map(|times| station(run, times)).collect(),
         fifos: fifos.map(|(info, stats)| Fifo::new(info, stats, run)).collect(),
         counts: counts.map(|counts| CountsJson {
             voxels: counts.voxels,

@@ -5,6 +5,7 @@
 
 mod ahead;
 mod closed_loop;
+mod farm;
 mod options;
 mod outputs;
 mod render;
@@ -14,6 +15,7 @@ mod trace;
 mod trees;
 mod workers;
 
+pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSpec, TaskRange};
 pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, ProgramOptions, RayOptions,
     RunOptions, SceneOptions, ShapeOptions, Switch,

@@ -57,7 +57,7 @@ impl Run {
     fn activities(&self) -> Vec<(String, &StationRecord)> {
         let cells = self.recording.stations.iter().zip(NAMES).enumerate();
         let named = cells.map(|(index, (activity, name))| (format!("cell {index} {name}"), activity));
-        std::iter::once(("host sends".to_owned(), &self.recording.host)).chain(named).collect()
+        std::iter::once(("host sends".to_owned(), self.recording.host.as_ref().unwrap())).chain(named).collect()
     }
 }
 

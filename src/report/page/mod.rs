@@ -8,7 +8,6 @@ use minijinja::{Environment, Value, context};
 use super::bottleneck;
 use super::palette;
 use super::plot::Caption;
-use super::stats::Configuration;
 use super::summary::{self, Rows};
 use crate::measure::{Clock, Measured, Profile};
 
@@ -25,8 +24,8 @@ pub struct Page<'a> {
     pub profile: &'a Profile,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
-    /// All parameters, if they are known.
-    pub configuration: Option<&'a Configuration>,
+    /// All parameters as JSON, if they are known.
+    pub configuration: Option<&'a str>,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
 }
@@ -43,8 +42,6 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     environment.add_template("page.html", include_str!("page.html")).map_err(|error| PageError(error.to_string()))?;
     let json = |value: serde_json::Result<String>| value.map_err(|error| PageError(error.to_string()));
     let data = json(serde_json::to_string(&data::Data::new(page)))?;
-    let configuration =
-        json(page.configuration.map(serde_json::to_string_pretty).transpose().map(Option::unwrap_or_default))?;
     let template = environment.get_template("page.html").map_err(|error| PageError(error.to_string()))?;
     let rendered = template.render(context! {
         title => page.caption.title.as_str(),
@@ -54,7 +51,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
         state_colors => state_colors(page.stats),
-        configuration,
+        configuration => page.configuration.unwrap_or_default(),
         image => page.image.map(|png| base64::engine::general_purpose::STANDARD.encode(png)).unwrap_or_default(),
         // No text in it may end the script that it stands in.
         data => data.replace('<', "\\u003c"),

@@ -1,6 +1,6 @@
 //! What a FIFO held over time: the merge of the two rising sequences of its write and read times.
 
-use super::timeline::{Bin, Timeline};
+use crate::machine::timeline::{Bin, Timeline};
 use crate::machine::line::fifo::Fifo;
 use crate::measure::{FifoBin, FifoProfile};
 use crate::quantities::{Cycles, Words};
