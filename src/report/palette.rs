@@ -39,8 +39,7 @@ const WORKS: [Rgb; 8] = [
 /// Black and grey: a station that moves words.
 const MOVES: [Rgb; 2] = [Rgb(0, 0, 0), Rgb(120, 120, 120)];
 /// Yellows: a station that waits.
-const WAITS: [Rgb; 5] =
-    [Rgb(240, 228, 66), Rgb(250, 243, 176), Rgb(196, 180, 60), Rgb(255, 206, 110), Rgb(214, 206, 160)];
+const WAITS: [Rgb; 4] = [Rgb(240, 228, 66), Rgb(250, 243, 176), Rgb(196, 180, 60), Rgb(214, 206, 160)];
 /// Reds: a station that is blocked.
 const BLOCKED: [Rgb; 3] = [Rgb(213, 94, 0), Rgb(230, 159, 0), Rgb(150, 62, 0)];
 

@@ -64,11 +64,11 @@ const WAITING_SCENE: StateId = StateId(3);
 const WAITING_ITEM: StateId = StateId(4);
 const WAITING_MASTER: StateId = StateId(5);
 const WAITING_ANSWER: StateId = StateId(6);
-const WAITING_REQUEST: StateId = StateId(7);
-const WAITING_COLOR: StateId = StateId(8);
-const IDLE: StateId = StateId(9);
+const WAITING_MAIL: StateId = StateId(7);
+const IDLE: StateId = StateId(8);
 
-/// The states of tasks, of which each waits for something else. `noun` is what a work item is called.
+/// The states of tasks: the waiting ones are for the scene, for a work item (called `noun`), until the master takes a message,
+/// for the answer of one task, and for a message of anyone.
 pub fn states(noun: &str) -> States {
     let state = |(id, name, letter, kind): (StateId, String, char, StateKind)| State {
         id,
@@ -87,8 +87,7 @@ pub fn states(noun: &str) -> States {
         (WAITING_ITEM, waiting(noun), '.', StateKind::Waits),
         (WAITING_MASTER, waiting("master"), '!', StateKind::Blocked),
         (WAITING_ANSWER, waiting("answer"), ':', StateKind::Waits),
-        (WAITING_REQUEST, waiting("request"), '?', StateKind::Waits),
-        (WAITING_COLOR, waiting("colour"), ',', StateKind::Waits),
+        (WAITING_MAIL, waiting("mail"), ',', StateKind::Waits),
         (IDLE, "idle".to_owned(), ' ', StateKind::Idle),
     ];
     States::new(all.into_iter().map(state))
@@ -227,7 +226,7 @@ impl<'a> Farm<'a> {
                 Act::Spend(RECEIVING, costs.color)
             }
             Station::Files(0) => Act::End,
-            Station::Files(_) => Act::Receive(Sender::Anyone, WAITING_COLOR),
+            Station::Files(_) => Act::Receive(Sender::Anyone, WAITING_MAIL),
         }
     }
 
@@ -247,7 +246,7 @@ impl<'a> Farm<'a> {
             (Master::Answered(_) | Master::Listens, _) if self.at_work == 0 => Act::End,
             (Master::Answered(_) | Master::Listens, _) => {
                 self.master = Master::Listens;
-                Act::Receive(Sender::Anyone, WAITING_REQUEST)
+                Act::Receive(Sender::Anyone, WAITING_MAIL)
             }
         }
     }

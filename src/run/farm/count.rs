@@ -31,11 +31,12 @@ impl FarmSpec {
         let machine = self.machine.build()?;
         let program = ArrayProgram::one_cell(rays.grid_coefficient);
         let workload = &Workload::new(&scene.mesh, &program, machine.times, &primary_rays(&scene.camera, self.size))?;
+        let bytes = WORD_BYTES * workload.memory_of(0).total().0;
+        self.check_memory(bytes)?;
         let sampling = Sampling { side: rays.samples, adaptive: false };
         let limits = Limits { depth: rays.depth, contribution: rays.min_contribution };
         let picture = Picture { scene: &scene, workload, size: self.size, sampling, limits };
         let pixels = pixels(&picture, workers, observe)?;
-        let bytes = WORD_BYTES * workload.memory_of(0).total().0;
         Ok(FarmScene {
             name: scene.name,
             polygons: Some(workload.polygons().len()),

@@ -64,34 +64,42 @@ impl FarmScene {
 impl FarmSpec {
     /// The scene with what its pixels take. `observe` sees how many of the image's samples are traced.
     ///
-    /// Fails if the scene cannot be read, if `observe` does, and if it is told to stop.
+    /// Fails if the scene cannot be read, or is larger than a processor's memory; if `observe` fails; and if it is told to stop.
     pub fn lay_out<E>(
         &self,
         workers: &Workers,
         observe: impl FnMut(usize) -> Result<(), E>,
     ) -> Result<FarmScene, RunError<E>> {
         match (self.rectangles, &self.rays) {
-            (Some(rectangles), _) => Ok(FarmScene {
-                name: format!("{} rectangles of seed {}", rectangles.count, rectangles.seed),
-                polygons: None,
-                bytes: rectangles.bytes(),
-                pixels: rectangles.pixels(self.size),
-                notes: Vec::new(),
-            }),
+            (Some(rectangles), _) => {
+                self.check_memory(rectangles.bytes())?;
+                Ok(FarmScene {
+                    name: format!("{} rectangles of seed {}", rectangles.count, rectangles.seed),
+                    polygons: None,
+                    bytes: rectangles.bytes(),
+                    pixels: rectangles.pixels(self.size),
+                    notes: Vec::new(),
+                })
+            }
             (None, rays) => self.trace(&rays.clone().unwrap_or_default(), workers, observe),
         }
     }
 
+    /// Fails if a scene of so many bytes is larger than a processor's memory.
+    fn check_memory(&self, needed: u64) -> Result<(), InputError> {
+        let has = self.machine.build()?.memory_bytes;
+        if needed <= has {
+            return Ok(());
+        }
+        let message = format!("the scene does not fit: each processor needs {needed} bytes for it and has {has}");
+        let help = "take a smaller scene, a smaller --grid-coefficient, or more --memory-kbyte";
+        Err(InputError::new(message).help(help))
+    }
+
     /// The work items for a machine.
     ///
-    /// Fails if the scene is larger than a processor's memory, or if the run would take longer than can be counted.
+    /// Fails if the run would take longer than can be counted.
     pub fn cut(&self, scene: &FarmScene, machine: &Capitan) -> Result<Items, InputError> {
-        if scene.bytes > machine.memory_bytes {
-            let (needed, has) = (scene.bytes, machine.memory_bytes);
-            let message = format!("the scene does not fit: each processor needs {needed} bytes for it and has {has}");
-            let help = "take a smaller scene, a smaller --grid-coefficient, or more --memory-kbyte";
-            return Err(InputError::new(message).help(help));
-        }
         Items::cut(&scene.pixels, self.items, self.tile.unwrap_or(1), machine)
     }
 

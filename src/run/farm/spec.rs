@@ -128,10 +128,11 @@ impl FarmSpec {
         Ok(spec)
     }
 
-    /// What the work on the pixels depends on, before it is priced.
+    /// What the work on the pixels depends on, before it is priced, and whether there is room for the scene.
     pub fn work_key(&self) -> String {
-        let FarmSpec { scene, size_factor, resolution, size, rectangles, rays, .. } = self;
-        format!("{scene:?} {size_factor:?} {resolution:?} {size:?} {rectangles:?} {rays:?}")
+        let FarmSpec { scene, size_factor, resolution, size, rectangles, rays, machine, .. } = self;
+        let memory = machine.memory_kbyte;
+        format!("{scene:?} {size_factor:?} {resolution:?} {size:?} {rectangles:?} {rays:?} {memory}")
     }
 
     fn check(&self) -> Result<(), InputError> {
