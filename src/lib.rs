@@ -20,7 +20,8 @@
 //!   read 8 words, walk 12 voxels, write a word. Rays are independent of each other; all cores work on them.
 //!   The cells take Figure 7's times, or run programs that compute the hits themselves ([`isa`], [`program::cells`]);
 //! - the **timing half** ([`machine`], above all [`machine::line`]) knows what a unit of work costs, and turns ops into
-//!   cycles. It knows no rays. What it saw is in the terms of [`measure`], which fit any machine;
+//!   cycles. It knows no rays. What it saw is in the terms of [`measure`], which fit any machine. Machines whose stations serve
+//!   whoever comes first, such as CAPITAN's farm of workers ([`program::farm`]), act in [`machine::events`];
 //! - the **[`seam`]** between them is the op. Recorded, ops are an [activity trace](seam::activity_trace), which can be
 //!   timed again under any machine without the scene.
 //!
@@ -183,6 +184,7 @@
 //! - **Accounted for.** Every cycle of every cell is in exactly one state, so the states sum to the run
 //!   (`timing_is_exact`, `sweep`).
 //! - **A replay is the run.** A recorded trace gives the very statistics of the run that recorded it (`replay`).
+//! - **A farm is exact, too.** To the nanosecond, in every state of every task (`farm`: against a model that ticks).
 //! - **No run hangs.** One that cannot end is told apart, with its waits (`deadlock`).
 
 pub mod error;

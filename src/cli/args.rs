@@ -7,8 +7,8 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueEnum};
 use pcs_sim::machine::{CapitanOptions, Cycles, MachineOptions};
 use pcs_sim::run::{
-    CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions, RayOptions, RunOptions, SceneOptions,
-    ShapeOptions,
+    CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions,
+    RayOptions, RunOptions, SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
 

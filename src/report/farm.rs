@@ -128,6 +128,7 @@ pub fn to_json(outcome: &FarmOutcome, scene: &FarmScene, spec: &FarmSpec) -> ser
 fn by_name(counts: &[u64; UNITS]) -> Map<String, Value> {
     let vocabulary = work::vocabulary(false);
     let named = counts.iter().enumerate().filter(|(_, count)| **count > 0);
-    let named = named.filter_map(|(unit, &count)| Some((vocabulary.unit(Unit(unit as u8))?.name.clone(), count.into())));
+    let named =
+        named.filter_map(|(unit, &count)| Some((vocabulary.unit(Unit(unit as u8))?.name.clone(), count.into())));
     named.collect()
 }

@@ -52,7 +52,9 @@ pub fn cell_rows(run: &Measured, names: &[String]) -> Rows {
         std::iter::once(name).chain(shares).collect()
     };
     Rows {
-        header: std::iter::once(run.topology.names.station.clone()).chain(states.iter().map(|state| state.name.clone())).collect(),
+        header: std::iter::once(run.topology.names.station.clone())
+            .chain(states.iter().map(|state| state.name.clone()))
+            .collect(),
         rows: run.stations.iter().enumerate().map(row).collect(),
     }
 }

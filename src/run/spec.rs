@@ -272,11 +272,7 @@ pub(super) fn described(path: &Path) -> Result<serde_json::Result<serde_json::Va
 }
 
 /// Reads or generates a scene, with the size factor of a built-in one and the slices of spheres and cones if they are given.
-pub(super) fn load_scene(
-    scene: &str,
-    size_factor: Option<u32>,
-    resolution: Option<u32>,
-) -> Result<Scene, InputError> {
+pub(super) fn load_scene(scene: &str, size_factor: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
     if is_builtin(scene) {
         return builtin::generate(scene, size_factor, resolution);
     }

@@ -45,12 +45,15 @@ const TAKE: Act<u32> = Act::Receive(Sender::Anyone, WAITS);
 
 #[test]
 fn the_first_to_arrive_is_taken_first_and_then_the_lowest_sender() {
-    let post = |time, bytes, content| vec![Act::Spend(BUSY, Cycles(time)), message(Delivery::Post(0), 0, bytes, content)];
+    let post =
+        |time, bytes, content| vec![Act::Spend(BUSY, Cycles(time)), message(Delivery::Post(0), 0, bytes, content)];
     // Task 3 is first; those of 1 and 2 arrive together, as no bytes take no time.
-    let (measured, took) = run(&[vec![Act::Spend(BUSY, Cycles(20)), TAKE, TAKE, TAKE], post(9, 0, 1), post(9, 0, 2), post(5, 2, 3)]);
+    let (measured, took) =
+        run(&[vec![Act::Spend(BUSY, Cycles(20)), TAKE, TAKE, TAKE], post(9, 0, 1), post(9, 0, 2), post(5, 2, 3)]);
     assert_eq!(took, [(0, 3), (0, 1), (0, 2)]);
     assert_eq!(measured.unwrap().cycles, Cycles(20));
-    let (_, took) = run(&[vec![Act::Receive(Sender::Task(2), WAITS), TAKE, TAKE], post(9, 0, 1), post(9, 0, 2), post(5, 2, 3)]);
+    let (_, took) =
+        run(&[vec![Act::Receive(Sender::Task(2), WAITS), TAKE, TAKE], post(9, 0, 1), post(9, 0, 2), post(5, 2, 3)]);
     assert_eq!(took, [(0, 2), (0, 3), (0, 1)]);
 }
 

@@ -60,12 +60,7 @@ fn capitan() -> Capitan {
 }
 
 /// Runs the tasks, watched over all of its time.
-fn run(
-    machine: &Capitan,
-    items: &Items,
-    scene: (u64, SceneBy),
-    workers: (usize, HandOut),
-) -> (Measured, Observed) {
+fn run(machine: &Capitan, items: &Items, scene: (u64, SceneBy), workers: (usize, HandOut)) -> (Measured, Observed) {
     let mut farm = Farm::new(machine, items, scene, workers);
     let events = Events::new(farm.topology(), machine.buses.clone(), Farm::SENDING_AND_IDLE);
     let mut events = events.probed().recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
@@ -257,9 +252,12 @@ fn every_cut_has_all_pixels_once() {
     let cut = |kind, tile| Items::cut(&scene.pixels, kind, tile, &machine).unwrap();
     let segments = cut(ItemKind::Segments, 1);
     assert_eq!(segments.pixels().iter().copied().sum::<Cycles>().0, pixels * machine.costs.pixel.0);
-    for (kind, tile, count) in
-        [(ItemKind::Lines, 1, 45), (ItemKind::Pixels, 1, 70 * 45), (ItemKind::Tiles, 8, 9 * 6), (ItemKind::Tiles, 99, 1)]
-    {
+    for (kind, tile, count) in [
+        (ItemKind::Lines, 1, 45),
+        (ItemKind::Pixels, 1, 70 * 45),
+        (ItemKind::Tiles, 8, 9 * 6),
+        (ItemKind::Tiles, 99, 1),
+    ] {
         let items = cut(kind, tile);
         assert_eq!((items.len(), sorted(&items)), (count, sorted(&segments)));
         let all = (0..items.len()).map(|item| items.time(item)).sum::<Cycles>();
@@ -279,12 +277,13 @@ fn the_work_on_a_scene_is_that_of_one_cell() {
     let one = scene(1);
     assert_eq!(one.pixels, scene(3).pixels);
     let mut options = pcs_sim::run::RunOptions::default();
-    for (name, value) in [("scene", "room"), ("size", "20x16"), ("depth", "0"), ("samples", "2"), ("mode", "broadcast")] {
+    for (name, value) in
+        [("scene", "room"), ("size", "20x16"), ("depth", "0"), ("samples", "2"), ("mode", "broadcast"), ("cells", "1")]
+    {
         options.set(name, value).unwrap();
     }
     let run = pcs_sim::run::RunSpec::of_image(&options, None).unwrap();
-    let (image, machine, scene) =
-        (run.image.clone().unwrap(), run.machine.build().unwrap(), run.load_scene().unwrap());
+    let (image, machine, scene) = (run.image.clone().unwrap(), run.machine.build().unwrap(), run.load_scene().unwrap());
     let workload = run.lay_out(&scene, &machine, &run.load_rays(&scene).unwrap()).unwrap();
     let picture = pcs_sim::run::Picture {
         scene: &scene,
@@ -305,10 +304,39 @@ fn the_work_on_a_scene_is_that_of_one_cell() {
     assert_eq!(counts[7], shaded);
     // The work is that of the cell, at other prices.
     let busy: u64 = rendered.kinds.iter().map(|kind| kind.busy).sum();
-    let prices = Capitan {
-        times: pcs_sim::machine::KernelTimes { host: Default::default(), ..machine.times },
-        ..capitan()
-    };
+    let prices =
+        Capitan { times: pcs_sim::machine::KernelTimes { host: Default::default(), ..machine.times }, ..capitan() };
     let priced: u64 = one.pixels.priced(&prices).unwrap().iter().map(|time| time.0).sum();
     assert_eq!(priced, busy);
+}
+
+/// Each limit by itself, made by a cost that outgrows the others.
+#[test]
+fn the_sentence_names_what_limits_the_farm() {
+    let plain = Plan {
+        workers: 4,
+        items: vec![vec![100; 10]; 80],
+        fixed: 1000,
+        per_cap: 10,
+        message: 5,
+        segment: 10,
+        color: 1,
+        buses: 2,
+        byte_ps: 10,
+        header: 16,
+        scene_bytes: 100,
+        hand_out: HandOut::Request,
+        scene_by: SceneBy::Copies,
+    };
+    let plans = [
+        plain.clone(),
+        Plan { fixed: 90_000, ..plain.clone() },
+        Plan { message: 400, ..plain.clone() },
+        Plan { message: 90, workers: 12, ..plain.clone() },
+        Plan { items: vec![vec![10_000], vec![10], vec![10], vec![10]], ..plain.clone() },
+        Plan { color: 90, ..plain.clone() },
+        Plan { byte_ps: 5000, ..plain },
+    ];
+    let sentences = plans.map(|plan| pcs_sim::report::bottleneck::sentence(&run_plan(&plan).0));
+    insta::assert_snapshot!(sentences.join("\n"));
 }

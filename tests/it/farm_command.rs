@@ -58,7 +58,9 @@ fn a_farm_has_all_views() {
     for told in ["The farm", "CAP 3", "segments done", "tasks' time", "waiting master"] {
         assert!(page.contains(told), "{told}");
     }
-    assert!(!page.contains("{%") && !page.contains("FIFO") && !page.contains("cell "), "it speaks of no array");
+    for told in ["{% if", "{{ ", "What the FIFOs held", "all cells", "The array"] {
+        assert!(!page.contains(told), "{told}");
+    }
     for (format, name) in [("vcd", "CAP_3"), ("pftrace", "Maitre"), ("fst", "farm")] {
         let flags = "--trace-window 1750000000..1900000000 --force";
         folder.run(&format!("{farm} --trace run.{format} {flags}")).success();
@@ -109,4 +111,48 @@ fn what_cannot_be_is_refused() {
     ];
     let errors = wrong.map(|wrong| format!("farm {wrong}\n{}", folder.run(&format!("farm {wrong}")).refused()));
     insta::assert_snapshot!(errors.join("\n"));
+}
+
+const SWEEP: &str = "(scene: \"rectangles\", size: \"20x15\", tasks: (from: 7, to: 10, step: 1), scene_by: [\"copies\", \"broadcast\"])";
+
+#[test]
+fn farms_are_swept_and_drawn() {
+    let folder = Folder::new();
+    folder.file("farms.ron", SWEEP);
+    let stdout = folder.run("sweep farms.ron -o farms.csv --plot x=tasks y=seconds by=scene_by").success();
+    assert!(stdout.starts_with("8 points, 8 of them done now\nwrote farms.csv"), "{stdout}");
+    let table = folder.read("farms.csv");
+    insta::assert_snapshot!(table);
+    // A point is what the command runs.
+    folder.run("farm rectangles --size 20x15 --tasks 7 --scene-by broadcast --stats one.json").success();
+    let one: Value = serde_json::from_str(&folder.read("one.json")).unwrap();
+    let row: Vec<&str> = table.lines().find(|line| line.contains(",7,broadcast,")).unwrap().split(',').collect();
+    let column = table.lines().next().unwrap().split(',').position(|name| name == "seconds").unwrap();
+    assert_eq!(row[column].parse::<f64>().unwrap(), one["seconds"].as_f64().unwrap());
+    let again = folder.run("sweep farms.ron -o farms.csv").success();
+    assert!(again.starts_with("8 points, 0 of them done now"), "{again}");
+}
+
+#[test]
+fn a_sweep_is_of_farms_or_of_arrays() {
+    let folder = Folder::new();
+    for (name, sweep) in [
+        ("both", "(tasks: [1, 2], cells: 4)"),
+        ("perhaps", "(farm: [true, false])"),
+        ("unknown", "(farm: true, task: 2)"),
+    ] {
+        folder.file(&format!("{name}.ron"), sweep);
+    }
+    let errors =
+        ["both", "perhaps", "unknown"].map(|name| folder.run(&format!("sweep {name}.ron -o {name}.csv")).refused());
+    insta::assert_snapshot!(errors.join("\n"));
+    folder.file("farm.ron", "(farm: true, scene: \"room\", size: \"8x8\", grid_coefficient: [1, 9])");
+    folder.run("sweep farm.ron -o farm.csv").success();
+    let (header, rows) = folder.read("farm.csv").split_once('\n').map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    assert!(header.starts_with("farm,scene,size,grid_coefficient,workers,"), "{header}");
+    assert_eq!(
+        rows.lines().filter(|row| row.starts_with("true,room,8x8,") && row.contains(",8,45,")).count(),
+        2,
+        "{rows}"
+    );
 }

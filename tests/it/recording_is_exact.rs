@@ -153,7 +153,11 @@ fn assert_moments(recording: &Recording, batches: &[OpBatch], history: &History)
         assert_eq!(moment.stations, stations.iter().map(|cell| cell[place]).collect::<Vec<_>>(), "cycle {cycle}");
         let levels = history.occupancies.iter().map(|fifo| Words(fifo[cycle]));
         assert_eq!(moment.levels, levels.collect::<Vec<_>>(), "cycle {cycle}");
-        assert_eq!(moment.host.unwrap().stretch.state == MOVING, history.sent.contains(&(cycle as u64)), "cycle {cycle}");
+        assert_eq!(
+            moment.host.unwrap().stretch.state == MOVING,
+            history.sent.contains(&(cycle as u64)),
+            "cycle {cycle}"
+        );
         let ends = moment.answer.is_some_and(|answer| answer.until == moment.at + Cycles(1));
         // The window may end within one.
         let cut = ends && moment.at + Cycles(1) == window.end;
@@ -175,7 +179,8 @@ fn assert_moments(recording: &Recording, batches: &[OpBatch], history: &History)
 
 fn events(recording: &Recording) -> usize {
     let activity = |activity: &StationRecord| activity.states.len() + activity.jobs.len();
-    let activities = activity(recording.host.as_ref().unwrap()) + recording.stations.iter().map(activity).sum::<usize>();
+    let activities =
+        activity(recording.host.as_ref().unwrap()) + recording.stations.iter().map(activity).sum::<usize>();
     activities + recording.answers.len()
 }
 

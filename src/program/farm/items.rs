@@ -65,7 +65,8 @@ impl Items {
         let times = pixels.priced(machine)?;
         let (count, width) = (times.len() as u32, pixels.size.width);
         let noun = kind.noun();
-        let until_next = |is_first: &dyn Fn(u32) -> bool| (1..=count).filter(|&at| at == count || is_first(at)).collect();
+        let until_next =
+            |is_first: &dyn Fn(u32) -> bool| (1..=count).filter(|&at| at == count || is_first(at)).collect();
         Ok(match kind {
             ItemKind::Segments => Items { noun, ends: until_next(&|at| pixels.starts[at as usize]), times },
             ItemKind::Lines => Items { noun, ends: until_next(&|at| at.is_multiple_of(width)), times },
@@ -108,7 +109,8 @@ impl Items {
 /// The pixels of each tile of an image, tile by tile and line by line; those at the right and at the bottom may be smaller.
 fn tiles(size: ImageSize, side: u32) -> impl Iterator<Item = impl Iterator<Item = usize>> {
     let ImageSize { width, height } = size;
-    let corners = (0..height).step_by(side as usize).flat_map(move |y| (0..width).step_by(side as usize).map(move |x| (x, y)));
+    let corners =
+        (0..height).step_by(side as usize).flat_map(move |y| (0..width).step_by(side as usize).map(move |x| (x, y)));
     corners.map(move |(left, top)| {
         let (right, bottom) = (left.saturating_add(side).min(width), top.saturating_add(side).min(height));
         (top..bottom).flat_map(move |y| (left..right).map(move |x| (y * width + x) as usize))

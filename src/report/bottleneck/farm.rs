@@ -1,82 +1,117 @@
 //! What limits a farm.
 
-use super::{NOTABLE, SATURATED, percent};
+use super::{NOTABLE, SATURATED};
 use crate::measure::{Measured, State, StateKind, StateTimes};
 use crate::quantities::Cycles;
 
 /// Workers that compute more of the time are what limits their farm.
 const WORKERS_LIMIT: f64 = 2.0 / 3.0;
 
-/// What the workers lose time to.
-struct Loss {
-    /// As the subject of a sentence, with its verb.
-    limits: &'static str,
-    /// As what it is that takes their time.
-    told: &'static str,
-    time: Cycles,
+/// Where a farm's time goes: shares of the workers' time, which add up to 1, then those of others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shares {
+    /// They compute.
+    pub computing: f64,
+    /// They send to the master, or wait for an item that is on its way.
+    pub messages: f64,
+    /// They wait for the scene.
+    pub scene: f64,
+    /// They wait until the master takes their message.
+    pub master: f64,
+    /// They have nothing left to do.
+    pub idle: f64,
+    /// The master sends to one worker, or waits for just that one.
+    pub held: f64,
+    /// The station takes and files colours.
+    pub files: f64,
+    /// The busiest bus carries messages.
+    pub bus: f64,
 }
 
-/// Names what limits a farm: its first task gives out the scene, its second one hands out work, the others do it.
+/// Names what limits a farm, and why.
 pub fn sentence(run: &Measured) -> String {
-    let [station, master, workers @ ..] = run.stations.as_slice() else { return "There are no workers.".to_owned() };
-    let all = StateTimes::sum(workers);
-    let of_workers = |time| percent(time, Cycles(run.cycles.0 * workers.len() as u64));
-    let computing = kind(run, &all, StateKind::Works);
-    let told = format!("the workers compute {} of the time", of_workers(computing));
-    let busiest = run.links.iter().map(|bus| bus.busy).max().unwrap_or_default();
-    if run.share(busiest) > SATURATED {
-        let share = percent(busiest, run.cycles);
-        return format!("The buses limit the farm: the busiest carries messages for {share} of the time; {told}.");
+    if run.stations.len() < 3 {
+        return "There are no workers.".to_owned();
     }
-    let filing = named(run, station, "receiving");
-    if run.share(filing) > SATURATED {
-        let share = percent(filing, run.cycles);
-        return format!("The station limits the farm: it takes colours for {share} of the time; {told}.");
+    Shares::new(run).sentence()
+}
+
+impl Shares {
+    /// Where the time of a run went: its first task gives out the scene, its second one hands out work, the others do it.
+    pub fn new(run: &Measured) -> Shares {
+        let [station, master, workers @ ..] = run.stations.as_slice() else { return Shares::default() };
+        let all = StateTimes::sum(workers);
+        let of_workers = |time: Cycles| run.share(time) / workers.len().max(1) as f64;
+        let kind = |times, kind| run.topology.states.sum(times, |state: &State| state.kind == kind);
+        let named = |times, name| run.topology.states.sum(times, |state: &State| state.name == name);
+        let scene = named(&all, "waiting scene");
+        Shares {
+            computing: of_workers(kind(&all, StateKind::Works)),
+            messages: of_workers(kind(&all, StateKind::Moves) + kind(&all, StateKind::Waits) - scene),
+            scene: of_workers(scene),
+            master: of_workers(kind(&all, StateKind::Blocked)),
+            idle: of_workers(kind(&all, StateKind::Idle)),
+            held: run.share(kind(master, StateKind::Moves) + named(master, "waiting answer")),
+            files: run.share(named(station, "receiving")),
+            bus: run.share(run.links.iter().map(|bus| bus.busy).max().unwrap_or_default()),
+        }
     }
-    let mut losses = losses(run, &all);
-    losses.sort_by_key(|loss| std::cmp::Reverse(loss.time));
-    let [first, second, ..] = &losses;
-    let held = held(run, master);
-    if computing.0 as f64 > WORKERS_LIMIT * (run.cycles.0 * workers.len() as u64) as f64 {
-        let most = of_workers(first.time);
-        return format!("The workers limit the farm: they compute {} of the time. Most of what else they spend, {most}, is {}.", of_workers(computing), first.told);
+
+    /// What the workers lose time to, the most first: its share, its name, and what they are at.
+    fn losses(&self) -> [(f64, &'static str, &'static str); 4] {
+        let mut losses = [
+            (self.scene, "start-up", "waiting for the scene"),
+            (self.master, "the master", "waiting for the master"),
+            (self.messages, "messages", "on messages with the master"),
+            (self.idle, "uneven work", "idle at the end"),
+        ];
+        losses.sort_by(|a, b| b.0.total_cmp(&a.0));
+        losses
     }
-    let next = match second.time.0 as f64 > NOTABLE * (run.cycles.0 * workers.len() as u64) as f64 {
-        true => format!(" and {} more {}", of_workers(second.time), second.told),
-        false => String::new(),
-    };
-    format!(
-        "{} the farm: {told}, and spend {} {}{next}. The master is held by one at a time for {}.",
-        first.limits,
-        of_workers(first.time),
-        first.told,
-        percent(held, run.cycles),
-    )
+
+    /// What limits the farm, in a word or two.
+    pub fn limits(&self) -> &'static str {
+        let [(_, most, _), ..] = self.losses();
+        match self {
+            Shares { bus, .. } if *bus > SATURATED => "the buses",
+            Shares { files, .. } if *files > SATURATED => "the station",
+            Shares { computing, .. } if *computing > WORKERS_LIMIT => "the workers",
+            _ => most,
+        }
+    }
+
+    fn sentence(&self) -> String {
+        let limits = self.limits();
+        let computing = format!("the workers compute {} of the time", percent(self.computing));
+        let [(first, _, told), (second, _, next), ..] = self.losses();
+        let next = if second > NOTABLE { format!(", {} {next}", percent(second)) } else { String::new() };
+        let losses = format!("and spend {} {told}{next}", percent(first));
+        match limits {
+            "the buses" => {
+                format!(
+                    "The buses limit the farm: the busiest carries messages for {}; {computing}.",
+                    percent(self.bus)
+                )
+            }
+            "the station" => {
+                format!("The station limits the farm: it files colours for {}; {computing}.", percent(self.files))
+            }
+            "the workers" => {
+                format!("The workers limit the farm: they compute {} of the time {losses}.", percent(self.computing))
+            }
+            _ => {
+                let verb = if limits == "messages" { "limit" } else { "limits" };
+                let (letter, rest) = limits.split_at(1);
+                let (limits, held) = (letter.to_uppercase() + rest, percent(self.held));
+                format!(
+                    "{limits} {verb} the farm: {computing} {losses}. The master is held by one at a time for {held}."
+                )
+            }
+        }
+    }
 }
 
-fn losses(run: &Measured, all: &StateTimes) -> [Loss; 4] {
-    let scene = named(run, all, SCENE);
-    let items = kind(run, all, StateKind::Waits) - scene;
-    [
-        Loss { limits: "Start-up limits", told: "waiting for the scene", time: scene },
-        Loss { limits: "The master limits", told: "waiting for the master", time: kind(run, all, StateKind::Blocked) },
-        Loss { limits: "Messages limit", told: "on messages with the master", time: items + kind(run, all, StateKind::Moves) },
-        Loss { limits: "Uneven work limits", told: "idle at the end", time: kind(run, all, StateKind::Idle) },
-    ]
-}
-
-/// The state of a task that waits for the scene.
-const SCENE: &str = "waiting scene";
-
-/// How long the master sends to one worker, or waits for just that one.
-fn held(run: &Measured, master: &StateTimes) -> Cycles {
-    kind(run, master, StateKind::Moves) + named(run, master, "waiting answer")
-}
-
-fn kind(run: &Measured, times: &StateTimes, kind: StateKind) -> Cycles {
-    run.topology.states.sum(times, |state: &State| state.kind == kind)
-}
-
-fn named(run: &Measured, times: &StateTimes, name: &str) -> Cycles {
-    run.topology.states.sum(times, |state| state.name == name)
+/// In percent with one decimal.
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
 }

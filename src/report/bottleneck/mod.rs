@@ -1,6 +1,6 @@
 //! One sentence on what limits the machine.
 
-mod farm;
+pub(crate) mod farm;
 
 use crate::measure::{Actor, Measured, Shape, StateKind, StateTimes, Toward};
 use crate::quantities::Cycles;

@@ -36,12 +36,8 @@ pub struct Page<'a> {
 pub struct PageError(String);
 
 /// What draws it: templates, as they name what the machine is made of.
-const SCRIPTS: [&str; 4] = [
-    include_str!("array.js"),
-    include_str!("charts.js"),
-    include_str!("overview.js"),
-    include_str!("page.js"),
-];
+const SCRIPTS: [&str; 4] =
+    [include_str!("array.js"), include_str!("charts.js"), include_str!("overview.js"), include_str!("page.js")];
 
 /// The page as HTML.
 pub fn html(page: &Page<'_>) -> Result<String, PageError> {
@@ -57,8 +53,10 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         station => topology.names.station.as_str(),
         job => topology.names.job.as_str(),
     };
-    let script = |text: &str| environment.render_str(text, &called).map_err(|error| PageError(error.to_string()));
-    let scripts = SCRIPTS.iter().map(|text| script(text)).collect::<Result<Vec<_>, _>>()?;
+    // The engine leaves a last end of line out.
+    let script = |text: &str| environment.render_str(text, &called).map(|script| script + "\n");
+    let scripts: Result<Vec<String>, _> = SCRIPTS.iter().map(|text| script(text)).collect();
+    let scripts = scripts.map_err(|error| PageError(error.to_string()))?;
     let template = environment.get_template("page.html").map_err(|error| PageError(error.to_string()))?;
     let rendered = template.render(context! {
         title => page.caption.title.as_str(),

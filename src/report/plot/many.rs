@@ -128,8 +128,7 @@ impl Figure for Bands<'_> {
             let ground = (count - index) as f64 - FILLED;
             for (state, edge) in cells::bands(&row.bins, &self.occurring, self.scale, grain) {
                 let up = |(x, share): (f64, f64)| (x, ground + FILLED * share / 100.0 / row.members);
-                let band =
-                    AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(states, state)));
+                let band = AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(states, state)));
                 chart.draw_series(band)?;
             }
         }

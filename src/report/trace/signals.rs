@@ -125,12 +125,7 @@ impl<'a> Signals<'a> {
         self.changes.extend(fifo.levels.iter().map(change));
     }
 
-    fn activity(
-        &mut self,
-        record: &StationRecord,
-        (job, window): (&str, &Range<Cycles>),
-        names: &'a StateNames,
-    ) {
+    fn activity(&mut self, record: &StationRecord, (job, window): (&str, &Range<Cycles>), names: &'a StateNames) {
         let signal = self.signal("state", Kind::Text);
         let mut last = None;
         for stretch in record.states.iter().filter(|stretch| last.replace(stretch.state) != Some(stretch.state)) {

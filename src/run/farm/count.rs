@@ -37,13 +37,7 @@ impl FarmSpec {
         let limits = Limits { depth: rays.depth, contribution: rays.min_contribution };
         let picture = Picture { scene: &scene, workload, size: self.size, sampling, limits };
         let pixels = pixels(&picture, workers, observe)?;
-        Ok(FarmScene {
-            name: scene.name,
-            polygons: Some(workload.polygons().len()),
-            bytes,
-            pixels,
-            notes: scene.notes,
-        })
+        Ok(FarmScene { name: scene.name, polygons: Some(workload.polygons().len()), bytes, pixels, notes: scene.notes })
     }
 }
 

@@ -58,7 +58,8 @@ impl FromStr for TaskRange {
     /// `8`, or `1..8`.
     fn from_str(text: &str) -> Result<TaskRange, &'static str> {
         let (first, last) = text.split_once("..").unwrap_or((text, text));
-        let count = |text: &str| text.parse::<usize>().map_err(|_| "expected a number of workers, or a range as in 1..8");
+        let count =
+            |text: &str| text.parse::<usize>().map_err(|_| "expected a number of workers, or a range as in 1..8");
         let range = TaskRange { first: count(first)?, last: count(last)? };
         match range {
             TaskRange { first: 0, .. } => Err("there must be at least 1 worker"),

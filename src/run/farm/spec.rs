@@ -142,7 +142,8 @@ impl FarmSpec {
             return Err(InputError::new("there must be at least 1 worker"));
         }
         if tasks >= processors as usize {
-            let message = format!("{tasks} workers and the master need {} processors, there are {processors}", tasks + 1);
+            let message =
+                format!("{tasks} workers and the master need {} processors, there are {processors}", tasks + 1);
             return Err(InputError::new(message).help("ask for fewer --tasks, or give the machine more --processors"));
         }
         let count = self.rectangles.map_or(1, |rectangles| rectangles.count);
@@ -166,10 +167,7 @@ impl FarmRays {
 
 fn rectangles(options: &FarmRunOptions, base: Option<&FarmSpec>) -> Rectangles {
     let below = base.and_then(|base| base.rectangles).unwrap_or_default();
-    Rectangles {
-        count: options.farm.rectangles.unwrap_or(below.count),
-        seed: options.farm.seed.unwrap_or(below.seed),
-    }
+    Rectangles { count: options.farm.rectangles.unwrap_or(below.count), seed: options.farm.seed.unwrap_or(below.seed) }
 }
 
 fn rays(options: &FarmRunOptions, base: Option<&FarmSpec>) -> FarmRays {
