@@ -67,7 +67,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         Form::Cycles => BTreeMap::new(),
     };
     let spec = ReplaySpec { version: env!("CARGO_PKG_VERSION").to_owned(), ops, unit_cycles, machine: file };
-    let configuration = Configuration::Replay(spec);
+    let configuration = Configuration::Replay(Box::new(spec));
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {
         let json = stats::to_json(&result, machine.spec.clock(), None, &configuration)?;

@@ -23,7 +23,7 @@ pub enum Configuration {
         memory: Vec<MemoryWords>,
     },
     /// A replay.
-    Replay(ReplaySpec),
+    Replay(Box<ReplaySpec>),
 }
 
 impl Configuration {

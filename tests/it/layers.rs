@@ -47,7 +47,7 @@ const CHANGES: &[(&str, &str, Layer)] = &[
     ("scene", "room", Layer::Scene),
     ("size_factor", "4", Layer::Scene),
     ("resolution", "9", Layer::Scene),
-    ("size", "8", Layer::Prepared),
+    ("size", "8x8", Layer::Prepared),
     ("rays", "some.csv", Layer::Prepared),
     ("mode", "pipeline", Layer::LaidOut),
     ("cells", "4", Layer::LaidOut),
@@ -74,7 +74,7 @@ const CHANGES: &[(&str, &str, Layer)] = &[
     ("grid_voxel", "1", Layer::Timed),
     ("slabs_start", "1", Layer::Timed),
     ("slabs_polygon", "1", Layer::Timed),
-    ("intersection_start", "1", Layer::Timed),
+    ("intersection_start", "2", Layer::Timed),
     ("intersection_polygon", "1", Layer::Timed),
 ];
 
@@ -147,7 +147,7 @@ fn a_programs_name_is_read_by_no_layer() {
 /// Whatever the order of the changes, each run is what it is by itself, and nothing is made twice.
 #[test]
 fn layers_that_are_kept_give_what_a_whole_run_gives() {
-    let base = [("scene", "teapot"), ("size_factor", "3"), ("size", "9")];
+    let base = [("scene", "teapot"), ("size_factor", "3"), ("size", "9x9")];
     let mut layers = Layers::default();
     let (mut scenes, mut last) = (Vec::new(), None);
     let changes: &[&[(&str, &str)]] = &[
@@ -156,7 +156,7 @@ fn layers_that_are_kept_give_what_a_whole_run_gives() {
         &[("grid_voxel", "1"), ("fifo_words", "8")],
         &[("mailbox", "true")],
         &[("grid_coefficient", "5")],
-        &[("size", "7")],
+        &[("size", "7x7")],
         &[("mode", "broadcast"), ("cells", "3")],
         &[("cells_run", "programs")],
         &[("cells_run", "programs"), ("host_ray_us", "20")],
@@ -219,7 +219,7 @@ fn a_configuration_repeats_runs_images_replays_and_predictions() {
 
     folder
         .run(&format!(
-            "image room -o a.png --size 8 --samples 2 --adaptive {machine} --policy primaries --stats ia.json"
+            "image room -o a.png --size 8x8 --samples 2 --adaptive {machine} --policy primaries --stats ia.json"
         ))
         .success();
     folder.run("image --config ia.json -o b.png --stats ib.json").success();
@@ -245,15 +245,15 @@ fn a_configuration_repeats_runs_images_replays_and_predictions() {
 #[test]
 fn a_configuration_of_something_else_is_refused() {
     let folder = Folder::new();
-    let small = "--scene room --size 4";
+    let small = "--scene room --size 4x4";
     folder.run(&format!("{small} --ops a.ops --stats run.json")).success();
     folder.run("replay a.ops --stats replay.json").success();
-    folder.run("image room -o a.png --size 4 --stats image.json").success();
+    folder.run("image room -o a.png --size 4x4 --stats image.json").success();
     folder.run(&format!("{small} --cells-run programs --stats programs.json")).success();
     let cases = [
         ("--config image.json", "the configuration is that of a whole image"),
-        ("--config replay.json", "replay.json: describes no run"),
-        ("replay --config run.json", "run.json: describes no replay"),
+        ("--config replay.json", "describes no run: unknown field `ops`"),
+        ("replay --config run.json", "describes no replay"),
         ("model --config image.json", "the configuration is that of a whole image"),
         ("model --config programs.json", "the configuration is that of cells that run programs"),
         ("replay", "the following required arguments were not provided"),
