@@ -60,9 +60,12 @@ ALLOWED = [
     Allowed("image/*", "*", "how far a secondary ray stands off follows from the polygon that was hit"),
     Allowed("programs/image", "*", "how far a secondary ray stands off follows from the polygon that was hit"),
     Allowed("replay/*", "*: stderr", "a trace may count units of work", "units of work|another time|no op of"),
-    Allowed("replay/by-hand/no-room-on-z", "*", "waits on Z are counted in the sentence", "block a cell"),
+    Allowed("replay/by-hand/*", "*latency*", "seconds are divided by 1e9"),
+    Allowed("replay/by-hand/no-room-on-z", "*", "waits on Z are counted in the sentence", "block a cell|seconds"),
     Allowed("model/*", "*", "polygons without area no longer make the paper's sizes NaN"),
     Allowed("scene-file/*", "*: stderr", "what was passed over is said", "skipped|passed over"),
+    Allowed("scene-file/*", "2: stdout", "it is of an image, whose secondary rays stand off otherwise"),
+    Allowed("scene-file/bad/*", "*: stderr", "what is no geometry does not stop geometry"),
     Allowed("compare*", "*: stdout", "the configuration is the whole description"),
 ]
 
