@@ -23,6 +23,7 @@ mod sweep;
 mod views;
 mod watch;
 
+use std::convert::Infallible;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -33,7 +34,8 @@ use args::{Cli, Command, Typed};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
-use pcs_sim::program::cells::figure7::MeasureError;
+use pcs_sim::program::NotLaidOut;
+use pcs_sim::program::figure7::MeasureError;
 use pcs_sim::run::RunError;
 
 /// Why a command failed.
@@ -72,6 +74,12 @@ impl<E: std::fmt::Display> From<RunError<E>> for Failure {
                 Failure::Output(error.to_string())
             }
         }
+    }
+}
+
+impl From<NotLaidOut> for Failure {
+    fn from(not: NotLaidOut) -> Failure {
+        RunError::<Infallible>::from(not).into()
     }
 }
 
