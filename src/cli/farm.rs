@@ -4,13 +4,15 @@ use std::convert::Infallible;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::machine::{Capitan, CapitanFile};
 use pcs_sim::program::farm::{HandOut, Items, SceneBy};
 use pcs_sim::report::plot::Caption;
+use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, farm as told};
-use pcs_sim::run::{Cancel, FarmOutcome, FarmScene, FarmSpec, OutputFile};
+use pcs_sim::run::{FarmOutcome, FarmScene, FarmSpec, OutputFile};
 
 use super::args::{FarmArgs, Typed};
 use super::run::{plural, workers};
@@ -137,18 +139,17 @@ fn write_outputs(
     views: Views,
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
+    let configuration = Configuration::Farm(Box::new(setup.spec.clone()));
     outputs::finish(stats, &mut written, |file| {
-        file.write_all(told::to_json(outcome, &setup.scene, &setup.spec)?.as_bytes())
+        file.write_all(told::to_json(outcome, &setup.scene, &configuration)?.as_bytes())
     })?;
-    let configuration = serde_json::to_string_pretty(&setup.spec)
-        .map_err(|error| Failure::Output(format!("the configuration cannot be written: {error}")))?;
     let seen = Seen {
         caption: &Caption { title: title(setup, outcome), machine: machine_line(&setup.spec.machine) },
         clock: Capitan::CLOCK,
         stats: &outcome.stats,
         observed: &outcome.observed,
         cell_names: &[],
-        configuration: Some(&configuration),
+        configuration: &configuration,
         image: None,
     };
     views.write(&seen, &mut written)?;

@@ -10,6 +10,7 @@ use pcs_sim::measure::{Clock, Measured};
 use pcs_sim::quantities::Cycles;
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
+use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::trace::{Format, Trace};
 use pcs_sim::run::{OutputFile, OutputFolder, Watching};
 
@@ -35,8 +36,8 @@ pub struct Seen<'a> {
     pub observed: &'a Observed,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
-    /// All parameters as JSON, if they are known.
-    pub configuration: Option<&'a str>,
+    /// All parameters, if they are known.
+    pub configuration: &'a Configuration,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
 }

@@ -5,7 +5,9 @@
 
 mod array_program;
 pub mod cells;
+mod cut;
 pub mod farm;
+pub mod figure7;
 mod layout;
 pub mod messages;
 mod stop_words;
@@ -14,5 +16,6 @@ pub mod work;
 mod workload;
 
 pub use array_program::{ArrayProgram, Kernel, Stages};
+pub use layout::{Layout, NotLaidOut, Surfaces};
 pub use tracer::{Counts, Tracer, send_ray};
 pub use workload::{CellMemory, Workload};

@@ -4,13 +4,13 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::bottleneck::{self, percent};
-use super::stats::station;
+use super::stats::{Configuration, station};
 use super::summary::{Rows, text, time};
 use crate::machine::{Capitan, Cycles};
 use crate::measure::LinkStats;
 use crate::program::farm::UNITS;
 use crate::program::work;
-use crate::run::{FarmOutcome, FarmScene, FarmSpec};
+use crate::run::{FarmOutcome, FarmScene};
 use crate::seam::Unit;
 
 /// How many times as fast a farm is as with a single worker.
@@ -88,7 +88,7 @@ struct Report<'a> {
     tasks: Vec<Map<String, Value>>,
     buses: Vec<Bus>,
     bottleneck: String,
-    configuration: &'a FarmSpec,
+    configuration: &'a Configuration,
 }
 
 #[derive(Serialize)]
@@ -97,7 +97,7 @@ struct Bus {
 }
 
 /// The statistics of a farm as indented JSON. Times of tasks and buses are in ns.
-pub fn to_json(outcome: &FarmOutcome, scene: &FarmScene, spec: &FarmSpec) -> serde_json::Result<String> {
+pub fn to_json(outcome: &FarmOutcome, scene: &FarmScene, configuration: &Configuration) -> serde_json::Result<String> {
     let stats = &outcome.stats;
     let task = |(index, times)| {
         let name = std::iter::once(("name".to_owned(), stats.topology.station(index).into()));
@@ -119,7 +119,7 @@ pub fn to_json(outcome: &FarmOutcome, scene: &FarmScene, spec: &FarmSpec) -> ser
         tasks: stats.stations.iter().enumerate().map(task).collect(),
         buses: stats.links.iter().map(|bus| Bus { busy: bus.busy.0 }).collect(),
         bottleneck: bottleneck::sentence(stats),
-        configuration: spec,
+        configuration,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")
 }

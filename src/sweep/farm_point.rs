@@ -4,11 +4,12 @@ use std::convert::Infallible;
 
 use super::parameters::FARM;
 use super::point::reason;
+use crate::cancel::Cancel;
 use crate::machine::{Capitan, Cycles};
 use crate::report::bottleneck::farm::Shares;
 use crate::report::farm::{efficiency, speed_up};
 use crate::report::table::{Column, Kind};
-use crate::run::{Cancel, FarmOutcome, FarmRunOptions, FarmScene, FarmSpec, Watching, Workers};
+use crate::run::{FarmOutcome, FarmRunOptions, FarmScene, FarmSpec, Key, Watching, Workers};
 
 /// What the table tells of a point, behind its parameters. `computing` to `idle` are what all workers together spend in each
 /// state, as shares of their time; they add up to 1.
@@ -55,7 +56,7 @@ impl FarmPoint {
     }
 
     /// What the work on its pixels depends on.
-    pub fn work_key(&self) -> String {
+    pub fn work_key(&self) -> Key {
         self.spec.work_key()
     }
 

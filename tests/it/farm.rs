@@ -6,11 +6,14 @@ use std::convert::Infallible;
 use proptest::prelude::*;
 
 use crate::support::farm_ticking::{Plan, Ticked, tick};
+use pcs_sim::cancel::Cancel;
 use pcs_sim::machine::events::{Buses, Events};
-use pcs_sim::machine::{Capitan, CapitanFile, Cycles, TaskCosts};
-use pcs_sim::measure::{Measured, Observed, Recording, StateTimes};
+use pcs_sim::machine::{Capitan, CapitanFile, Cycles, HostTimes, KernelTimes, TaskCosts};
+use pcs_sim::measure::{JobSpan, Measured, Observed, Recording, StateTimes, StationRecord, Stretch};
 use pcs_sim::program::farm::{Farm, HandOut, ItemKind, Items, SceneBy};
-use pcs_sim::run::{Cancel, FarmOutcome, FarmRunOptions, FarmSpec, Watching, Workers};
+use pcs_sim::run::{
+    self, FarmOutcome, FarmRunOptions, FarmSpec, Layers, Picture, PlannedRun, RunOptions, RunSpec, Watching, Workers,
+};
 
 /// A farm by the names of its parameters.
 fn farm(parameters: &[(&str, &str)]) -> FarmOutcome {
@@ -202,6 +205,39 @@ proptest! {
         prop_assert!(before <= after, "{before} {after}");
     }
 
+    /// A recording that holds fewer events ends earlier, before too many of them, and is else the same.
+    #[test]
+    fn a_recording_that_is_cut_is_the_start_of_the_whole(plan in plan(), most in 1usize..60, from in 0u64..200) {
+        let record = |most| {
+            let (machine, items) = (machine(&plan), items(&plan.items));
+            let mut farm = Farm::new(&machine, &items, (plan.scene_bytes, plan.scene_by), (plan.workers, plan.hand_out));
+            let events = Events::new(farm.topology(), machine.buses.clone(), Farm::SENDING_AND_IDLE);
+            let mut events = events.recorded(Cycles(from)..Cycles(u64::MAX), most);
+            while events.step(&mut |task, taken| farm.next(task, taken)) {}
+            events.finish().unwrap().1.recording.unwrap()
+        };
+        let (whole, part) = (record(usize::MAX / 2), record(most));
+        let starts = |recording: &Recording| {
+            let events = |station: &StationRecord| {
+                let states = station.states.iter().map(|stretch| stretch.from);
+                states.chain(station.jobs.iter().map(|job| job.from)).collect::<Vec<_>>()
+            };
+            let mut starts: Vec<Cycles> = recording.stations.iter().flat_map(events).collect();
+            starts.sort();
+            starts
+        };
+        let end = starts(&whole).get(most).copied();
+        prop_assert_eq!((part.window.end, part.cut), (end.unwrap_or(whole.window.end), end.is_some()));
+        for (task, (part_of, whole_of)) in part.stations.iter().zip(&whole.stations).enumerate() {
+            let states = whole_of.states.iter().filter(|stretch| stretch.from < part.window.end);
+            let states: Vec<_> =
+                states.map(|stretch| Stretch { until: stretch.until.min(part.window.end), ..*stretch }).collect();
+            let jobs = whole_of.jobs.iter().filter(|job| job.from < part.window.end);
+            let jobs: Vec<_> = jobs.map(|job| JobSpan { until: job.until.min(part.window.end), ..*job }).collect();
+            prop_assert_eq!(part_of, &StationRecord { states, jobs }, "task {}", task);
+        }
+    }
+
     /// Buses only ever add.
     #[test]
     fn buses_never_make_it_shorter(plan in plan()) {
@@ -276,23 +312,25 @@ fn the_work_on_a_scene_is_that_of_one_cell() {
     let scene = |threads| spec.lay_out(&Workers::new(threads), |_| Ok::<_, Infallible>(())).unwrap();
     let one = scene(1);
     assert_eq!(one.pixels, scene(3).pixels);
-    let mut options = pcs_sim::run::RunOptions::default();
+    let mut options = RunOptions::default();
     for (name, value) in
         [("scene", "room"), ("size", "20x16"), ("depth", "0"), ("samples", "2"), ("mode", "broadcast"), ("cells", "1")]
     {
         options.set(name, value).unwrap();
     }
-    let run = pcs_sim::run::RunSpec::of_image(&options, None).unwrap();
-    let (image, machine, scene) = (run.image.clone().unwrap(), run.machine.build().unwrap(), run.load_scene().unwrap());
-    let workload = run.lay_out(&scene, &machine, &run.load_rays(&scene).unwrap()).unwrap();
-    let picture = pcs_sim::run::Picture {
+    let planned = PlannedRun::new(RunSpec::of_image(&options, None).unwrap()).unwrap();
+    let (image, machine) = (planned.spec.image.clone().unwrap(), &planned.machine);
+    let mut layers = Layers::default();
+    let workload = layers.workload(&planned, &Cancel::default()).unwrap();
+    let scene = layers.scene(&planned).unwrap();
+    let picture = Picture {
         scene: &scene,
         workload: &workload,
-        size: run.size,
+        size: planned.spec.size,
         sampling: image.sampling(),
         limits: image.limits(),
     };
-    let rendered = pcs_sim::run::render(&picture, None, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap();
+    let rendered = run::render(&picture, None, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap();
     let counts = one.counts().unwrap();
     let rays: u64 = rendered.kinds.iter().map(|kind| kind.rays).sum();
     assert_eq!(counts[0], rays, "grid starts");
@@ -304,8 +342,7 @@ fn the_work_on_a_scene_is_that_of_one_cell() {
     assert_eq!(counts[7], shaded);
     // The work is that of the cell, at other prices.
     let busy: u64 = rendered.kinds.iter().map(|kind| kind.busy).sum();
-    let prices =
-        Capitan { times: pcs_sim::machine::KernelTimes { host: Default::default(), ..machine.times }, ..capitan() };
+    let prices = Capitan { times: KernelTimes { host: HostTimes::default(), ..machine.times }, ..capitan() };
     let priced: u64 = one.pixels.priced(&prices).unwrap().iter().map(|time| time.0).sum();
     assert_eq!(priced, busy);
 }

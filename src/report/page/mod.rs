@@ -8,6 +8,7 @@ use minijinja::{Environment, Value, context};
 use super::bottleneck;
 use super::palette;
 use super::plot::Caption;
+use super::stats::Configuration;
 use super::summary::{self, Rows};
 use crate::measure::{Clock, Measured, Profile, Shape};
 
@@ -24,8 +25,8 @@ pub struct Page<'a> {
     pub profile: &'a Profile,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
-    /// All parameters as JSON, if they are known.
-    pub configuration: Option<&'a str>,
+    /// All parameters, if they are known.
+    pub configuration: &'a Configuration,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
 }
@@ -46,6 +47,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     environment.add_template("page.html", include_str!("page.html")).map_err(|error| PageError(error.to_string()))?;
     let json = |value: serde_json::Result<String>| value.map_err(|error| PageError(error.to_string()));
     let data = json(serde_json::to_string(&data::Data::new(page)))?;
+    let configuration = json(serde_json::to_string_pretty(page.configuration))?;
     let topology = &*page.stats.topology;
     let called = context! {
         is_line => topology.shape == Shape::Line,
@@ -66,7 +68,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
         state_colors => state_colors(page.stats),
-        configuration => page.configuration.unwrap_or_default(),
+        configuration,
         image => page.image.map(|png| base64::engine::general_purpose::STANDARD.encode(png)).unwrap_or_default(),
         // No text in it may end the script that it stands in.
         data => data.replace('<', "\\u003c"),

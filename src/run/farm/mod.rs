@@ -6,7 +6,8 @@ mod spec;
 
 use std::convert::Infallible;
 
-use super::{Cancel, RunError, Watching, Workers};
+use super::{RunError, Watching, Workers};
+use crate::cancel::Cancel;
 use crate::error::InputError;
 use crate::machine::events::Events;
 use crate::machine::{Capitan, Cycles};

@@ -9,8 +9,8 @@ use crate::error::InputError;
 use crate::host::camera::ImageSize;
 use crate::machine::CapitanFile;
 use crate::program::farm::{HandOut, ItemKind, Rectangles, SceneBy};
-use crate::run::ImageSpec;
-use crate::run::spec::{described, standard_size};
+use crate::run::spec::{read_configuration, standard_size};
+use crate::run::{ImageSpec, Key};
 
 /// A farm, described: enough to run it again to the nanosecond.
 ///
@@ -121,18 +121,17 @@ impl FarmSpec {
 
     /// Reads a description: a farm's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<FarmSpec, InputError> {
-        let spec: FarmSpec = described(path)?
-            .and_then(serde_json::from_value)
-            .map_err(|error| InputError::in_file(path, format!("describes no farm: {error}")))?;
+        let spec: FarmSpec = read_configuration(path, "farm")?;
         spec.check()?;
         Ok(spec)
     }
 
     /// What the work on the pixels depends on, before it is priced, and whether there is room for the scene.
-    pub fn work_key(&self) -> String {
-        let FarmSpec { scene, size_factor, resolution, size, rectangles, rays, machine, .. } = self;
-        let memory = machine.memory_kbyte;
-        format!("{scene:?} {size_factor:?} {resolution:?} {size:?} {rectangles:?} {rays:?} {memory}")
+    pub fn work_key(&self) -> Key {
+        // All fields by name, so that a new one cannot be forgotten here.
+        let FarmSpec { version: _, scene, size_factor, resolution, size, rectangles, rays, machine, .. } = self;
+        let FarmSpec { tasks: _, items: _, tile: _, hand_out: _, scene_by: _, .. } = self;
+        Key::of((scene, size_factor, resolution, size, rectangles, rays, machine.memory_kbyte))
     }
 
     fn check(&self) -> Result<(), InputError> {
