@@ -69,7 +69,10 @@ fn open_outputs(args: &FarmArgs, spec: &FarmSpec, fewest: usize) -> Result<(Opti
 fn run(setup: &Setup, tasks: usize, views: &Views) -> Result<FarmOutcome, Failure> {
     let Setup { spec, machine, scene, items } = setup;
     let spec = FarmSpec { tasks, ..spec.clone() };
-    Ok(spec.run((scene, machine, items), &views.watching(), &Cancel::default())?)
+    let spinner = progress::waiting("running the tasks");
+    let outcome = spec.run((scene, machine, items), &views.watching(), &Cancel::default());
+    spinner.finish_and_clear();
+    Ok(outcome?)
 }
 
 /// A row for each number of workers, and what limits most of them.
