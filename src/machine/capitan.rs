@@ -3,56 +3,20 @@
 
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
 use super::events::Buses;
+use super::file::{impossible, machine_parameters, within};
 use super::{Cycles, HostTimes, KernelTimes, Times};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
 use crate::measure::Clock;
-use crate::parameters::parameters;
 
-/// Declares the machine's parameters, each once, as `machine_parameters!` does for an array's.
-macro_rules! capitan_parameters {
-    (
-        values { $($(#[$meta:meta])* $name:ident: $type:ty, $value:literal, $kind:ident, $label:literal;)* }
-        times_us { $($(#[$time_meta:meta])* $time:ident: $time_label:literal;)* }
-    ) => {
-        /// A machine as a file describes it, in the units that people use.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub struct CapitanFile {
-            $($(#[$meta])* pub $name: $type,)*
-            /// What a processor takes for the work on a scene of polygons.
-            pub times_us: ProcessorTimesUs,
-        }
-
-        /// What a processor takes for the work on a scene of polygons, in µs.
-        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub struct ProcessorTimesUs {
-            $($(#[$time_meta])* pub $time: f64,)*
-        }
-
-        parameters! {
-            /// Changes to the file of such a machine.
-            pub struct CapitanOptions under "Machine" {
-                $($(#[$meta])* $name: $type, $value, $kind, $label;)*
-                $($(#[$time_meta])* $time: f64, "US", Number, $time_label;)*
-            }
-        }
-
-        impl CapitanOptions {
-            /// Lays the changes over a machine file.
-            pub fn change(&self, file: &mut CapitanFile) {
-                $(file.$name = self.$name.unwrap_or(file.$name);)*
-                $(file.times_us.$time = self.$time.unwrap_or(file.times_us.$time);)*
-            }
-        }
-    };
-}
-
-capitan_parameters! {
+machine_parameters! {
+    /// A machine as a file describes it, in the units that people use.
+    pub struct CapitanFile;
+    /// What a processor takes for the work on a scene of polygons, in µs.
+    pub struct ProcessorTimesUs;
+    /// Changes to the file of such a machine.
+    pub struct CapitanOptions;
     values {
         /// Processors, one of which is the master's.
         processors: u32, "N", Whole, "processors";
@@ -77,6 +41,8 @@ capitan_parameters! {
         /// What the station spends on taking and filing the colour of a pixel, in ms.
         color_ms: f64, "MS", Number, "taking a colour (ms)";
     }
+    optional {}
+    host {}
     times_us {
         /// The grid's start, in µs a ray.
         grid_start: "grid: start of a ray (µs)";
@@ -93,6 +59,7 @@ capitan_parameters! {
         /// What shading a hit takes, in µs.
         shade_hit: "shading a hit (µs)";
     }
+    beside {}
 }
 
 /// A machine in nanoseconds, which are the cycles of its clock.
@@ -163,10 +130,10 @@ impl CapitanFile {
     }
 
     fn convert(&self) -> Result<Capitan, Fault> {
-        within("processors", self.processors.into(), 2, MOST_PROCESSORS)?;
-        within("memory_kbyte", self.memory_kbyte, 1, 1 << 40)?;
-        within("buses", self.buses.into(), 1, 64)?;
-        within("header_bytes", self.header_bytes.into(), 0, 1 << 20)?;
+        within("processors", self.processors.into(), 2..=MOST_PROCESSORS)?;
+        within("memory_kbyte", self.memory_kbyte, 1..=1 << 40)?;
+        within("buses", self.buses.into(), 1..=64)?;
+        within("header_bytes", self.header_bytes.into(), 0..=1 << 20)?;
         let mut notes = Vec::new();
         let times = self.times(&mut notes)?;
         let buses = Buses::new(self.buses as usize, self.byte_ps(&mut notes)?);
@@ -229,13 +196,6 @@ impl Capitan {
 /// More would be another kind of machine.
 const MOST_PROCESSORS: u64 = 4096;
 
-fn within(name: &'static str, value: u64, least: u64, most: u64) -> Result<(), Fault> {
-    match (least..=most).contains(&value) {
-        true => Ok(()),
-        false => Err(impossible(name, value, format!("from {least} to {most}"))),
-    }
-}
-
 /// A time in ns, rounded up. `unit` has so many of them.
 fn time(
     name: &'static str,
@@ -259,8 +219,4 @@ fn rounded(exact: f64) -> (u64, bool) {
     let nearest = exact.round();
     let is_whole = (exact - nearest).abs() <= 1e-9 * exact.max(1.0);
     (if is_whole { nearest } else { exact.ceil() } as u64, !is_whole)
-}
-
-fn impossible(name: &'static str, value: impl std::fmt::Display, range: impl std::fmt::Display) -> Fault {
-    Fault::new(name, format!("impossible machine: {name} is {value}, it must be {range}"))
 }

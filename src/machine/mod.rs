@@ -6,6 +6,7 @@
 
 mod capitan;
 pub mod events;
+mod file;
 pub mod line;
 mod pcs;
 mod spec;

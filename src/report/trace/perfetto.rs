@@ -1,5 +1,5 @@
 //! Perfetto's format: a track for the array and below it, in the array's order, one for each cell and a counter for each
-//! FIFO.
+//! FIFO; for other machines, whatever their topology has in place of these.
 //!
 //! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state. Flows lead from the slice in
 //! which the host sends a ray over those of the cells to the one in which the host reads its HIT.
