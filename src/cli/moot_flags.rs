@@ -6,7 +6,8 @@ use std::path::Path;
 
 use pcs_sim::error::InputError;
 use pcs_sim::program::ArrayProgram;
-use pcs_sim::run::{CellsRun, ImageSpec, RunOptions, RunSpec, Switch, is_builtin};
+use pcs_sim::program::farm::ItemKind;
+use pcs_sim::run::{CellsRun, FarmRunOptions, FarmSpec, ImageSpec, RunOptions, RunSpec, Switch, is_builtin};
 use pcs_sim::scene::builtin;
 
 use super::args::{ImageArgs, ModelArgs};
@@ -14,7 +15,7 @@ use super::args::{ImageArgs, ModelArgs};
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
     check_shading(typed)?;
-    check_resolution(spec)?;
+    check_resolution(&spec.scene, spec.resolution)?;
     check_cells(typed, spec)?;
     check_program(typed, &spec.program)
 }
@@ -41,7 +42,7 @@ pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: 
         let names = [&["policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
-    check_resolution(spec)?;
+    check_resolution(&spec.scene, spec.resolution)?;
     check_cells(typed, spec)?;
     check_program(typed, &spec.program)
 }
@@ -67,7 +68,7 @@ pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Resu
         }
     }
     check_shading(typed)?;
-    check_resolution(spec)?;
+    check_resolution(&spec.scene, spec.resolution)?;
     check_program(typed, program)
 }
 
@@ -86,6 +87,28 @@ pub fn check_replay_of_cycles(typed: &RunOptions) -> Result<(), InputError> {
 /// Whether a flag gives the price of a unit of work.
 pub fn prices(typed: &RunOptions, unit: &str) -> bool {
     KERNELS.iter().chain(&HOST).any(|name| name.trim_end_matches("_us") == unit && typed.has(name))
+}
+
+/// Refuses the flags that a farm would not look at.
+pub fn check_farm(typed: &FarmRunOptions, spec: &FarmSpec) -> Result<(), InputError> {
+    let refuse = |names: &[&str], why: &str, help: &str| match names.iter().find(|name| typed.has(name)) {
+        Some(name) => Err(InputError::new(format!("--{} {why}", name.replace('_', "-"))).help(help)),
+        None => Ok(()),
+    };
+    let adaptive = "asks what the neighbours of a pixel show, which other workers know";
+    refuse(&["adaptive"], adaptive, "ask for more --samples in all pixels, as workers can take these by themselves")?;
+    if spec.items != ItemKind::Tiles {
+        refuse(&["tile"], "is about tiles, which the master does not hand out", "ask for --items tiles")?;
+    }
+    if spec.rectangles.is_none() {
+        let why = "is about the made-up scene, and this one has polygons";
+        refuse(&["rectangles", "seed", "pixel_ms"], why, "leave it out, or take the scene `rectangles`")?;
+        return check_resolution(&spec.scene, spec.resolution);
+    }
+    let shape = ["size_factor", "resolution", "samples", "depth", "min_contribution", "grid_coefficient"];
+    let why = "is about scenes of polygons, and this one is made up of rectangles";
+    let help = "leave it out, or take another scene";
+    refuse(&[&shape[..], &KERNELS, &["shade_hit"]].concat(), why, help)
 }
 
 fn check_shading(typed: &RunOptions) -> Result<(), InputError> {
@@ -115,15 +138,14 @@ fn check_program(typed: &RunOptions, program: &ArrayProgram) -> Result<(), Input
 }
 
 /// Slices matter to spheres and cones, so not to every scene.
-fn check_resolution(spec: &RunSpec) -> Result<(), InputError> {
-    let scene = &spec.scene;
+fn check_resolution(scene: &str, resolution: Option<u32>) -> Result<(), InputError> {
     let of_polygons = if is_builtin(scene) {
         builtin::all().iter().any(|known| known.name == scene && known.default_resolution.is_none())
     } else {
         let extension = Path::new(scene).extension().map(|extension| extension.to_string_lossy().to_lowercase());
         matches!(extension.as_deref(), Some("obj" | "ply"))
     };
-    if of_polygons && spec.resolution.is_some() {
+    if of_polygons && resolution.is_some() {
         let error = InputError::new("--resolution slices spheres and cones, and this scene is of polygons only");
         return Err(error.help("leave it out"));
     }

@@ -1,6 +1,7 @@
 //! What a run tells: statistics, tables, hits, pictures, pages. Nothing here measures anything.
 
 pub mod bottleneck;
+pub mod farm;
 pub mod hits;
 pub mod kinds;
 pub mod page;
