@@ -196,6 +196,7 @@ pub mod model;
 mod parameters;
 pub mod program;
 pub mod quantities;
+mod random;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod run;

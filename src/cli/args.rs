@@ -7,8 +7,8 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueEnum};
 use pcs_sim::machine::{Cycles, MachineOptions};
 use pcs_sim::run::{
-    CellsOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions, RayOptions, RunOptions, SceneOptions,
-    ShapeOptions,
+    CellsOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions, ProgramOptions, RayOptions, RunOptions,
+    SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
 
@@ -67,6 +67,8 @@ pub struct RunArgs {
     #[command(flatten)]
     pub rays: RayOptions,
     #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
@@ -91,6 +93,7 @@ impl RunArgs {
             scene: self.scene.clone(),
             shape: self.shape.clone(),
             rays: self.rays.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -108,6 +111,7 @@ impl ImageArgs {
         let mut options = RunOptions {
             scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -128,6 +132,7 @@ impl ModelArgs {
             scene: SceneOptions { scene: Some(self.scene.clone()) },
             shape: self.shape.clone(),
             rays: self.rays.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
             machine_file: self.machine_file.clone(),
             machine: self.machine.clone(),
@@ -171,6 +176,8 @@ pub struct ImageArgs {
     #[command(flatten)]
     pub shape: ShapeOptions,
     #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
     pub light: LightOptions,
     #[command(flatten)]
     pub host: HostOptions,
@@ -193,7 +200,8 @@ pub struct ImageArgs {
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
 #[derive(Clone, Debug, Args)]
 pub struct TracingArgs {
-    /// Write the hits as CSV, in the order in which the host sends the rays: ray, t, polygon, alpha, beta.
+    /// Write the hits as CSV: ray, t, polygon, alpha, beta. Primary rays are numbered as their pixels are, a whole image's as the
+    /// host sends them.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub hits: Option<PathBuf>,
     /// Write what the host and every cell did for every ray, for `pcs-sim replay`.
@@ -309,6 +317,8 @@ pub struct ModelArgs {
     pub shape: ShapeOptions,
     #[command(flatten)]
     pub rays: RayOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
     #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]

@@ -8,13 +8,14 @@ use pcs_sim::geometry::Ray;
 use pcs_sim::machine::Machine;
 use pcs_sim::model::Survey;
 use pcs_sim::program::{ArrayProgram, Workload};
+use pcs_sim::report::losses::Losses;
 use pcs_sim::report::summary::grouped;
 use pcs_sim::report::{bottleneck, prediction};
-use pcs_sim::run::{self, Outcome, RunSpec};
+use pcs_sim::run::{self, Outcome, RunSpec, Shuffled};
 use pcs_sim::scene::Scene;
 
 use super::args::{ModelArgs, Typed};
-use super::run::{machine_line, plural, workers};
+use super::run::{in_order, machine_line, plural, verdict, workers};
 use super::{Failure, moot_flags, outputs, print, progress};
 
 /// `pcs-sim model SCENE [...]`
@@ -39,7 +40,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
         eprintln!("note: {note}");
     }
     let outcome = if args.predict_only { None } else { Some(simulate(args, &scene, program, &machine, &rays)?) };
-    let run = outcome.as_ref().map(|(workload, outcome)| prediction::Run {
+    let run = outcome.as_ref().map(|(workload, outcome, _)| prediction::Run {
         workload,
         counts: &outcome.counts,
         stats: &outcome.stats,
@@ -47,13 +48,13 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     let rows = prediction::rows(&predicted, &array, run);
     print(&format!(
         "{}\n{}\n\n{}\n{}",
-        title(&scene, program, polygons.len(), rays.len()),
+        title(&scene, &spec, polygons.len(), rays.len()),
         machine_line(&machine.spec),
         prediction::to_table(&rows),
         prediction::sentences(&predicted, &best, &array),
     ))?;
-    if let Some((_, outcome)) = &outcome {
-        print(&format!("Measured: {}\n", bottleneck::sentence(&outcome.stats)))?;
+    if let Some((_, outcome, losses)) = &outcome {
+        print(&format!("Measured: {}\n", verdict(&outcome.stats, losses.as_ref(), machine.spec.clock())))?;
     }
     let mut written = Vec::new();
     outputs::finish(stats, &mut written, |file| {
@@ -80,20 +81,26 @@ fn simulate(
     program: &ArrayProgram,
     machine: &Machine,
     rays: &[Ray],
-) -> Result<(Workload, Outcome), Failure> {
+) -> Result<(Workload, Outcome, Option<Losses>), Failure> {
     let workload = Workload::new(&scene.mesh, program, machine.times, rays)?;
     let bar = progress::rays(rays.len() as u64);
-    let outcome = run::run(&workload, &machine.spec, rays, &workers(args.threads), |batch| {
+    let (mut shuffled, workers) = (Shuffled::new(workload.cells()), workers(args.threads));
+    let outcome = run::run(&workload, &machine.spec, rays, &workers, |batch| {
+        shuffled.take(&batch.ops);
         bar.inc(batch.hits.len() as u64);
         Ok::<_, Infallible>(())
     });
     bar.finish_and_clear();
-    Ok((workload, outcome?))
+    let outcome = outcome?;
+    let losses =
+        bottleneck::losses(&outcome.stats, || shuffled.time(&machine.spec, workload.costs(), &workers.cancel));
+    Ok((workload, outcome, losses))
 }
 
-fn title(scene: &Scene, program: &ArrayProgram, polygons: usize, rays: usize) -> String {
+fn title(scene: &Scene, spec: &RunSpec, polygons: usize, rays: usize) -> String {
+    let program = &spec.program;
     format!(
-        "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays",
+        "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays{}",
         program.name,
         program.cells(),
         plural(program.groups, "group"),
@@ -102,5 +109,6 @@ fn title(scene: &Scene, program: &ArrayProgram, polygons: usize, rays: usize) ->
         scene.name,
         grouped(polygons as u64),
         grouped(rays as u64),
+        in_order(spec.order),
     )
 }

@@ -38,7 +38,7 @@ pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: 
         if let Some((flag, _)) = files.iter().find(|(_, typed)| *typed) {
             return Err(InputError::new(format!("{flag} {why}")).help(help));
         }
-        let names = [&["policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
+        let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
     check_resolution(spec)?;
@@ -60,7 +60,15 @@ pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Resu
     }
     if args.predict_only {
         let (why, help) = ("is about the simulation, which --predict-only leaves out", "leave out one of the two");
-        let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
+        let names = [
+            "order",
+            "fifo_words",
+            "x_fifo_words",
+            "y_fifo_words",
+            "z_fifo_words",
+            "latency_cycles",
+            "memory_words",
+        ];
         refuse(typed, &names, why, help)?;
         if args.threads.is_some() {
             return Err(InputError::new(format!("--threads {why}")).help(help));

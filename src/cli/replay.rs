@@ -9,12 +9,12 @@ use pcs_sim::program::work;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, stats};
-use pcs_sim::run::{self, Cancel, RunError};
+use pcs_sim::run::{self, Cancel, RunError, Shuffled};
 use pcs_sim::seam::activity_trace::{ActivityTrace, Form};
 use pcs_sim::seam::{Costs, OpBatch};
 
 use super::args::ReplayArgs;
-use super::run::machine_line;
+use super::run::{machine_line, verdict};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, moot_flags, outputs, print, progress};
@@ -35,11 +35,17 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     spinner.set_message("timing the trace");
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(machine.spec.clock(), Vec::new())));
     let watched = (&machine.spec, &views.watching());
+    let (mut shuffled, cancel) = (Shuffled::new(cells), Cancel::default());
     let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
-        trace.for_each_batch(|batch| take(batch).map(drop))
+        shuffled = Shuffled::new(cells);
+        trace.for_each_batch(|batch| {
+            shuffled.take(&batch);
+            take(batch).map(drop)
+        })
     };
-    let (result, observed) =
-        run::replay_watched(watched, (&costs, cells), &Cancel::default(), feed, |array| live.show(array))?;
+    let (result, observed) = run::replay_watched(watched, (&costs, cells), &cancel, feed, |array| live.show(array))?;
+    let losses = bottleneck::losses(&result, || shuffled.time(&machine.spec, &costs, &cancel));
+    let losses = losses.as_ref();
     live.finish();
     machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let caption = Caption {
@@ -53,17 +59,18 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         summary::speed(&result, machine.spec.clock()),
         summary::cells(&result, &[]),
         summary::fifos(&result),
-        bottleneck::sentence(&result),
+        verdict(&result, losses, machine.spec.clock()),
     ))?;
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {
-        let json = stats::to_json(&result, machine.spec.clock(), None, None)?;
+        let json = stats::to_json(&result, machine.spec.clock(), losses, None, None)?;
         file.write_all(json.as_bytes())
     })?;
     let seen = Seen {
         caption: &caption,
         clock: machine.spec.clock(),
         stats: &result,
+        losses,
         observed: &observed,
         cell_names: &[],
         configuration: None,

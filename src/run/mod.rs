@@ -8,6 +8,7 @@ mod closed_loop;
 mod options;
 mod outputs;
 mod render;
+mod shuffled;
 mod spec;
 mod timed;
 mod trace;
@@ -15,11 +16,12 @@ mod trees;
 mod workers;
 
 pub use options::{
-    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, ProgramOptions, RayOptions,
-    RunOptions, SceneOptions, ShapeOptions, Switch,
+    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, OrderOptions, ProgramOptions,
+    RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
 };
 pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
+pub use shuffled::{Reordered, Shuffled};
 pub use spec::{ImageSpec, RunSpec, array_program, is_builtin, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};
