@@ -92,8 +92,7 @@ fn simulate(
     });
     bar.finish_and_clear();
     let outcome = outcome?;
-    let losses =
-        bottleneck::losses(&outcome.stats, || shuffled.time(&machine.spec, workload.costs(), &workers.cancel));
+    let losses = bottleneck::losses(&outcome.stats, || shuffled.time(&machine.spec, workload.costs(), &workers.cancel));
     Ok((workload, outcome, losses))
 }
 

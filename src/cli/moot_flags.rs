@@ -60,15 +60,8 @@ pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Resu
     }
     if args.predict_only {
         let (why, help) = ("is about the simulation, which --predict-only leaves out", "leave out one of the two");
-        let names = [
-            "order",
-            "fifo_words",
-            "x_fifo_words",
-            "y_fifo_words",
-            "z_fifo_words",
-            "latency_cycles",
-            "memory_words",
-        ];
+        let names =
+            ["order", "fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
         refuse(typed, &names, why, help)?;
         if args.threads.is_some() {
             return Err(InputError::new(format!("--threads {why}")).help(help));

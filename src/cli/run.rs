@@ -9,8 +9,8 @@ use pcs_sim::geometry::Ray;
 use pcs_sim::host::image;
 use pcs_sim::host::order::Order;
 use pcs_sim::machine::{Machine, MachineSpec};
-use pcs_sim::program::{Kernel, Workload};
 use pcs_sim::measure::{Clock, Measured};
+use pcs_sim::program::{Kernel, Workload};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
@@ -198,8 +198,12 @@ pub fn in_order(order: Order) -> String {
 
 /// The machine in one line.
 pub fn machine_line(spec: &MachineSpec) -> String {
+    let own = match spec.own_words.len() {
+        0 => String::new(),
+        count => format!(" ({count} with depths of their own)"),
+    };
     format!(
-        "machine: {} ns a cycle, {}-word FIFOs, {} Mbyte/s links ({}), latency {}",
+        "machine: {} ns a cycle, {}-word FIFOs{own}, {} Mbyte/s links ({}), latency {}",
         spec.clock_ns,
         spec.fifo_words.0,
         spec.link_mb_s,

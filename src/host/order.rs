@@ -264,7 +264,8 @@ mod tests {
             let curve = numbers(Order::Hilbert, side, side);
             assert_eq!(curve[0], 0);
             for step in curve.windows(2) {
-                let [a, b] = [step[0], step[1]].map(|number| (number as i64 % side as i64, number as i64 / side as i64));
+                let [a, b] =
+                    [step[0], step[1]].map(|number| (number as i64 % side as i64, number as i64 / side as i64));
                 assert_eq!((a.0 - b.0).abs() + (a.1 - b.1).abs(), 1, "{side}: {a:?} {b:?}");
             }
         }
@@ -284,7 +285,9 @@ mod tests {
         for order in ORDERS {
             assert_eq!(order.to_string().parse(), Ok(order));
         }
-        for wrong in ["", "Raster", "tiles", "tiles:", "tiles:0", "tiles:-1", "tiles:2:3", "shuffle", "shuffle:x", "raster:1"] {
+        for wrong in
+            ["", "Raster", "tiles", "tiles:", "tiles:0", "tiles:-1", "tiles:2:3", "shuffle", "shuffle:x", "raster:1"]
+        {
             assert!(wrong.parse::<Order>().unwrap_err().contains("tiles:N"), "{wrong}");
         }
     }

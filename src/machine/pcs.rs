@@ -1,10 +1,11 @@
 //! The machine file: the array's parameters and Figure 7's times.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Cycles, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
+use super::{Cycles, FifoName, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
 use crate::isa::{Class, InstructionCycles};
@@ -29,6 +30,9 @@ macro_rules! machine_parameters {
             $($(#[$meta])* pub $name: $type,)*
             $($(#[$maybe_meta])* #[serde(default, skip_serializing_if = "Option::is_none")] pub $maybe: Option<$maybe_type>,)*
             $($(#[$host_meta])* #[serde(default)] pub $host: f64,)*
+            /// Words that single FIFOs hold, by their names (`X0`, `Y3`, `Yhost`, `Z1`), whatever all the others do.
+            #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+            pub fifo_words_of: BTreeMap<FifoName, u64>,
             /// Figure 7.
             pub times_us: TimesUs,
             /// What instructions cost, for cells that run programs; `None` for a machine that is only told Figure 7.
@@ -176,6 +180,7 @@ impl MachineFile {
             latency: Cycles(self.latency_cycles),
             memory_words: self.memory_words.map(Words),
             channel_words: [self.x_fifo_words, self.y_fifo_words, self.z_fifo_words].map(|words| words.map(Words)),
+            own_words: self.fifo_words_of.iter().map(|(&fifo, &words)| (fifo, Words(words))).collect(),
         };
         let mut notes = Vec::new();
         if spec.rounds_link_rate() {
@@ -216,6 +221,12 @@ impl MachineFile {
         maybe_within("x_fifo_words", self.x_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
         maybe_within("y_fifo_words", self.y_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
         maybe_within("z_fifo_words", self.z_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
+        for (fifo, &words) in &self.fifo_words_of {
+            if !(1..=MachineSpec::MAX_FIFO_WORDS).contains(&words) {
+                let range = format!("from 1 to {}", MachineSpec::MAX_FIFO_WORDS);
+                return Err(impossible("fifo_words_of", format!("{words} for {fifo}"), range));
+            }
+        }
         maybe_within("memory_words", self.memory_words, u64::MAX)
     }
 

@@ -40,22 +40,31 @@ use crate::seam::{Costs, Op, OpBatch, OpKind, OpStream};
 /// ```
 #[derive(Debug)]
 pub struct Shuffled {
-    /// How many cells there are, and the host.
-    streams: usize,
-    /// What is done for the rays that are kept, one after the other: by the host, then by each cell from left to right.
-    ops: Vec<Op>,
-    /// Where each of these streams ends.
-    ends: Vec<usize>,
-    /// For each ray that is kept, its number in the random order.
-    keys: Vec<u64>,
-    /// Rays with larger ones are not kept.
+    /// What the host does for the rays that are kept, then what each cell does, from left to right.
+    streams: Vec<Kept>,
+    /// The largest number in the random order that is kept.
     largest: u64,
-    /// How many rays have been seen.
-    rays: u64,
     /// Whether the host waits for hits.
     waits: bool,
-    /// Whether some batch had no whole rays, so that nothing can be said.
-    torn: bool,
+}
+
+/// What one stream keeps.
+#[derive(Debug, Default)]
+struct Kept {
+    ops: Vec<Op>,
+    lines: Vec<KeptLine>,
+    /// How many lines have been seen.
+    seen: u64,
+}
+
+/// What is kept of a ray.
+#[derive(Clone, Copy, Debug)]
+struct KeptLine {
+    /// Its number in the random order.
+    key: u64,
+    job: u32,
+    /// Where its ops end.
+    end: usize,
 }
 
 /// A run whose rays came in a random order.
@@ -76,93 +85,46 @@ const SEED: u64 = 0;
 const BATCH: usize = 256;
 
 impl Shuffled {
-    /// The most ops, and ends of streams, that are kept: some 40 Mbyte.
-    pub const MOST: usize = 1 << 22;
+    /// The most ops and lines that are kept: some 8 Mbyte.
+    pub const MOST: usize = 1 << 20;
 
     /// Keeps nothing yet of a run on so many cells.
     pub fn new(cells: usize) -> Shuffled {
-        Shuffled {
-            streams: cells + 1,
-            ops: Vec::new(),
-            ends: Vec::new(),
-            keys: Vec::new(),
-            largest: u64::MAX,
-            rays: 0,
-            waits: false,
-            torn: false,
-        }
+        Shuffled { streams: (0..=cells).map(|_| Kept::default()).collect(), largest: u64::MAX, waits: false }
     }
 
     /// Takes the run's next ops.
     pub fn take(&mut self, batch: &OpBatch) {
-        let lines = batch.host.lines().len();
-        self.torn |= batch.cells.len() + 1 != self.streams || batch.cells.iter().any(|cell| cell.lines().len() != lines);
-        if !self.torn {
-            (0..lines).for_each(|line| self.take_ray(batch, line));
+        let waits = |op: &Op| op.kind() == OpKind::Await;
+        for (job, ops) in batch.host.lines() {
+            self.waits |= ops.iter().any(waits);
+            self.streams[0].take(self.largest, job, ops.iter().copied().filter(|op| !waits(op)));
         }
-    }
-
-    fn take_ray(&mut self, batch: &OpBatch, line: usize) {
-        // With the first ray stands what the cells do before any: it stays the first.
-        let key = if self.rays == 0 { 0 } else { random::of_item(SEED, self.rays) };
-        self.rays += 1;
-        if key > self.largest {
-            return;
+        for (kept, cell) in self.streams[1..].iter_mut().zip(&batch.cells) {
+            cell.lines().for_each(|(job, ops)| kept.take(self.largest, job, ops.iter().copied()));
         }
-        self.keys.push(key);
-        let kept = self.ops.len();
-        self.ops.extend(batch.host.line(line).iter().filter(|op| op.kind() != OpKind::Await));
-        self.waits |= self.ops.len() - kept < batch.host.line(line).len();
-        self.ends.push(self.ops.len());
-        for cell in &batch.cells {
-            self.ops.extend_from_slice(cell.line(line));
-            self.ends.push(self.ops.len());
+        while self.streams.iter().map(Kept::len).sum::<usize>() > Shuffled::MOST && self.largest > 0 {
+            self.largest /= 2;
+            self.streams.iter_mut().for_each(|kept| kept.thin(self.largest));
         }
-        while self.ops.len() + self.ends.len() > Shuffled::MOST && self.keys.len() > 1 {
-            self.halve();
-        }
-    }
-
-    /// Drops about every second ray.
-    fn halve(&mut self) {
-        self.largest /= 2;
-        let mut kept = Shuffled { largest: self.largest, ..Shuffled::new(self.streams - 1) };
-        for ray in (0..self.keys.len()).filter(|&ray| self.keys[ray] <= self.largest) {
-            kept.keys.push(self.keys[ray]);
-            for stream in 0..self.streams {
-                kept.ops.extend_from_slice(self.stream(ray, stream));
-                kept.ends.push(kept.ops.len());
-            }
-        }
-        let Shuffled { ops, ends, keys, .. } = kept;
-        (self.ops, self.ends, self.keys) = (ops, ends, keys);
-    }
-
-    fn stream(&self, ray: usize, stream: usize) -> &[Op] {
-        let index = ray * self.streams + stream;
-        let start = if index == 0 { 0 } else { self.ends[index - 1] };
-        &self.ops[start..self.ends[index]]
-    }
-
-    /// How many rays are kept.
-    pub fn kept(&self) -> usize {
-        self.keys.len()
     }
 
     /// Times the rays that are kept, all but the first in a random order. The host waits for no hits.
     ///
-    /// `None` if they cannot be told apart, as in a trace whose lines are not sorted by rays, or if they do not come to an end without
-    /// the others.
+    /// `None` if the streams do not have the same rays in the same order, or if those that are kept do not come to an end without the
+    /// others.
     pub fn time(&self, spec: &MachineSpec, costs: &Costs, cancel: &Cancel) -> Option<Reordered> {
-        if self.torn || self.keys.is_empty() {
+        let lines = &self.streams[0].lines;
+        let same = |kept: &Kept| kept.lines.iter().map(|line| line.job).eq(lines.iter().map(|line| line.job));
+        if lines.is_empty() || !self.streams.iter().all(same) {
             return None;
         }
-        let mut order: Vec<usize> = (0..self.keys.len()).collect();
-        order.sort_by_key(|&ray| self.keys[ray]);
+        let mut order: Vec<usize> = (0..lines.len()).collect();
+        order.sort_by_key(|&ray| lines[ray].key);
         let mut first = None;
         let timed = replay_watched::<Infallible>(
             (spec, &Watching::default()),
-            (costs, self.streams - 1),
+            (costs, self.streams.len() - 1),
             cancel,
             |take| {
                 let mut batch = OpBatch::default();
@@ -183,12 +145,42 @@ impl Shuffled {
 
     /// Fills an empty batch with some of the rays that are kept.
     fn fill(&self, batch: &mut OpBatch, rays: &[usize]) {
-        batch.cells.resize_with(self.streams - 1, OpStream::default);
+        batch.cells.resize_with(self.streams.len() - 1, OpStream::default);
         for &ray in rays {
-            batch.host.push_line(ray as u32, self.stream(ray, 0));
-            for (cell, stream) in batch.cells.iter_mut().zip(1..) {
-                cell.push_line(ray as u32, self.stream(ray, stream));
-            }
+            let streams = std::iter::once(&mut batch.host).chain(&mut batch.cells);
+            streams.zip(&self.streams).for_each(|(stream, kept)| stream.push_line(ray as u32, kept.line(ray)));
         }
+    }
+}
+
+impl Kept {
+    /// Takes the next ray, unless its number in the random order is too large.
+    fn take(&mut self, largest: u64, job: u32, ops: impl Iterator<Item = Op>) {
+        // With the first ray stands what the cells do before any: it stays the first.
+        let key = if self.seen == 0 { 0 } else { random::of_item(SEED, self.seen) };
+        self.seen += 1;
+        if key <= largest {
+            self.ops.extend(ops);
+            self.lines.push(KeptLine { key, job, end: self.ops.len() });
+        }
+    }
+
+    /// Drops the rays with larger numbers.
+    fn thin(&mut self, largest: u64) {
+        let mut thinned = Kept { seen: self.seen, ..Kept::default() };
+        for (ray, line) in self.lines.iter().enumerate().filter(|(_, line)| line.key <= largest) {
+            thinned.ops.extend_from_slice(self.line(ray));
+            thinned.lines.push(KeptLine { end: thinned.ops.len(), ..*line });
+        }
+        *self = thinned;
+    }
+
+    fn len(&self) -> usize {
+        self.ops.len() + self.lines.len()
+    }
+
+    fn line(&self, ray: usize) -> &[Op] {
+        let start = if ray == 0 { 0 } else { self.lines[ray - 1].end };
+        &self.ops[start..self.lines[ray].end]
     }
 }

