@@ -32,6 +32,8 @@ pub enum Command {
     Image(Box<ImageArgs>),
     /// Times a recorded activity trace again, under any machine, without its scene.
     Replay(Box<ReplayArgs>),
+    /// Finds the fewest words that the FIFOs need, each by itself, for 90 to 100 % of the speed that they could give.
+    SizeFifos(Box<SizeArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
     Sweep(SweepArgs),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
@@ -134,6 +136,25 @@ impl ModelArgs {
             rays: self.rays.clone(),
             order: self.order.clone(),
             program: self.program.clone(),
+            machine_file: self.machine_file.clone(),
+            machine: self.machine.clone(),
+            ..RunOptions::default()
+        };
+        options.retain(|name| typed.has(name));
+        options
+    }
+}
+
+impl SizeArgs {
+    /// What is asked of the run.
+    pub fn options(&self, typed: &Typed) -> RunOptions {
+        let mut options = RunOptions {
+            scene: self.scene.clone(),
+            shape: self.shape.clone(),
+            rays: self.rays.clone(),
+            order: self.order.clone(),
+            program: self.program.clone(),
+            cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
             machine: self.machine.clone(),
             ..RunOptions::default()
@@ -260,6 +281,45 @@ pub struct ReplayArgs {
     pub results: ResultArgs,
     #[command(flatten)]
     pub views: ViewArgs,
+}
+
+/// `pcs-sim size-fifos`.
+#[derive(Debug, Args)]
+pub struct SizeArgs {
+    /// A recorded trace, as --ops wrote it, in place of a run.
+    #[arg(long, value_name = "FILE", conflicts_with = "config")]
+    pub ops: Option<PathBuf>,
+    /// The run that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Write a table of what was found: FILE.csv, and the same as FILE.parquet.
+    #[arg(short = 'o', long, value_name = "FILE", help_heading = "Results")]
+    pub table: Option<PathBuf>,
+    /// Draw it, as SVG and PNG beside the table: speed over words, and the depths of the FIFOs.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub plot: bool,
+    /// Write the machine of each speed, as FILE-99.ron, ... beside the table.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub machines: bool,
+    /// Replace result files that exist.
+    #[arg(long, help_heading = "Results")]
+    pub force: bool,
+    #[command(flatten)]
+    pub program: ProgramOptions,
+    #[command(flatten)]
+    pub cells: CellsOptions,
+    #[command(flatten)]
+    pub scene: SceneOptions,
+    #[command(flatten)]
+    pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub rays: RayOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
+    pub machine_file: MachineFileOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
 }
 
 #[derive(Clone, Debug, Args)]

@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use pcs_sim::error::InputError;
+use pcs_sim::machine::MachineOptions;
 use pcs_sim::program::ArrayProgram;
 use pcs_sim::run::{CellsRun, ImageSpec, RunOptions, RunSpec, Switch, is_builtin};
 use pcs_sim::scene::builtin;
@@ -75,6 +76,21 @@ pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Resu
 /// Refuses the flags that a replay would not look at.
 pub fn check_replay(typed: &RunOptions) -> Result<(), InputError> {
     refuse(typed, &["memory_words"], "is held against a scene, which a trace has not", "leave it out")
+}
+
+/// Refuses what sizing the FIFOs finds out.
+pub fn check_size_fifos(typed: &RunOptions) -> Result<(), InputError> {
+    let depths = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"];
+    refuse(typed, &depths, "is what is sought here", "leave it out")
+}
+
+/// Refuses what a trace has recorded already.
+pub fn check_size_fifos_of_trace(typed: &RunOptions) -> Result<(), InputError> {
+    let of_machine = |name: &str| MachineOptions::PARAMETERS.iter().any(|known| known.name == name);
+    let others =
+        RunOptions::parameters().map(|known| known.name).filter(|name| *name != "machine" && !of_machine(name));
+    let others: Vec<&str> = others.chain(["memory_words"]).collect();
+    refuse(typed, &others, "is about what the trace has recorded", "leave it out, or --ops")
 }
 
 /// Refuses the flags that a replay of a trace in cycles would not look at.

@@ -9,7 +9,7 @@ use pcs_sim::program::work;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, stats};
-use pcs_sim::run::{self, Cancel, RunError, Shuffled};
+use pcs_sim::run::{self, Cancel, RunError, RunOptions, Shuffled};
 use pcs_sim::seam::activity_trace::{ActivityTrace, Form};
 use pcs_sim::seam::{Costs, OpBatch};
 
@@ -31,7 +31,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let spinner = progress::waiting("reading the trace");
     let mut trace = ActivityTrace::open(&args.ops, &work::cycles_vocabulary())?;
     let cells = trace.cells();
-    let costs = costs(args, &machine, &trace)?;
+    let costs = costs(&args.options(), &machine, &trace)?;
     spinner.set_message("timing the trace");
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(machine.spec.clock(), Vec::new())));
     let watched = (&machine.spec, &views.watching());
@@ -81,14 +81,13 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
 }
 
 /// What the trace's units cost: what they did when it was recorded, but for what the machine's file and the flags say.
-fn costs(args: &ReplayArgs, machine: &Machine, trace: &ActivityTrace) -> Result<Costs, InputError> {
+pub fn costs(options: &RunOptions, machine: &Machine, trace: &ActivityTrace) -> Result<Costs, InputError> {
     let recorded = trace.costs();
     if trace.form() == Form::Cycles {
-        moot_flags::check_replay_of_cycles(&args.options())?;
+        moot_flags::check_replay_of_cycles(options)?;
         return Ok(recorded.clone());
     }
-    let options = args.options();
-    let asked = |name: &str| args.machine_file.machine.is_some() || moot_flags::prices(&options, name);
+    let asked = |name: &str| options.machine_file.machine.is_some() || moot_flags::prices(options, name);
     let price = |name: &str| work::price(name, &machine.times, machine.instructions.as_ref());
     Ok(Costs::new(recorded.vocabulary().clone(), |unit| {
         let name = recorded.vocabulary().unit(unit).map_or("", |unit| unit.name.as_str());

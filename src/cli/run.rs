@@ -177,7 +177,13 @@ pub fn verdict(stats: &Measured, losses: Option<&Losses>, clock: Clock) -> Strin
 
 /// What runs, in one line.
 fn title(setup: &Setup) -> String {
-    let Setup { spec: RunSpec { program, order, .. }, scene, rays, workload, .. } = setup;
+    let Setup { spec, scene, rays, workload, .. } = setup;
+    run_title(spec, scene, workload, rays.len())
+}
+
+/// The same of a run that is described, laid out, and has so many rays.
+pub fn run_title(spec: &RunSpec, scene: &Scene, workload: &Workload, rays: usize) -> String {
+    let RunSpec { program, order, .. } = spec;
     format!(
         "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays{}",
         program.name,
@@ -186,7 +192,7 @@ fn title(setup: &Setup) -> String {
         program.stages.len(),
         scene.name,
         grouped(workload.polygons().len() as u64),
-        grouped(rays.len() as u64),
+        grouped(rays as u64),
         in_order(*order),
     )
 }

@@ -164,6 +164,14 @@ impl MachineFile {
         Ok(file)
     }
 
+    /// The text of such a file.
+    ///
+    /// Fails if it cannot be written, which no machine that can be built does.
+    pub fn to_ron(&self) -> ron::Result<String> {
+        let text = ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::new())?;
+        Ok(text + "\n")
+    }
+
     /// The machine in cycles, or why it is impossible.
     pub fn build(&self) -> Result<Machine, InputError> {
         self.convert().map_err(Fault::in_flags)

@@ -8,6 +8,7 @@ pub mod page;
 pub mod palette;
 pub mod plot;
 pub mod prediction;
+pub mod sizing;
 pub mod stats;
 pub mod summary;
 pub mod table;

@@ -9,6 +9,7 @@ mod options;
 mod outputs;
 mod render;
 mod shuffled;
+mod sizing;
 mod spec;
 mod timed;
 mod trace;
@@ -22,6 +23,7 @@ pub use options::{
 pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
 pub use shuffled::{Reordered, Shuffled};
+pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos};
 pub use spec::{ImageSpec, RunSpec, array_program, is_builtin, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};
