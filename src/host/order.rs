@@ -9,6 +9,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::camera::ImageSize;
+use crate::quantities::common_divisor;
 use crate::random;
 
 /// An order of the pixels of an image, or of the rays of a file.
@@ -100,10 +101,6 @@ fn stride(count: u64) -> u64 {
     let golden = (5f64.sqrt() - 1.0) / 2.0;
     let nearest = (count as f64 * golden).round() as u64;
     (nearest.max(1)..).find(|&step| common_divisor(step, count) == 1).unwrap_or(1)
-}
-
-fn common_divisor(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
 impl FromStr for Order {

@@ -8,7 +8,7 @@
 //! Only depths are tried at which some word would have had to wait: less than a FIFO holds if all are unlimited, and in each run that
 //! is fast enough, no more than it came to hold there.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
@@ -18,7 +18,8 @@ use super::timed::UNLIMITED;
 use super::{Cancel, RunError};
 use crate::machine::{Array, Cycles, FifoName, MachineFile, MachineSpec, Stuck, Unfinished, Words};
 use crate::measure::{Actor, FifoStats, Measured, StateTimes};
-use crate::seam::{Channel, Costs, OpBatch};
+use crate::quantities::common_divisor;
+use crate::seam::{Channel, Costs, OpBatch, OpKind};
 
 /// A recorded run, to be timed under depths of all kinds.
 #[derive(Clone, Copy, Debug)]
@@ -121,7 +122,7 @@ pub fn size_fifos(
         let replays = replays.fetch_add(1, Ordering::Relaxed) + 1;
         note(Searching { replays, points: found.load(Ordering::Relaxed) });
     };
-    let search = Search::new(recorded, cancel, &timed);
+    let mut search = Search::new(recorded, cancel, &timed);
     let unlimited = search.unlimited()?;
     let mut points: Vec<Point> = Vec::new();
     for slower in SLOWER {
@@ -147,6 +148,12 @@ struct Search<'a, N> {
     fifos: Vec<FifoName>,
     /// What each FIFO must hold at the least.
     least: Vec<Words>,
+    /// The words that each FIFO carries at a time: a divisor of all its messages.
+    message: Vec<u64>,
+    /// The cycles that each cell works in any run, if a run lasts at the least until all cells have done all their work.
+    works: Option<Vec<Cycles>>,
+    /// How many starts of the search there is time for.
+    starts: usize,
 }
 
 /// A run under some depths.
@@ -154,6 +161,8 @@ struct Trial {
     end: End,
     /// The most that each FIFO held.
     most: Vec<Words>,
+    /// The cycles that each cell worked.
+    works: Vec<Cycles>,
     /// Where the cells' cycles went, and what the FIFOs held: the same, if no word came at another time.
     seen: (Vec<StateTimes>, Vec<FifoStats>),
 }
@@ -168,7 +177,11 @@ enum End {
 
 /// With how many words the search for unlimited depths begins, and how many times deeper it makes a FIFO that was full.
 const FIRST_WORDS: u64 = 1024;
-const DEEPER: u64 = 8;
+const DEEPER: u64 = 32;
+
+/// A search from one start takes some twenty runs a FIFO. With fewer ops than that, times FIFOs, there is time for a second start, with
+/// half as many for a third, and so on.
+const SECOND_START: usize = 100_000_000;
 
 /// In how many parts the unlimited depths are cut where the search begins with the same share of all.
 const PARTS: u64 = 1024;
@@ -176,10 +189,37 @@ const PARTS: u64 = 1024;
 impl<'a, N: Fn() + Sync> Search<'a, N> {
     fn new(recorded: Recorded<'a>, cancel: &'a Cancel, timed: &'a N) -> Search<'a, N> {
         let cells = recorded.batches.first().map_or(1, |batch| batch.cells.len());
-        let fifos: Vec<FifoName> = in_use(recorded.batches).into_iter().collect();
+        let messages = messages(recorded.batches);
+        let fifos: Vec<FifoName> = messages.keys().copied().collect();
         let least = |fifo: &FifoName| if fifo.channel == Channel::Z { recorded.least_z_words } else { Words(1) };
-        let least = fifos.iter().map(least).collect();
-        Search { recorded, cells, cancel, timed, fifos, least }
+        let ops = |batch: &OpBatch| batch.cells.iter().map(|cell| cell.ops().len()).sum::<usize>();
+        let all = recorded.batches.iter().map(ops).sum::<usize>() * fifos.len();
+        Search {
+            recorded,
+            cells,
+            cancel,
+            timed,
+            least: fifos.iter().map(least).collect(),
+            message: messages.into_values().collect(),
+            works: None,
+            starts: 1 + SECOND_START / all.max(1),
+            fifos,
+        }
+    }
+
+    /// Whether it is certain already that a run takes more than so many cycles: the words that have come back tell it, and so does the
+    /// time in which a cell did not work, for all of its work adds to that.
+    fn is_too_slow(&self, array: &Array, answers: &mut u64, most: Cycles) -> bool {
+        while let Some(Cycles(returned)) = array.returned_in(*answers) {
+            *answers += 1;
+            if returned >= most.0 {
+                return true;
+            }
+        }
+        let Some(works) = self.works.as_ref().filter(|_| most != UNLIMITED) else { return false };
+        let so_far = array.so_far();
+        let stood = |times: &StateTimes| times.total() - so_far.topology.states.works(times);
+        so_far.stations.iter().zip(works).any(|(times, &works)| stood(times) + works > most)
     }
 
     /// Times the run. It is broken off as soon as it is known to take more than `most` cycles.
@@ -198,11 +238,8 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
                 break;
             }
             copy = array.take_spent().unwrap_or_default();
-            while let Some(Cycles(returned)) = array.returned_in(answers) {
-                answers += 1;
-                end = (returned >= most.0).then_some(End::TooSlow);
-            }
-            if end.is_some() {
+            if self.is_too_slow(&array, &mut answers, most) {
+                end = Some(End::TooSlow);
                 break;
             }
         }
@@ -215,13 +252,14 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         Ok(Trial {
             end: end.unwrap_or_else(|| ended(array, most)),
             most: stats.iter().map(|fifo| fifo.max).collect(),
+            works: so_far.stations.iter().map(|times| so_far.topology.states.works(times)).collect(),
             // Whether a FIFO was full depends on its depth.
             seen: (so_far.stations, stats.into_iter().map(|fifo| FifoStats { full: Cycles(0), ..fifo }).collect()),
         })
     }
 
     /// What each FIFO must hold so that no word ever waits for room.
-    fn unlimited(&self) -> Result<Depths, SizingError> {
+    fn unlimited(&mut self) -> Result<Depths, SizingError> {
         let deepest = Words(MachineSpec::MAX_FIFO_WORDS);
         let mut words: Vec<Words> = self.least.iter().map(|least| (*least).max(Words(FIRST_WORDS))).collect();
         let (trial, cycles) = loop {
@@ -244,6 +282,7 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
             Ok(if self.time(&words, UNLIMITED)?.seen == trial.seen { words[index] } else { enough[index] })
         };
         let words = (0..enough.len()).into_par_iter().map(exact).collect::<Result<Vec<Words>, SizingError>>()?;
+        self.works = last_op_answers(self.recorded.batches).then_some(trial.works);
         Ok(Depths { words, cycles })
     }
 
@@ -253,19 +292,20 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         let Cycles(cycles) = unlimited.cycles;
         let most = Cycles(cycles + (u128::from(cycles) * u128::from(slower) / 1000) as u64);
         let deepest = unlimited.words.iter().map(|words| words.0).max().unwrap_or(1);
-        // Where the search begins: at the unlimited depths, at the least one that all may share, at the least share of each, or at
-        // what is fast enough already. Each of these leads to other depths.
+        // Where the search begins: at what is fast enough already, at the unlimited depths, at the least one that all may share, or at
+        // the least share of each. Each of these leads to other depths; the first is the shortest way.
         let capped = |words: u64| self.each(unlimited, |own| own.min(words));
         let shared = |part: u64| self.each(unlimited, |own| (own * part).div_ceil(PARTS));
-        let begin = |start: usize| match start {
-            0 => Ok(Some(unlimited.words.clone())),
-            1 => self.least_of(deepest, most, capped).map(Some),
-            2 => self.least_of(PARTS, most, shared).map(Some),
-            _ => Ok(faster.clone()),
+        let begin = |start: usize| match (start, &faster) {
+            (0, Some(faster)) => Ok(faster.clone()),
+            (0 | 1, _) => Ok(unlimited.words.clone()),
+            (2, _) => self.least_of(deepest, most, capped),
+            _ => self.least_of(PARTS, most, shared),
         };
-        let descend = |start: usize| begin(start)?.map(|words| self.descend(words, most)).transpose();
-        let found = (0..4).into_par_iter().map(descend).collect::<Result<Vec<_>, SizingError>>()?;
-        let found = found.into_iter().flatten().min_by_key(|sized| (sized.total(), sized.cycles));
+        let starts: Vec<usize> = (usize::from(faster.is_none())..4).take(self.starts).collect();
+        let descend = |start: usize| self.descend(begin(start)?, most);
+        let found = starts.into_par_iter().map(descend).collect::<Result<Vec<Depths>, SizingError>>()?;
+        let found = found.into_iter().min_by_key(|depths| (depths.total(), depths.cycles));
         Ok(found.unwrap_or_else(|| unlimited.clone()))
     }
 
@@ -296,12 +336,12 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         let mut order: Vec<usize> = (0..words.len()).collect();
         order.sort_by_key(|&index| (std::cmp::Reverse(words[index]), index));
         for index in order {
+            let mut too_few = self.least[index].0 - 1;
             // Many cannot be lowered any more.
             let mut next = words[index].0 - 1;
-            let mut too_few = self.least[index].0 - 1;
             while words[index].0 - too_few > 1 {
-                let tried: Vec<Words> =
-                    words.iter().enumerate().map(|(at, w)| if at == index { Words(next) } else { *w }).collect();
+                let mut tried = words.clone();
+                tried[index] = Words(next);
                 match self.fits(&tried, most)? {
                     None => too_few = next,
                     // No word needs more places than the FIFO holds, but the one in which another is read in the same cycle.
@@ -311,13 +351,25 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
                             enough.map(|((&tried, held), &least)| tried.min(Words(held.0 + 1)).max(least)).collect();
                     }
                 }
-                next = between(too_few, words[index].0);
+                next = self.next(index, too_few, words[index].0);
             }
         }
         match self.time(&words, UNLIMITED)?.end {
             End::Done(cycles) => Ok(Depths { words, cycles }),
             End::Stuck(stuck) => Err(stuck.into()),
             End::TooSlow => Ok(Depths { words, cycles: most }),
+        }
+    }
+
+    /// The depth of a FIFO to be tried between one that is too little and one that is enough: whole messages, as a part of one is
+    /// seldom worth more than none.
+    fn next(&self, index: usize, too_few: u64, enough: u64) -> u64 {
+        let message = self.message[index];
+        let (below, above) = (too_few / message, enough.div_ceil(message));
+        match above > below + 1 {
+            true => message * between(below, above),
+            false if enough.is_multiple_of(message) => enough - 1,
+            false => between(too_few, enough),
         }
     }
 
@@ -355,28 +407,57 @@ fn between(below: u64, above: u64) -> u64 {
     middle.clamp(below + 1, above.saturating_sub(1).max(below + 1))
 }
 
-/// The FIFOs that carry words.
-fn in_use(batches: &[OpBatch]) -> BTreeSet<FifoName> {
-    let mut fifos = BTreeSet::new();
+/// Whether the last thing that each cell does is to write words of an answer, which go on to the host through all cells behind it: no run
+/// then ends before all work is done.
+fn last_op_answers(batches: &[OpBatch]) -> bool {
+    let last = |cell: usize| batches.iter().rev().find_map(|batch| batch.cells[cell].ops().last());
+    let cells = batches.first().map_or(0, |batch| batch.cells.len());
+    (0..cells).all(|cell| last(cell).is_some_and(|op| op.kind() == OpKind::WriteY))
+}
+
+/// The FIFOs that carry words, and for each the largest number that all messages through it can be divided by.
+fn messages(batches: &[OpBatch]) -> BTreeMap<FifoName, u64> {
+    let mut messages = BTreeMap::new();
     for batch in batches {
         let cells = batch.cells.len();
         let cell = |cell: usize| if cell < cells { Actor::Station(cell) } else { Actor::Host };
         let streams = std::iter::once(&batch.host).chain(&batch.cells);
         for (right, stream) in streams.enumerate() {
-            for channel in stream.ops().iter().filter_map(|op| op.kind().writes()) {
+            for (channel, op) in stream.ops().iter().filter_map(|op| Some((op.kind().writes()?, op))) {
                 let reader = if channel == Channel::Z { cell(right.saturating_sub(2)) } else { cell(right) };
-                fifos.insert(FifoName { channel, reader });
+                let message = messages.entry(FifoName { channel, reader }).or_insert(0);
+                *message = common_divisor(*message, u64::from(op.count()));
             }
         }
     }
-    // The last cell passes no rays on.
-    fifos.remove(&FifoName { channel: Channel::X, reader: Actor::Host });
-    fifos
+    // The last cell passes no rays on; and an op may be of no words.
+    messages.retain(|fifo, words| *words > 0 && *fifo != FifoName { channel: Channel::X, reader: Actor::Host });
+    messages
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The next depth is always one that has not been tried.
+    #[test]
+    fn the_next_depth_is_between() {
+        let words = [0, 1, 4, 5, 7, 8, 9, 15, 16, 17, 1000, 1 << 20];
+        let (costs, spec) =
+            (Costs::new(crate::program::work::vocabulary(false), |_| Cycles(1)), MachineSpec::default());
+        let recorded = Recorded { batches: &[], costs: &costs, spec: &spec, least_z_words: Words(1) };
+        let (cancel, timed) = (Cancel::default(), || ());
+        let mut search = Search::new(recorded, &cancel, &timed);
+        for message in [1, 5, 8] {
+            search.message = vec![message];
+            for too_few in words {
+                for enough in words.into_iter().filter(|&enough| enough > too_few + 1) {
+                    let next = search.next(0, too_few, enough);
+                    assert!(too_few < next && next < enough, "{too_few} {next} {enough}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn the_number_between_is_between() {
