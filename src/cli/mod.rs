@@ -24,6 +24,7 @@ mod sweep;
 mod views;
 mod watch;
 
+use std::convert::Infallible;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -34,7 +35,8 @@ use args::{Cli, Command, Typed};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
-use pcs_sim::program::cells::figure7::MeasureError;
+use pcs_sim::program::NotLaidOut;
+use pcs_sim::program::figure7::MeasureError;
 use pcs_sim::run::RunError;
 
 /// Why a command failed.
@@ -73,6 +75,12 @@ impl<E: std::fmt::Display> From<RunError<E>> for Failure {
                 Failure::Output(error.to_string())
             }
         }
+    }
+}
+
+impl From<NotLaidOut> for Failure {
+    fn from(not: NotLaidOut) -> Failure {
+        RunError::<Infallible>::from(not).into()
     }
 }
 

@@ -2,10 +2,10 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::Vec3;
 use pcs_sim::error::InputError;
-use pcs_sim::geometry::Ray;
 use pcs_sim::host::image;
 use pcs_sim::host::order::Order;
 use pcs_sim::machine::{Machine, MachineSpec};
@@ -16,7 +16,7 @@ use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, hits, stats};
-use pcs_sim::run::{self, Outcome, OutputFile, RunSpec, Shuffled, Workers};
+use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, Prepared, RunSpec, Shuffled, Workers};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
@@ -37,9 +37,9 @@ struct Outputs {
 /// What a run is made of.
 struct Setup {
     spec: RunSpec,
-    scene: Scene,
+    scene: Arc<Scene>,
     machine: Machine,
-    rays: Vec<Ray>,
+    prepared: Arc<Prepared>,
     workload: Workload,
 }
 
@@ -51,23 +51,20 @@ pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
         let error = InputError::new("the configuration is that of a whole image");
         return Err(error.help("`pcs-sim image --config FILE` makes it again").into());
     }
-    let spec = RunSpec::new(&options, base)?;
-    moot_flags::check_run(&options, &spec)?;
-    let machine = spec.machine.build()?;
-    let mut files = open_outputs(args, &spec)?;
+    let run = PlannedRun::new(RunSpec::new(&options, base)?)?;
+    moot_flags::check_run(&options, &run.spec)?;
+    let mut files = open_outputs(args, &run.spec)?;
+    let (workers, form) = (workers(args.tracing.threads), args.tracing.ops_form.into());
     let spinner = progress::waiting("preparing the scene");
-    let scene = spec.load_scene()?;
-    let rays = spec.load_rays(&scene)?;
-    let workload = spec.lay_out(&scene, &machine, &rays)?;
-    workload.check(&machine.spec)?;
+    let mut layers = Layers::default();
+    let workload = layers.workload(&run, &workers.cancel)?;
+    workload.check(&run.machine.spec)?;
+    let (scene, prepared) = (layers.scene(&run)?, layers.prepared(&run)?);
     spinner.finish_and_clear();
-    let setup = Setup { spec, scene, machine, rays, workload };
+    let PlannedRun { spec, machine, .. } = run;
+    let setup = Setup { spec, scene, machine, prepared, workload };
     notes(&setup);
-    let (outcome, losses) = simulate(
-        &setup,
-        (workers(args.tracing.threads), args.results.watch, args.tracing.ops_form.into()),
-        &mut files,
-    )?;
+    let (outcome, losses) = simulate(&setup, (workers, args.results.watch, form), &mut files)?;
     print(&report(&setup, &outcome, losses.as_ref()))?;
     let written = write_outputs(&setup, &outcome, losses.as_ref(), files)?;
     print(&outputs::list(&written))
@@ -119,7 +116,7 @@ fn simulate(
 ) -> Result<(Outcome, Option<Losses>), Failure> {
     let spec = &setup.machine.spec;
     let mut live = Live::new(
-        progress::rays(setup.rays.len() as u64),
+        progress::rays(setup.prepared.rays.len() as u64),
         watch.then(|| Watch::new(spec.clock(), cell_names(&setup.workload))),
     );
     let failed = |error: std::io::Error| format!("cannot write the ops: {error}");
@@ -129,7 +126,7 @@ fn simulate(
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
     let watched = (spec, &views.watching());
     let mut shuffled = Shuffled::new(cells);
-    let outcome = run::run_watched(&setup.workload, watched, &setup.rays, &workers, |batch, array| {
+    let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
         shuffled.take(&batch.ops);
         live.inc(batch.hits.len() as u64);
         live.show(array);
@@ -142,8 +139,8 @@ fn simulate(
 }
 
 fn report(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
-    let Setup { machine, rays, workload, .. } = setup;
-    let spec = &machine.spec;
+    let Setup { machine, prepared, workload, .. } = setup;
+    let (spec, rays) = (&machine.spec, prepared.rays.len());
     let hits = outcome.counts.hits;
     let names = cell_names(workload);
     let mut lines = vec![
@@ -153,10 +150,10 @@ fn report(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
         format!(
             "{} rays hit ({:.1} %); {} voxels, {} slabs tests and {} intersection tests a ray",
             grouped(hits),
-            100.0 * hits as f64 / rays.len().max(1) as f64,
-            per_ray(outcome.counts.voxels, rays.len()),
-            per_ray(outcome.counts.slab_tests, rays.len()),
-            per_ray(outcome.counts.intersection_tests, rays.len()),
+            100.0 * hits as f64 / rays.max(1) as f64,
+            per_ray(outcome.counts.voxels, rays),
+            per_ray(outcome.counts.slab_tests, rays),
+            per_ray(outcome.counts.intersection_tests, rays),
         ),
     ];
     lines.push(memory_line(workload));
@@ -177,8 +174,8 @@ pub fn verdict(stats: &Measured, losses: Option<&Losses>, clock: Clock) -> Strin
 
 /// What runs, in one line.
 fn title(setup: &Setup) -> String {
-    let Setup { spec, scene, rays, workload, .. } = setup;
-    run_title(spec, scene, workload, rays.len())
+    let Setup { spec, scene, prepared, workload, .. } = setup;
+    run_title(spec, scene, workload, prepared.rays.len())
 }
 
 /// The same of a run that is described, laid out, and has so many rays.
@@ -269,11 +266,12 @@ fn write_outputs(
     let configuration = Configuration::new(&setup.spec, &setup.workload);
     outputs::finish(files.stats, &mut written, |file| {
         let spec = &setup.machine.spec;
-        let json = stats::to_json(&outcome.stats, spec.clock(), losses, Some(&outcome.counts), Some(&configuration))?;
+        let json = stats::to_json(&outcome.stats, spec.clock(), losses, Some(&outcome.counts), &configuration)?;
         file.write_all(json.as_bytes())
     })?;
-    let sequence = setup.spec.sequence(setup.rays.len());
-    outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &sequence.by_number(&outcome.hits)))?;
+    let sequence = setup.spec.sequence(setup.prepared.rays.len());
+    let found = sequence.by_number(&outcome.hits);
+    outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &found))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
     outputs::finish(files.image, &mut written, |file| {
         image::write_png(file, setup.spec.size, &preview(setup, outcome))
@@ -300,7 +298,7 @@ fn write_views(
         losses,
         observed: &outcome.observed,
         cell_names,
-        configuration: Some(configuration),
+        configuration,
         image: image.as_deref(),
     };
     views.write(&seen, written)
@@ -319,9 +317,9 @@ fn page_image(setup: &Setup, outcome: &Outcome, views: &Views) -> Result<Option<
 
 /// The picture of the primary rays' hits: its pixels, line by line.
 fn preview(setup: &Setup, outcome: &Outcome) -> Vec<Vec3> {
-    let Setup { spec, scene, rays, workload, .. } = setup;
-    let pixels = image::preview(scene, workload.polygons(), rays, &outcome.hits);
-    spec.sequence(rays.len()).by_number(&pixels)
+    let Setup { spec, scene, prepared, workload, .. } = setup;
+    let pixels = image::preview(scene, workload.polygons(), &prepared.rays, &outcome.hits);
+    spec.sequence(prepared.rays.len()).by_number(&pixels)
 }
 
 /// What each cell runs.

@@ -1,8 +1,8 @@
 //! `pcs-sim size-fifos`: the fewest words that FIFOs need, for a run or for a recorded trace.
 
-use std::convert::Infallible;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pcs_sim::error::InputError;
 use pcs_sim::machine::{Machine, MachineFile, Words};
@@ -11,7 +11,7 @@ use pcs_sim::report::sizing::{self, SizesTable};
 use pcs_sim::report::summary::grouped;
 use pcs_sim::report::table::{self, Table};
 use pcs_sim::run::{
-    self, Front, OutputFile, Point, Recorded, RunError, RunSpec, SLOWER, Searching, TracedBatch, Workers,
+    self, Front, Layers, OutputFile, PlannedRun, Point, Recorded, RunSpec, SLOWER, Searching, Traced, Workers,
 };
 use pcs_sim::seam::activity_trace::ActivityTrace;
 use pcs_sim::seam::{Costs, OpBatch};
@@ -32,72 +32,73 @@ struct Outputs {
 /// What is sized.
 struct Recording {
     title: String,
-    batches: Vec<OpBatch>,
+    ops: Ops,
     costs: Costs,
     machine: Machine,
     file: MachineFile,
     least_z_words: Words,
 }
 
+/// What host and cells do: in a run that was traced, or in a trace that was read.
+enum Ops {
+    Traced(Arc<Traced>),
+    Read(Vec<OpBatch>),
+}
+
 /// Records the run or reads the trace, and searches.
 pub fn size_fifos(args: &SizeArgs, typed: &Typed) -> Result<(), Failure> {
     let files = Outputs::open(args)?;
+    let workers = Workers::on_all_cores();
     let recording = match &args.ops {
         Some(path) => of_trace(args, typed, path)?,
-        None => of_run(args, typed)?,
+        None => of_run(args, typed, &workers)?,
     };
     recording.machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    let Recording { batches, costs, machine, least_z_words, .. } = &recording;
-    let (batches, spec, least_z_words) = (batches.as_slice(), &machine.spec, *least_z_words);
+    let Recording { title, ops, costs, machine, least_z_words, .. } = &recording;
+    let batches = match ops {
+        Ops::Traced(traced) => traced.batches(),
+        Ops::Read(batches) => batches,
+    };
+    let (spec, least_z_words) = (&machine.spec, *least_z_words);
     let bar = progress::waiting("sizing the FIFOs");
     let note = |Searching { replays, points }| {
         bar.set_message(format!("sizing the FIFOs: {points} of {} machines found, {replays} replays", SLOWER.len()));
     };
-    let workers = Workers::on_all_cores();
     let front = run::size_fifos(Recorded { batches, costs, spec, least_z_words }, &workers.cancel, note)?;
     bar.finish_and_clear();
-    print(&format!(
-        "FIFOs of {}\n{}\n\n{}\n{}",
-        recording.title,
-        runs::machine_line(spec),
-        sizing::to_text(&front),
-        sizing::sentences(&front)
-    ))?;
+    let (machine, table) = (runs::machine_line(spec), sizing::to_text(&front));
+    print(&format!("FIFOs of {title}\n{machine}\n\n{table}\n{}", sizing::sentences(&front)))?;
     print(&outputs::list(&files.write(&front, &recording)?))
 }
 
 /// A run whose ops are recorded.
-fn of_run(args: &SizeArgs, typed: &Typed) -> Result<Recording, Failure> {
+fn of_run(args: &SizeArgs, typed: &Typed, workers: &Workers) -> Result<Recording, Failure> {
     let options = args.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     if base.as_ref().is_some_and(|base| base.image.is_some()) {
         let error = InputError::new("the configuration is that of a whole image");
         return Err(error
-            .help("record it by `pcs-sim image --config FILE --ops FILE`, and name the recording by --ops")
+            .help("record it by `pcs-sim image --config FILE --ops OPS`, and take the recording by --ops OPS")
             .into());
     }
-    let spec = RunSpec::new(&options, base)?;
+    let run = PlannedRun::new(RunSpec::new(&options, base)?)?;
     moot_flags::check_size_fifos(&options)?;
-    moot_flags::check_run(&options, &spec)?;
-    // What is sized must not keep the run from being recorded.
-    let machine = spec.machine.build()?;
+    moot_flags::check_run(&options, &run.spec)?;
     let spinner = progress::waiting("tracing the rays");
-    let scene = spec.load_scene()?;
-    let rays = spec.load_rays(&scene)?;
-    let workload = spec.lay_out(&scene, &machine, &rays)?;
-    let workers = Workers::on_all_cores();
-    let mut batches = Vec::new();
-    run::trace(&workload, &rays, &workers, |batch| {
-        workers.cancel.check()?;
-        batch.fault.map_or(Ok(()), Err)?;
-        batches.push(batch.ops);
-        Ok::<_, RunError<Infallible>>(TracedBatch::default())
-    })?;
+    let mut layers = Layers::default();
+    let traced = layers.traced(&run, workers)?;
+    let (scene, prepared) = (layers.scene(&run)?, layers.prepared(&run)?);
     spinner.finish_and_clear();
     scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    let title = runs::run_title(&spec, &scene, &workload, rays.len());
-    let (costs, least_z_words) = (workload.costs().clone(), workload.least_z_words());
-    Ok(Recording { title, batches, costs, machine, file: spec.machine, least_z_words })
+    let workload = traced.workload();
+    Ok(Recording {
+        title: runs::run_title(&run.spec, &scene, workload, prepared.rays.len()),
+        costs: workload.costs().clone(),
+        least_z_words: workload.least_z_words(),
+        ops: Ops::Traced(traced),
+        machine: run.machine,
+        file: run.spec.machine,
+    })
 }
 
 /// A recorded trace.
@@ -109,7 +110,7 @@ fn of_trace(args: &SizeArgs, typed: &Typed, path: &Path) -> Result<Recording, Fa
     let machine = file.build()?;
     let spinner = progress::waiting("reading the trace");
     let mut trace = ActivityTrace::open(path, &work::cycles_vocabulary())?;
-    let costs = replay::costs(&options, &machine, &trace)?;
+    let costs = replay::costs(&options, None, &machine, &trace)?;
     let mut batches = Vec::new();
     trace.for_each_batch(|batch| {
         batches.push(batch);
@@ -117,7 +118,7 @@ fn of_trace(args: &SizeArgs, typed: &Typed, path: &Path) -> Result<Recording, Fa
     })?;
     spinner.finish_and_clear();
     let title = format!("{} on {} cells: {} rays", path.display(), trace.cells(), grouped(trace.jobs()));
-    Ok(Recording { title, batches, costs, machine, file, least_z_words: Words(1) })
+    Ok(Recording { title, ops: Ops::Read(batches), costs, machine, file, least_z_words: Words(1) })
 }
 
 impl Outputs {

@@ -210,20 +210,19 @@ pub fn sentences(front: &Front) -> String {
     if !deepest.is_empty() {
         text += &format!("{} would hold more than the deepest FIFO that can be simulated.\n", deepest.join(", "));
     }
-    for row in rows(front) {
-        if let Fewer::Stuck(stuck) = &row.end {
-            let what = match (row.point, row.fewer) {
-                (Some(point), Some(index)) => {
-                    format!(
-                        "With one word fewer in {}, the machine for {}",
-                        front.fifos[index],
-                        share(speed_wanted(point))
-                    )
-                }
-                _ => "The least machine".to_owned(),
-            };
-            text += &format!("{what} never ends: {}.\n", standstill(stuck));
+    for (index, fifo) in front.fifos.iter().enumerate() {
+        let stuck = |point: &Point| match &point.fewer[index] {
+            Some(Fewer::Stuck(stuck)) => Some((share(speed_wanted(point)), standstill(stuck))),
+            _ => None,
+        };
+        let stuck: Vec<(String, String)> = front.points.iter().filter_map(stuck).collect();
+        if let Some((_, first)) = stuck.first() {
+            let speeds: Vec<&str> = stuck.iter().map(|(speed, _)| speed.as_str()).collect();
+            text += &format!("With one word fewer in {fifo} the run never ends ({}): {first}.\n", speeds.join(", "));
         }
+    }
+    if let Fewer::Stuck(stuck) = &front.least.1 {
+        text += &format!("With the least depths it never ends: {}.\n", standstill(stuck));
     }
     text
 }

@@ -3,8 +3,9 @@
 
 use std::convert::Infallible;
 
+use super::RunError;
 use super::timed::{Watching, replay_watched};
-use super::{Cancel, RunError};
+use crate::cancel::Cancel;
 use crate::machine::MachineSpec;
 use crate::measure::{Measured, StateTimes};
 use crate::random;
@@ -15,19 +16,18 @@ use crate::seam::{Costs, Op, OpBatch, OpKind, OpStream};
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// use pcs_sim::run::{self, Cancel, RunOptions, RunSpec, Shuffled, Workers};
+/// use pcs_sim::cancel::Cancel;
+/// use pcs_sim::run::{self, Layers, PlannedRun, RunOptions, RunSpec, Shuffled, Workers};
 ///
 /// let mut options = RunOptions::default();
 /// for (name, value) in [("scene", "room"), ("size", "24x24"), ("mode", "broadcast"), ("cells", "4")] {
 ///     options.set(name, value)?;
 /// }
-/// let spec = RunSpec::new(&options, None)?;
-/// let machine = spec.machine.build()?;
-/// let scene = spec.load_scene()?;
-/// let rays = spec.load_rays(&scene)?;
-/// let workload = spec.lay_out(&scene, &machine, &rays)?;
+/// let (planned, mut layers) = (PlannedRun::new(RunSpec::new(&options, None)?)?, Layers::default());
+/// let workload = layers.workload(&planned, &Cancel::default())?;
+/// let (rays, machine) = (&layers.prepared(&planned)?.rays, &planned.machine);
 /// let mut shuffled = Shuffled::new(workload.cells());
-/// let outcome = run::run(&workload, &machine.spec, &rays, &Workers::new(2), |batch| {
+/// let outcome = run::run(&workload, &machine.spec, rays, &Workers::new(2), |batch| {
 ///     shuffled.take(&batch.ops);
 ///     Ok::<(), std::io::Error>(())
 /// })?;

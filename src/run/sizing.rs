@@ -14,8 +14,9 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use super::RunError;
 use super::timed::UNLIMITED;
-use super::{Cancel, RunError};
+use crate::cancel::Cancel;
 use crate::machine::{Array, Cycles, FifoName, MachineFile, MachineSpec, Stuck, Unfinished, Words};
 use crate::measure::{Actor, FifoStats, Measured, StateTimes};
 use crate::quantities::common_divisor;
@@ -181,7 +182,7 @@ const DEEPER: u64 = 32;
 
 /// A search from one start takes some twenty runs a FIFO. With fewer ops than that, times FIFOs, there is time for a second start, with
 /// half as many for a third, and so on.
-const SECOND_START: usize = 100_000_000;
+const SECOND_START: usize = 40_000_000;
 
 /// In how many parts the unlimited depths are cut where the search begins with the same share of all.
 const PARTS: u64 = 1024;

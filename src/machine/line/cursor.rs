@@ -7,7 +7,7 @@ use super::states::{blocked, waiting};
 use super::watcher::Watcher;
 use crate::measure::{StateId, StateTimes};
 use crate::quantities::Cycles;
-use crate::seam::{Channel, Op, OpKind, Unit};
+use crate::seam::{Channel, Op, OpKind};
 
 /// Why a cell has stopped. Its op tells the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,36 +59,52 @@ impl Cursor {
         Cursor { clock: 0, left: 0, limit }
     }
 
-    /// Does one op after the other until one halts. `step` does one, of which so much is left to do.
+    /// Does one op after the other until one halts. `step` does one that moves words or waits, of which so much is left to do.
     #[inline(always)]
-    pub fn run(&mut self, ops: &[Op], done: &mut usize, mut step: impl FnMut(&mut Cursor, Op, u64) -> Done) -> Halt {
-        let mut now = *self;
-        let mut halt = Halt::OutOfOps;
-        let mut finished = *done;
+    pub fn run<W: Watcher>(
+        &mut self,
+        ops: &[Op],
+        done: &mut usize,
+        ledger: &mut Ledger<'_, W>,
+        mut step: impl FnMut(&mut Cursor, Op, u64, &mut Ledger<'_, W>) -> Done,
+    ) -> Halt {
+        let (mut now, mut finished) = (*self, *done);
         let mut resume = std::mem::take(&mut now.left);
-        while let Some(&op) = ops.get(finished) {
+        let halt = loop {
+            if let Err(why) = now.work(ops, &mut finished, ledger) {
+                break why;
+            }
+            let Some(&op) = ops.get(finished) else { break Halt::OutOfOps };
             let left = if resume > 0 { resume } else { op.count() as u64 };
-            if let Err(why) = step(&mut now, op, left) {
-                halt = why;
-                break;
+            if let Err(why) = step(&mut now, op, left, ledger) {
+                break why;
             }
             resume = 0;
             finished += 1;
-        }
-        *done = finished;
-        *self = now;
+        };
+        (*self, *done) = (now, finished);
         halt
     }
 
-    /// Works on so many units. What the limit cuts off is never gone on with, so it need not be told how far it came.
+    /// Works, as long as one op after the other is work: that is often, and in a loop of its own the clock stays in a register.
+    /// What the limit cuts off is never gone on with, so it need not be told how far it came.
     #[inline(always)]
-    pub fn work(&mut self, unit: Unit, count: u64, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
-        let (cost, state) = ledger.prices.of(unit);
-        let wanted = count * cost;
-        let cycles = wanted.min(self.limit - self.clock);
-        ledger.spend(state, self.clock, cycles);
-        self.clock += cycles;
-        if cycles < wanted { self.halt(Halt::Limit, count) } else { Ok(()) }
+    fn work(&mut self, ops: &[Op], finished: &mut usize, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
+        let mut clock = self.clock;
+        while let Some((unit, count)) = ops.get(*finished).and_then(|op| Some((op.unit()?, op.count() as u64))) {
+            let (cost, state) = ledger.prices.of(unit);
+            let until = clock + count * cost;
+            if until > self.limit {
+                ledger.spend(state, clock, self.limit - clock);
+                self.clock = self.limit;
+                return self.halt(Halt::Limit, count);
+            }
+            ledger.spend(state, clock, until - clock);
+            clock = until;
+            *finished += 1;
+        }
+        self.clock = clock;
+        Ok(())
     }
 
     #[inline(always)]
