@@ -79,7 +79,7 @@ impl SizesTable {
         let of_depths = [
             column("fifo", Kind::Text, "FIFO"),
             column("words", Kind::Whole, "depth (words)"),
-            column("speed_wanted", Kind::Text, "speed, of that with unlimited FIFOs"),
+            column("speed_wanted", Kind::Text, "speed"),
         ];
         let depths = Table { columns: &of_depths, rows: depths.iter().map(Vec::as_slice).collect() };
         let [of_speed, of_fifos] = PICTURES;

@@ -59,7 +59,7 @@ proptest! {
                 prop_assert_ne!(&seen(&fewer), &nothing_waits, "{}", front.fifos[index]);
             }
             let mut more = front.unlimited.words.clone();
-            more[index] = more[index] + Words(5);
+            more[index] += Words(5);
             prop_assert_eq!(&seen(&more), &nothing_waits, "{}", front.fifos[index]);
         }
         prop_assert_eq!(front.points.len(), SLOWER.len());
@@ -152,6 +152,15 @@ fn a_depth_that_can_never_do_is_a_row_that_says_so() {
     assert_eq!(stuck.iter().filter(|row| row["one_fewer"] == "Y1" && row["Y1"] == "59").count(), 5);
     assert!(stuck.iter().all(|row| row["error"].starts_with("deadlock: ") && row["cycles"].is_empty()), "{stuck:?}");
     assert_eq!(stuck.last().unwrap()["depths"], "least");
+}
+
+#[test]
+fn the_manual_shows_a_real_search() {
+    let manual = include_str!("../../docs/using.md");
+    let (_, section) = manual.split_once("\n## How deep must FIFOs be?\n").unwrap();
+    let (command, shown) = section.split_once("$ pcs-sim ").unwrap().1.split_once('\n').unwrap();
+    let found = Folder::new().run(command).success();
+    assert_eq!(found.split("\nFound by").next().unwrap(), shown.split("```").next().unwrap());
 }
 
 #[test]
