@@ -61,7 +61,7 @@ impl Views {
     /// What the views need to see of an array.
     pub fn watching(&self) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
-        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()) }
+        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: false }
     }
 
     /// Whether a view shows the traced picture.

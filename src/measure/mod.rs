@@ -7,6 +7,7 @@
 
 mod clock;
 mod moment;
+mod path;
 mod profile;
 mod recording;
 mod so_far;
@@ -16,6 +17,7 @@ mod topology;
 
 pub use clock::Clock;
 pub use moment::{Moment, StationMoment};
+pub use path::{Cause, CriticalPath, PathPart, PathUnit};
 pub use profile::{FifoBin, FifoProfile, Latency, Profile};
 pub use recording::{FifoLevels, JobSpan, Recording, StationRecord, Stretch};
 pub use so_far::SoFar;

@@ -7,7 +7,7 @@ use crate::error::InputError;
 use crate::geometry::{Hit, Ray};
 use crate::isa::Fault;
 use crate::machine::{Array, Cycles, MachineSpec, Observed, Stuck, Unfinished};
-use crate::measure::{Measured, Recording};
+use crate::measure::{CriticalPath, Measured, Recording};
 use crate::program::{Counts, Workload};
 use crate::seam::{BatchError, Costs, OpBatch};
 
@@ -31,6 +31,8 @@ pub struct Watching {
     pub profile: bool,
     /// The cycles of which a recording is asked for.
     pub recording: Option<Range<Cycles>>,
+    /// Whether the critical path is asked for.
+    pub path: bool,
 }
 
 impl Watching {
@@ -38,6 +40,7 @@ impl Watching {
     pub(super) fn array(&self, spec: &MachineSpec, costs: &Costs, cells: usize, limit: Cycles) -> Array {
         let array = Array::until(spec, costs, cells, limit);
         let array = if self.profile { array.probed() } else { array };
+        let array = if self.path { array.explained(CriticalPath::MOST_OPS) } else { array };
         match &self.recording {
             Some(window) => array.recorded(window.clone(), Recording::MOST_EVENTS),
             None => array,

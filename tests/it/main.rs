@@ -26,6 +26,7 @@ mod manual;
 mod model_command;
 mod modes_agree;
 mod objects;
+mod path_is_exact;
 mod plots_of_tables;
 mod polygons;
 mod profile_is_exact;

@@ -1,9 +1,10 @@
 //! One cell: a sequencer with a clock of its own that does its ops one after the other.
 
 use super::cursor::{Cursor, Halt, Ledger};
+use super::hold::Hold;
 use super::link::Link;
 use super::prices::Prices;
-use super::states::{IDLE, MOVING, blocked, waiting};
+use super::states::{IDLE, MOVING};
 use super::watcher::Watcher;
 use crate::measure::StateTimes;
 use crate::quantities::Cycles;
@@ -21,18 +22,17 @@ impl Cell {
         Cell { now: Cursor::new(limit), times: StateTimes::default() }
     }
 
-    /// Does a cell's ops, counting the finished ones up in `done`, until it can go no further. The last cell has no right
+    /// Does a cell's ops until it can go no further. The last cell has no right
     /// neighbour to pass rays on to (`is_last`).
     pub fn run(
         &mut self,
         ops: &[Op],
-        done: &mut usize,
         (input, output): (&mut Link, &mut Link),
         is_last: bool,
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, done, |now, op, left| {
+        self.now.run(ops, |now, op, left| {
             // Asked first, and not in the match: two of three ops compute, and a branch is cheaper than a jump table.
             if let Some(unit) = op.unit() {
                 return now.work(unit, left, ledger);
@@ -55,13 +55,12 @@ impl Cell {
     pub fn run_host(
         &mut self,
         ops: &[Op],
-        done: &mut usize,
         output: &mut Link,
         returned: &[u64],
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, done, |now, op, left| match op.kind() {
+        self.now.run(ops, |now, op, left| match op.kind() {
             OpKind::Work(unit) => now.work(unit, left, ledger),
             OpKind::WriteX => now.write(left, Channel::X, output, ledger),
             OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
@@ -78,13 +77,13 @@ impl Cell {
         // A word that is passed on and waits for room still has to come in first.
         if let (Some(channel), Halt::NoWord | Halt::NoRoom) = (reads, halt) {
             let ready = if halt == Halt::NoWord { None } else { input.fifo(channel).ready() };
-            now.stall_until(ready.unwrap_or(now.limit), waiting(channel), ledger);
+            now.stall_until(ready.unwrap_or(now.limit), (Hold::Word(channel), now.left), ledger);
         }
         if let (Some(channel), Halt::NoRoom) = (writes, halt) {
-            now.stall_until(now.limit, blocked(channel), ledger);
+            now.stall_until(now.limit, (Hold::Slot(channel), now.left), ledger);
         }
         if halt == Halt::NotReturned {
-            now.stall_until(now.limit, waiting(Channel::Y), ledger);
+            now.stall_until(now.limit, (Hold::Answer, now.left), ledger);
         }
     }
 

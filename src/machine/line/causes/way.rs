@@ -1,0 +1,169 @@
+//! The way back from some points, through the ops since the last reckoning.
+
+use super::chains::Chains;
+use super::tally::Code;
+use super::window::{NOW, Past, Point};
+use super::{Stand, Station, Wait};
+use crate::seam::{Op, OpKind};
+
+/// All points since the last reckoning that some points lead back to.
+pub(super) struct Way<'a> {
+    past: &'a Past<'a>,
+    stations: &'a [Station],
+    /// The points of earlier times, with their nodes.
+    before: &'a [(Point, u32)],
+    reached: Vec<Reached<'a>>,
+    /// For each station, the node of its first point.
+    first: Vec<u32>,
+}
+
+impl<'a> Way<'a> {
+    /// The way back from `live` points. The nodes of the points on it are numbered from `next` on.
+    pub fn new(
+        past: &'a Past<'a>,
+        stations: &'a [Station],
+        (before, mut next): (&'a [(Point, u32)], u32),
+        live: &[Point],
+    ) -> Way<'a> {
+        let mut reached: Vec<Reached<'_>> = stations.iter().map(|station| Reached::new(&station.waits)).collect();
+        let mut todo = live.to_vec();
+        while let Some((station, cycle)) = todo.pop() {
+            if cycle < stations[station].start.clock {
+                continue;
+            }
+            if let Some(wait) = reached[station].come_to(cycle) {
+                todo.push(past.crossing(station, wait.until, wait.by).from);
+            }
+        }
+        let mut first = Vec::with_capacity(reached.len());
+        for station in &mut reached {
+            station.cycles.sort_unstable();
+            station.cycles.dedup();
+            first.push(next);
+            next += station.cycles.len() as u32;
+        }
+        Way { past, stations, before, reached, first }
+    }
+
+    /// The node of a point.
+    pub fn node_of(&self, (station, cycle): Point) -> u32 {
+        if cycle < self.stations[station].start.clock {
+            return self.node_before((station, cycle));
+        }
+        let place = self.reached[station].cycles.partition_point(|&other| other < cycle);
+        self.first[station] + place as u32
+    }
+
+    /// The node of a point of an earlier time.
+    fn node_before(&self, point: Point) -> u32 {
+        let found = self.before.binary_search_by_key(&point, |entry| entry.0);
+        debug_assert!(found.is_ok(), "nothing can follow from {point:?}");
+        found.map_or(0, |place| self.before[place].1)
+    }
+
+    /// Adds the points to the chains, each with what lies between it and the one that it follows from.
+    pub fn enter(&self, chains: &mut Chains) {
+        for (station, reached) in self.reached.iter().enumerate() {
+            let mut walk = Walk { past: self.past, station, at: self.stations[station].start };
+            let mut behind = None;
+            for &cycle in &reached.cycles {
+                let waits = reached.waits_before(cycle);
+                let parent = if behind == Some(waits) {
+                    chains.len() - 1
+                } else if let Some(wait) = waits.checked_sub(1).map(|last| &reached.waits[last]) {
+                    let crossing = self.past.crossing(station, wait.until, wait.by);
+                    crossing.enter(chains);
+                    walk.at = wait.stand();
+                    self.node_of(crossing.from)
+                } else {
+                    self.node_before((station, NOW))
+                };
+                behind = Some(waits);
+                walk.go(cycle, chains);
+                chains.push(parent);
+            }
+        }
+    }
+}
+
+impl Wait {
+    /// Where the station stood behind it.
+    fn stand(&self) -> Stand {
+        Stand { batch: self.batch as usize, op: self.op as usize, left: self.left, clock: self.until }
+    }
+}
+
+/// The waits of one station in the window, and its points that chains lead through.
+struct Reached<'a> {
+    waits: &'a [Wait],
+    /// Whether the way that begins behind a wait has been come to; the first begins with the window.
+    seen: Vec<bool>,
+    cycles: Vec<u64>,
+}
+
+impl<'a> Reached<'a> {
+    fn new(waits: &'a [Wait]) -> Reached<'a> {
+        Reached { waits, seen: vec![false; waits.len() + 1], cycles: Vec::new() }
+    }
+
+    /// How many waits are over at the beginning of a cycle.
+    fn waits_before(&self, cycle: u64) -> usize {
+        self.waits.partition_point(|wait| wait.until <= cycle)
+    }
+
+    /// Comes to a point. Returns the wait before it, if no point behind that has been come to.
+    fn come_to(&mut self, cycle: u64) -> Option<&'a Wait> {
+        self.cycles.push(cycle);
+        let before = self.waits_before(cycle);
+        let is_new = !std::mem::replace(&mut self.seen[before], true);
+        before.checked_sub(1).filter(|_| is_new).map(|wait| &self.waits[wait])
+    }
+}
+
+/// Goes through the ops of one station from a wait to the next, between which no cycle is lost.
+struct Walk<'a> {
+    past: &'a Past<'a>,
+    station: usize,
+    at: Stand,
+}
+
+impl Walk<'_> {
+    /// Goes on to the beginning of cycle `until`, in which the station moves a word, or to where it stands now.
+    fn go(&mut self, until: u64, chains: &mut Chains) {
+        let end = self.past.stands[self.station];
+        while self.at.batch <= end.batch {
+            let ops = self.past.ops(self.station, self.at.batch);
+            while let Some(&op) = ops.get(self.at.op) {
+                let is_last = (self.at.batch, self.at.op) == (end.batch, end.op);
+                if is_last && end.left == 0 {
+                    return;
+                }
+                let left = if self.at.left > 0 { self.at.left } else { op.count() as u64 };
+                let known = if is_last { left.saturating_sub(end.left) } else { left };
+                let done = self.step(op, known, until, chains);
+                if is_last || done < known {
+                    self.at.left = left - done;
+                    return;
+                }
+                self.at.op += 1;
+                self.at.left = 0;
+            }
+            if self.at.batch == end.batch {
+                return;
+            }
+            self.at = Stand { batch: self.at.batch + 1, op: 0, ..self.at };
+        }
+    }
+
+    /// Does so much of an op, or what of it comes before cycle `until`. Returns how much.
+    fn step(&mut self, op: Op, left: u64, until: u64, chains: &mut Chains) -> u64 {
+        let (code, each, count) = match op.kind() {
+            OpKind::Work(unit) => (Code::work(unit), self.past.prices.of(unit).0, left),
+            OpKind::Await => return left,
+            _ => (Code::MOVE, 1, left.min(until.saturating_sub(self.at.clock))),
+        };
+        chains.pen.add(self.station, code, self.at.clock, count * each, count);
+        self.at.clock += count * each;
+        count
+    }
+}

@@ -1,0 +1,147 @@
+//! What happened since the last reckoning, as the array has it: what follows from what.
+
+use std::collections::VecDeque;
+
+use super::chains::Chains;
+use super::tally::Code;
+use super::Stand;
+use crate::machine::line::hold::Hold;
+use crate::machine::line::link::Link;
+use crate::machine::line::prices::Prices;
+use crate::seam::{Channel, Op, OpBatch};
+
+/// What happened, as far as it is known. Station 0 is the host, and station i + 1 cell i.
+#[derive(Debug)]
+pub(in crate::machine::line) struct Past<'a> {
+    /// The batches that are held, from number `first` on.
+    pub batches: &'a VecDeque<OpBatch>,
+    pub first: usize,
+    pub links: &'a [Link],
+    pub prices: &'a Prices,
+    /// When the host read the last word of each answer.
+    pub returned: &'a [u64],
+    /// Where each station stands.
+    pub stands: Vec<Stand>,
+}
+
+/// Where a chain of causes stands that ends in a cycle: somebody at the beginning of a cycle in which it moves a word, or
+/// where it stands now.
+pub(super) type Point = (usize, u64);
+
+/// The cycle of a point that stands for where a station stands now.
+pub(super) const NOW: u64 = u64::MAX;
+
+/// What a wait was for: the point that it follows from, and what lies between them.
+pub(super) struct Crossing {
+    pub from: Point,
+    parts: [Option<(usize, Code, u64, u64)>; 2],
+}
+
+impl Past<'_> {
+    fn latency(&self) -> u64 {
+        self.links[0].x.latency()
+    }
+
+    /// The station of the last cell.
+    pub(super) fn last(&self) -> usize {
+        self.links.len() - 1
+    }
+
+    /// Who reads what a station writes to a channel. Of the last cell's words it is the host.
+    fn reader(&self, station: usize, channel: Channel) -> usize {
+        match channel {
+            Channel::Z => station - 1,
+            _ if station == self.last() => 0,
+            _ => station + 1,
+        }
+    }
+
+    /// Who writes what a station reads from a channel.
+    fn writer(station: usize, channel: Channel) -> usize {
+        if channel == Channel::Z { station + 1 } else { station - 1 }
+    }
+
+    /// What a station's wait until cycle `until` was for.
+    pub(super) fn crossing(&self, station: usize, until: u64, by: Hold) -> Crossing {
+        let latency = self.latency();
+        let one = |from, part| Crossing { from, parts: [Some(part), None] };
+        match by {
+            Hold::Word(channel) => {
+                let written = until - latency;
+                one((Past::writer(station, channel), written), (station, Code::latency(channel), written, latency))
+            }
+            Hold::Slot(channel) => match self.reader(station, channel) {
+                0 => self.through_host(until, Code::slot(channel)),
+                reader => one((reader, until - 1), (reader, Code::slot(channel), until - 1, 1)),
+            },
+            Hold::Wire(channel) => {
+                let cycles = self.links[0].cycles_per_word();
+                let part = (self.reader(station, channel), Code::wire(channel), until - cycles, cycles);
+                one((station, until - cycles), part)
+            }
+            Hold::Answer => self.through_host(until, Code::MOVE),
+        }
+    }
+
+    /// What follows from the host's read of a word of an answer in the cycle before `until`: it reads each word as soon as it
+    /// has come.
+    pub(super) fn through_host(&self, until: u64, code: Code) -> Crossing {
+        let written = until - 1 - self.latency();
+        let way = (0, Code::latency(Channel::Y), written, self.latency());
+        Crossing { from: (self.last(), written), parts: [Some(way), Some((0, code, until - 1, 1))] }
+    }
+
+    /// All points that something may yet follow from which has not happened.
+    pub(super) fn live(&self) -> Vec<Point> {
+        let last = self.last();
+        let clock = |station: usize| self.stands[station].clock;
+        let mut live: Vec<Point> = (0..=last).map(|station| (station, NOW)).collect();
+        for (left, link) in self.links.iter().enumerate() {
+            for channel in Channel::ALL {
+                let (writer, reader) = match (channel, left == last) {
+                    (Channel::Z, true) => continue,
+                    (Channel::Z, false) => (left + 1, left),
+                    (_, true) => (left, 0),
+                    (_, false) => (left, left + 1),
+                };
+                let fifo = link.fifo(channel);
+                let reads = fifo.reads_awaited_at(clock(writer));
+                if reader == 0 && left == last {
+                    live.extend(reads.map(|at| (writer, at - self.latency())));
+                } else {
+                    live.extend(reads.map(|at| (reader, at)));
+                    live.extend(fifo.writes_awaited_at(clock(reader)).map(|at| (writer, at)));
+                }
+                let free = link.wire_free(channel);
+                if free > clock(writer) {
+                    live.push((writer, free - link.cycles_per_word()));
+                }
+            }
+        }
+        let awaited = self.returned.iter().rev().take_while(|&&at| at + 1 > clock(0));
+        live.extend(awaited.chain(self.returned.last()).map(|at| (last, at - self.latency())));
+        live.extend(self.end().map(|end| end.from));
+        live
+    }
+
+    /// What a run that is over ends with: the host's read of the last word that comes back, or, if none does, the last op.
+    pub(super) fn end(&self) -> Option<Crossing> {
+        let inbox = &self.links[self.last()].y;
+        (inbox.words_read() > 0).then(|| self.through_host(inbox.last_read() + 1, Code::MOVE))
+    }
+
+    /// A station's ops of a batch that is held.
+    pub(super) fn ops(&self, station: usize, batch: usize) -> &[Op] {
+        let batch = self.batches.get(batch - self.first);
+        batch.map_or(&[], |batch| if station == 0 { batch.host.ops() } else { batch.cells[station - 1].ops() })
+    }
+}
+
+impl Crossing {
+    /// Enters it.
+    pub fn enter(&self, chains: &mut Chains) {
+        for &(station, code, from, cycles) in self.parts.iter().flatten() {
+            chains.pen.add(station, code, from, cycles, 1);
+        }
+    }
+}
