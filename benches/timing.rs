@@ -134,7 +134,10 @@ fn median_rate(batch: &OpBatch, fifo_words: u64, watched: Watched) -> f64 {
 }
 
 fn main() {
-    println!("{:<22} {:>10} {:>16} {:>12} {:>12}", "program", "FIFO words", "million words/s", "with probe", "with path");
+    println!(
+        "{:<22} {:>10} {:>16} {:>12} {:>12}",
+        "program", "FIFO words", "million words/s", "with probe", "with path"
+    );
     let programs = [
         ("pipeline", pipeline()),
         ("broadcast, 8 cells", broadcast(8)),

@@ -32,6 +32,8 @@ pub enum Command {
     Image(Box<ImageArgs>),
     /// Times a recorded activity trace again, under any machine, without its scene.
     Replay(Box<ReplayArgs>),
+    /// Tells why a run, or a recorded activity trace, took as long as it did, and what would make it faster.
+    Why(Box<WhyArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
     Sweep(SweepArgs),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
@@ -254,6 +256,19 @@ pub struct ReplayArgs {
     pub views: ViewArgs,
 }
 
+/// `pcs-sim why`.
+#[derive(Debug, Args)]
+pub struct WhyArgs {
+    /// An activity trace, as --ops wrote it, to be timed again. Without one a scene is traced: all flags are those of a run.
+    #[arg(value_name = "OPS")]
+    pub recorded: Option<PathBuf>,
+    /// Tell the times of each cell by themselves.
+    #[arg(long)]
+    pub by_cell: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Views of the run over time")]
 pub struct ViewArgs {
@@ -270,6 +285,9 @@ pub struct ViewArgs {
     /// ease].
     #[arg(long, value_name = "A..B", requires = "trace", value_parser = window)]
     pub trace_window: Option<Range<Cycles>>,
+    /// Tell why the run took as long: its critical path, and what faster parts would save. In --stats, --plot and --page too.
+    #[arg(long)]
+    pub why: bool,
 }
 
 #[derive(Debug, Args)]

@@ -12,7 +12,7 @@ use pcs_sim::report::kinds::{self, RaysByKind};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{bottleneck, hits};
+use pcs_sim::report::{bottleneck, hits, why};
 use pcs_sim::run::{self, ImageSpec, OutputFile, Picture, Rendered, RunSpec, Seen, Switch, Timed};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::TraceWriter;
@@ -159,6 +159,8 @@ fn report(setup: &Setup, rendered: &Rendered) -> String {
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
     };
     let (spec, stats) = (&setup.machine.spec, &timing.stats);
+    let path = timing.observed.path.as_ref();
+    let why = path.map(|path| format!("\n{}{}", why::text(path, false), why::OF_AN_IMAGE)).unwrap_or_default();
     [
         title,
         machine_line(spec),
@@ -167,7 +169,7 @@ fn report(setup: &Setup, rendered: &Rendered) -> String {
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n", bottleneck::sentence(stats)),
+        format!("{}\n{why}", bottleneck::sentence(stats)),
     ]
     .join("\n")
 }
@@ -190,7 +192,14 @@ fn write_outputs(
         outputs::finish(files.stats, &mut written, |file| {
             let kinds = RaysByKind::new(&rendered.kinds, timing);
             let (spec, counts) = (&setup.machine.spec, &rendered.counts);
-            let json = stats::image_to_json(&timing.stats, spec.clock(), counts, &kinds, &configuration)?;
+            let json = stats::image_to_json(
+                &timing.stats,
+                timing.observed.path.as_ref(),
+                spec.clock(),
+                counts,
+                &kinds,
+                &configuration,
+            )?;
             file.write_all(json.as_bytes())
         })?;
         let spec = &setup.machine.spec;

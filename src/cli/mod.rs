@@ -22,6 +22,7 @@ mod step;
 mod sweep;
 mod views;
 mod watch;
+mod why;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -35,6 +36,18 @@ use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
 use pcs_sim::program::cells::figure7::MeasureError;
 use pcs_sim::run::RunError;
+
+/// What of a run is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Told {
+    /// Where the cycles of all cells went, and what the FIFOs held.
+    All,
+    /// Only why it took as long.
+    Why {
+        /// Whether the times of each cell are told apart.
+        by_cell: bool,
+    },
+}
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -106,9 +119,10 @@ pub fn main() -> ExitCode {
 fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
     let typed = &Typed(matches.subcommand().map_or(matches, |(_, matches)| matches));
     match &cli.command {
-        None => run::run(&cli.run, typed),
+        None => run::run(&cli.run, typed, Told::All),
         Some(Command::Image(args)) => image::image(args, typed),
-        Some(Command::Replay(args)) => replay::replay(args),
+        Some(Command::Replay(args)) => replay::replay(args, Told::All),
+        Some(Command::Why(args)) => why::why(args, typed),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Model(args)) => model::model(args, typed),
         Some(Command::Plot(args)) => plot::plot(args),

@@ -7,20 +7,20 @@ use pcs_sim::error::InputError;
 use pcs_sim::machine::Machine;
 use pcs_sim::program::work;
 use pcs_sim::report::plot::Caption;
+use pcs_sim::report::stats;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{bottleneck, stats};
 use pcs_sim::run::{self, Cancel, RunError};
 use pcs_sim::seam::activity_trace::{ActivityTrace, Form};
 use pcs_sim::seam::{Costs, OpBatch};
 
 use super::args::ReplayArgs;
-use super::run::machine_line;
+use super::run::{machine_line, report};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, moot_flags, outputs, print, progress};
+use super::{Failure, Told, moot_flags, outputs, print, progress};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
-pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
+pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
     moot_flags::check_replay(&args.options())?;
     let machine = pcs_sim::run::machine_file(&args.options(), None)?.build()?;
     let views = [args.views.page.as_ref(), args.views.trace.as_ref()];
@@ -46,18 +46,11 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         title: format!("replay of {} on {cells} cells: {} rays", args.ops.display(), grouped(trace.jobs())),
         machine: machine_line(&machine.spec),
     };
-    print(&format!(
-        "{}\n{}\n{}\n\n{}\n{}\n{}\n",
-        caption.title,
-        caption.machine,
-        summary::speed(&result, machine.spec.clock()),
-        summary::cells(&result, &[]),
-        summary::fifos(&result),
-        bottleneck::sentence(&result),
-    ))?;
+    let head = format!("{}\n{}\n{}\n", caption.title, caption.machine, summary::speed(&result, machine.spec.clock()));
+    print(&report(head, told, (&result, &[]), observed.path.as_ref()))?;
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {
-        let json = stats::to_json(&result, machine.spec.clock(), None, None)?;
+        let json = stats::to_json(&result, observed.path.as_ref(), machine.spec.clock(), None, None)?;
         file.write_all(json.as_bytes())
     })?;
     let seen = Seen {

@@ -7,11 +7,12 @@ use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::image;
 use pcs_sim::machine::{Machine, MachineSpec};
+use pcs_sim::measure::{CriticalPath, Measured};
 use pcs_sim::program::{Kernel, Workload};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{bottleneck, hits, stats};
+use pcs_sim::report::{bottleneck, hits, stats, why};
 use pcs_sim::run::{self, Outcome, OutputFile, RunSpec, Workers};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
@@ -19,7 +20,7 @@ use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 use super::args::{RunArgs, Typed};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, moot_flags, outputs, print, progress};
+use super::{Failure, Told, moot_flags, outputs, print, progress};
 
 /// The files that a run writes.
 struct Outputs {
@@ -40,7 +41,7 @@ struct Setup {
 }
 
 /// `pcs-sim [--mode ...] [...]`
-pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
+pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
     let options = args.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     if base.as_ref().is_some_and(|base| base.image.is_some()) {
@@ -64,7 +65,8 @@ pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
         (workers(args.tracing.threads), args.results.watch, args.tracing.ops_form.into()),
         &mut files,
     )?;
-    print(&report(&setup, &outcome))?;
+    let names = cell_names(&setup.workload);
+    print(&report(head(&setup, &outcome), told, (&outcome.stats, &names), outcome.observed.path.as_ref()))?;
     let written = write_outputs(&setup, &outcome, files)?;
     print(&outputs::list(&written))
 }
@@ -133,11 +135,26 @@ fn simulate(
     Ok(outcome?)
 }
 
-fn report(setup: &Setup, outcome: &Outcome) -> String {
+/// What people read of a run: what ran, as `head` has it, and what is to be told of where its time went.
+pub fn report(head: String, told: Told, (stats, names): (&Measured, &[String]), path: Option<&CriticalPath>) -> String {
+    let why = |by_cell: bool| path.map(|path| format!("\n{}", why::text(path, by_cell))).unwrap_or_default();
+    match told {
+        Told::Why { by_cell } => head + &why(by_cell),
+        Told::All => format!(
+            "{head}\n{}\n{}\n{}\n{}",
+            summary::cells(stats, names),
+            summary::fifos(stats),
+            bottleneck::sentence(stats),
+            why(false),
+        ),
+    }
+}
+
+/// What ran, and how fast.
+fn head(setup: &Setup, outcome: &Outcome) -> String {
     let Setup { machine, rays, workload, .. } = setup;
     let spec = &machine.spec;
     let hits = outcome.counts.hits;
-    let names = cell_names(workload);
     let mut lines = vec![
         title(setup),
         machine_line(spec),
@@ -151,14 +168,8 @@ fn report(setup: &Setup, outcome: &Outcome) -> String {
             per_ray(outcome.counts.intersection_tests, rays.len()),
         ),
     ];
-    lines.push(memory_line(workload));
-    format!(
-        "{}\n\n{}\n{}\n{}\n",
-        lines.join("\n"),
-        summary::cells(&outcome.stats, &names),
-        summary::fifos(&outcome.stats),
-        bottleneck::sentence(&outcome.stats),
-    )
+    lines.push(memory_line(workload) + "\n");
+    lines.join("\n")
 }
 
 /// What runs, in one line.
@@ -232,9 +243,10 @@ fn write_outputs(setup: &Setup, outcome: &Outcome, files: Outputs) -> Result<Vec
     let mut written = Vec::new();
     let polygons = setup.workload.polygons();
     let configuration = Configuration::new(&setup.spec, &setup.workload);
+    let path = outcome.observed.path.as_ref();
     outputs::finish(files.stats, &mut written, |file| {
         let spec = &setup.machine.spec;
-        let json = stats::to_json(&outcome.stats, spec.clock(), Some(&outcome.counts), Some(&configuration))?;
+        let json = stats::to_json(&outcome.stats, path, spec.clock(), Some(&outcome.counts), Some(&configuration))?;
         file.write_all(json.as_bytes())
     })?;
     outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::state::StateId;
+use super::state::{State, StateId, StateKind, StateTimes};
 use super::topology::{Actor, Topology};
 use crate::quantities::Cycles;
 
@@ -69,6 +69,42 @@ pub struct PathPart {
 impl CriticalPath {
     /// Ops that are held at a time to find the path, about: some 20 Mbyte.
     pub const MOST_OPS: usize = 1 << 22;
+
+    /// Where it is over time: for each station, and for the host behind them, in each bin the cycles that it is there, in the
+    /// states that say why. Words on their way are those that their reader waits for, and who writes to a full FIFO or a
+    /// wire that is not free is blocked; both are counted where the FIFO is read.
+    pub fn places(&self) -> Vec<Vec<StateTimes>> {
+        let mut places = vec![vec![StateTimes::default(); self.bins.len()]; self.topology.stations + 1];
+        for (bin, parts) in self.bins.iter().enumerate() {
+            for part in parts {
+                let place = match part.at {
+                    Actor::Host => self.topology.stations,
+                    Actor::Station(station) => station,
+                };
+                if let Some(state) = self.state_of(part.cause) {
+                    *places[place][bin].of_mut(state) += part.cycles;
+                }
+            }
+        }
+        places
+    }
+
+    /// The state of a station that is the cause, or that is held up by it.
+    fn state_of(&self, cause: Cause) -> Option<StateId> {
+        let at = |kind: StateKind, fifo: Option<usize>| {
+            let group = fifo.map(|fifo| self.topology.fifos[fifo].group.as_str());
+            let is_at = |state: &&State| {
+                state.kind == kind && state.stands_at.as_ref().map(|(group, _)| group.as_str()) == group
+            };
+            self.topology.states.all().iter().find(is_at).map(|state| state.id)
+        };
+        match cause {
+            Cause::Work(unit) => Some(self.units[unit].state),
+            Cause::Move => at(StateKind::Moves, None),
+            Cause::Latency(fifo) => at(StateKind::Waits, Some(fifo)),
+            Cause::Wire(fifo) | Cause::Slot(fifo) => at(StateKind::Blocked, Some(fifo)),
+        }
+    }
 
     /// Its parts over the whole run, in the order of places and causes.
     pub fn parts(&self) -> Vec<PathPart> {

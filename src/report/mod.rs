@@ -12,3 +12,4 @@ pub mod summary;
 pub mod table;
 pub mod time_unit;
 pub mod trace;
+pub mod why;

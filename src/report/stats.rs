@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::bottleneck;
 use super::kinds::RaysByKind;
-use crate::measure::{Clock, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
+use super::why::PathJson;
+use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
 use crate::program::{CellMemory, Counts, Workload};
 use crate::run::RunSpec;
 
@@ -71,6 +72,8 @@ struct Report<'a> {
     rays_by_kind: Option<&'a RaysByKind>,
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<PathJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     configuration: Option<&'a Configuration>,
 }
 
@@ -122,26 +125,28 @@ impl<'a> Fifo<'a> {
 /// The statistics of a run as indented JSON. A replay has no counts and no configuration.
 pub fn to_json(
     run: &Measured,
+    path: Option<&CriticalPath>,
     clock: Clock,
     counts: Option<&Counts>,
     configuration: Option<&Configuration>,
 ) -> serde_json::Result<String> {
-    json(run, clock, counts, None, configuration)
+    json((run, path), clock, counts, None, configuration)
 }
 
 /// The same for an image, with its rays by kind.
 pub fn image_to_json(
     run: &Measured,
+    path: Option<&CriticalPath>,
     clock: Clock,
     counts: &Counts,
     kinds: &RaysByKind,
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
-    json(run, clock, Some(counts), Some(kinds), Some(configuration))
+    json((run, path), clock, Some(counts), Some(kinds), Some(configuration))
 }
 
 fn json(
-    run: &Measured,
+    (run, path): (&Measured, Option<&CriticalPath>),
     clock: Clock,
     counts: Option<&Counts>,
     rays_by_kind: Option<&RaysByKind>,
@@ -164,6 +169,7 @@ fn json(
         }),
         rays_by_kind,
         bottleneck: bottleneck::sentence(run),
+        why: path.map(PathJson::new),
         configuration,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")

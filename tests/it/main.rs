@@ -44,4 +44,5 @@ mod traces;
 mod vertex_colors;
 mod views;
 mod watch;
+mod why;
 mod wild_files;

@@ -10,7 +10,8 @@ use super::palette;
 use super::plot::Caption;
 use super::stats::Configuration;
 use super::summary::{self, Rows};
-use crate::measure::{Clock, Measured, Profile};
+use super::why;
+use crate::measure::{Clock, CriticalPath, Measured, Profile};
 
 /// What a page shows.
 #[derive(Debug)]
@@ -23,6 +24,8 @@ pub struct Page<'a> {
     pub stats: &'a Measured,
     /// The run over time.
     pub profile: &'a Profile,
+    /// Why it took as long, if that was asked for.
+    pub path: Option<&'a CriticalPath>,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
     /// All parameters, if they are known.
@@ -54,6 +57,11 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
         state_colors => state_colors(page.stats),
+        why => page.path.map(|path| context! {
+            sentence => why::sentence(path),
+            times => value(why::time_rows(path, false)),
+            places => value(why::place_rows(path)),
+        }),
         configuration,
         image => page.image.map(|png| base64::engine::general_purpose::STANDARD.encode(png)).unwrap_or_default(),
         // No text in it may end the script that it stands in.

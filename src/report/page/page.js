@@ -71,6 +71,7 @@ function drawLegend() {
 drawLegend();
 if (run.bins > 0) {
   addRays();
+  if (path) addPath();
   if (count > MOST_ALL) addOverviews();
   select(count > MOST_ALL ? telling() : all());
 }

@@ -90,20 +90,45 @@ fn frame<'a, DB: DrawingBackend>(
 /// Each cell's states over time, as bands.
 pub struct Bands<'a> {
     caption: &'a Caption,
+    what: String,
     scale: TimeScale,
     rows: Vec<Row<StateTimes>>,
     states: &'a States,
     occurring: Vec<&'a State>,
-    together: usize,
 }
 
 impl<'a> Bands<'a> {
-    pub fn new(caption: &'a Caption, scale: TimeScale, states: &'a States, all: &'a [Vec<StateTimes>]) -> Bands<'a> {
-        let together = all.len().div_ceil(MOST_ROWS).max(1);
+    /// What the cells do.
+    pub fn of_cells(
+        caption: &'a Caption,
+        scale: TimeScale,
+        states: &'a States,
+        all: &'a [Vec<StateTimes>],
+    ) -> Bands<'a> {
+        let what = together(cells::WHAT, "cells", all.len().div_ceil(MOST_ROWS).max(1));
         let rows = rows(all, |index| format!("cell {index}"), Vec::as_slice, StateTimes::sum);
-        Bands { caption, scale, rows, states, occurring: cells::occurring(states, all.iter()), together }
+        Bands { caption, what, scale, rows, states, occurring: cells::occurring(states, all.iter()) }
+    }
+
+    /// Where the critical path is, and why: a row for each cell that it comes to, and for the host, which is the last of
+    /// `all`. What is higher is there for more of the time, so that the rows add up to a full one.
+    pub fn of_path(caption: &'a Caption, scale: TimeScale, states: &'a States, all: &[Vec<StateTimes>]) -> Bands<'a> {
+        let comes_to = |bins: &Vec<StateTimes>| bins.iter().any(|bin| bin.total() > Cycles(0));
+        let (places, visited): (Vec<usize>, Vec<Vec<StateTimes>>) =
+            all.iter().cloned().enumerate().filter(|(_, bins)| comes_to(bins)).unzip();
+        let name = |index: usize| match places[index] {
+            place if place + 1 == all.len() => "host".to_owned(),
+            place => format!("cell {place}"),
+        };
+        let what = together(PATH, "cells", visited.len().div_ceil(MOST_ROWS).max(1));
+        let mut rows = rows(&visited, name, Vec::as_slice, StateTimes::sum);
+        rows.iter_mut().for_each(|row| row.members = 1.0);
+        Bands { caption, what, scale, rows, states, occurring: cells::occurring(states, all.iter()) }
     }
 }
+
+/// What the picture of a critical path is called.
+const PATH: &str = "Where the critical path is, and why";
 
 impl Figure for Bands<'_> {
     fn size(&self) -> (u32, u32) {
@@ -111,12 +136,7 @@ impl Figure for Bands<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        chart::head(
-            area,
-            self.caption,
-            &together(cells::WHAT, "cells", self.together),
-            &cells::legend(self.states, &self.occurring),
-        )?;
+        chart::head(area, self.caption, &self.what, &cells::legend(self.states, &self.occurring))?;
         let names = self.rows.iter().map(|row| row.name.as_str());
         let mut chart = frame(area, names, 0.0..self.scale.end(), &self.scale.label())?;
         let count = self.rows.len();

@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
+use super::Stand;
 use super::chains::Chains;
 use super::tally::Code;
-use super::Stand;
 use crate::machine::line::hold::Hold;
 use crate::machine::line::link::Link;
 use crate::machine::line::prices::Prices;
