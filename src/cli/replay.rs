@@ -9,7 +9,7 @@ use pcs_sim::program::work;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::run::{self, Cancel, RunError};
+use pcs_sim::run::{self, Cancel, RunError, Watching};
 use pcs_sim::seam::activity_trace::{ActivityTrace, Form};
 use pcs_sim::seam::{Costs, OpBatch};
 
@@ -34,7 +34,8 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
     let costs = costs(args, &machine, &trace)?;
     spinner.set_message("timing the trace");
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(machine.spec.clock(), Vec::new())));
-    let watched = (&machine.spec, &views.watching());
+    let moment = told.moment(machine.spec.clock())?;
+    let watched = (&machine.spec, &Watching { moment, ..views.watching() });
     let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
         trace.for_each_batch(|batch| take(batch).map(drop))
     };
@@ -47,7 +48,7 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
         machine: machine_line(&machine.spec),
     };
     let head = format!("{}\n{}\n{}\n", caption.title, caption.machine, summary::speed(&result, machine.spec.clock()));
-    print(&report(head, told, (&result, &[]), observed.path.as_ref()))?;
+    print(&report(head, told, (&result, &[]), (&observed, machine.spec.clock()))?)?;
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {
         let json = stats::to_json(&result, observed.path.as_ref(), machine.spec.clock(), None, None)?;

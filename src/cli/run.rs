@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Ray;
 use pcs_sim::host::image;
-use pcs_sim::machine::{Machine, MachineSpec};
-use pcs_sim::measure::{CriticalPath, Measured};
+use pcs_sim::machine::{Machine, MachineSpec, Observed};
+use pcs_sim::measure::{Actor, Clock, Measured, When};
 use pcs_sim::program::{Kernel, Workload};
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{bottleneck, hits, stats, why};
-use pcs_sim::run::{self, Outcome, OutputFile, RunSpec, Workers};
+use pcs_sim::report::{bottleneck, hits, moment, stats, why};
+use pcs_sim::run::{self, Outcome, OutputFile, RunSpec, Watching, Workers};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
@@ -63,10 +63,12 @@ pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
     let outcome = simulate(
         &setup,
         (workers(args.tracing.threads), args.results.watch, args.tracing.ops_form.into()),
+        told.moment(setup.machine.spec.clock())?,
         &mut files,
     )?;
     let names = cell_names(&setup.workload);
-    print(&report(head(&setup, &outcome), told, (&outcome.stats, &names), outcome.observed.path.as_ref()))?;
+    let seen = (&outcome.observed, setup.machine.spec.clock());
+    print(&report(head(&setup, &outcome), told, (&outcome.stats, &names), seen)?)?;
     let written = write_outputs(&setup, &outcome, files)?;
     print(&outputs::list(&written))
 }
@@ -113,6 +115,7 @@ fn notes(setup: &Setup) {
 fn simulate(
     setup: &Setup,
     (workers, watch, form): (Workers, bool, Form),
+    moment: Option<When>,
     files: &mut Outputs,
 ) -> Result<Outcome, Failure> {
     let spec = &setup.machine.spec;
@@ -125,7 +128,7 @@ fn simulate(
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
-    let watched = (spec, &views.watching());
+    let watched = (spec, &Watching { moment, ..views.watching() });
     let outcome = run::run_watched(&setup.workload, watched, &setup.rays, &workers, |batch, array| {
         live.inc(batch.hits.len() as u64);
         live.show(array);
@@ -136,18 +139,45 @@ fn simulate(
 }
 
 /// What people read of a run: what ran, as `head` has it, and what is to be told of where its time went.
-pub fn report(head: String, told: Told, (stats, names): (&Measured, &[String]), path: Option<&CriticalPath>) -> String {
+pub fn report(
+    head: String,
+    told: Told,
+    (stats, names): (&Measured, &[String]),
+    (observed, clock): (&Observed, Clock),
+) -> Result<String, InputError> {
+    let path = observed.path.as_ref();
     let why = |by_cell: bool| path.map(|path| format!("\n{}", why::text(path, by_cell))).unwrap_or_default();
     match told {
-        Told::Why { by_cell } => head + &why(by_cell),
-        Told::All => format!(
+        Told::Moment(actor, _) => Ok(head + "\n" + &moment(stats, (observed, clock), actor)?),
+        Told::Why { by_cell } => Ok(head + &why(by_cell)),
+        Told::All => Ok(format!(
             "{head}\n{}\n{}\n{}\n{}",
             summary::cells(stats, names),
             summary::fifos(stats),
             bottleneck::sentence(stats),
             why(false),
-        ),
+        )),
     }
+}
+
+/// What somebody did in the moment that was looked for.
+fn moment(stats: &Measured, (observed, clock): (&Observed, Clock), actor: Actor) -> Result<String, InputError> {
+    let cells = stats.stations.len();
+    if let Actor::Station(cell) = actor
+        && cell >= cells
+    {
+        let error = InputError::new(format!("there is no cell {cell}: the array has {cells}"));
+        return Err(error.help("cells are counted from 0, from left to right"));
+    }
+    let (Some(path), Some(snapshot)) = (&observed.path, &observed.snapshot) else {
+        let error = InputError::new(format!("{actor} does nothing for that ray"));
+        return Err(error.help(format!("rays are counted from 0; this run has {}", stats.jobs)));
+    };
+    if snapshot.at >= stats.cycles {
+        let error = InputError::new(format!("the run is over before cycle {}", snapshot.at.0));
+        return Err(error.help(format!("its last cycle is {}", stats.cycles.0.saturating_sub(1))));
+    }
+    Ok(moment::text(path, snapshot, actor, clock))
 }
 
 /// What ran, and how fast.

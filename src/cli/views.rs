@@ -63,7 +63,7 @@ impl Views {
     /// What the views need to see of an array.
     pub fn watching(&self) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
-        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: self.why }
+        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: self.why, moment: None }
     }
 
     /// Whether a view shows the traced picture.

@@ -3,6 +3,7 @@
 pub mod bottleneck;
 pub mod hits;
 pub mod kinds;
+pub mod moment;
 pub mod page;
 pub mod palette;
 pub mod plot;

@@ -87,8 +87,8 @@ fn name(path: &CriticalPath, cause: Cause) -> String {
     }
 }
 
-/// What a cause is, in words.
-fn label(name: &str) -> String {
+/// What a cause is, in words; a unit of work by its name.
+pub(super) fn label(name: &str) -> String {
     match name {
         MOVE => "moving words".to_owned(),
         LATENCY => "latency".to_owned(),

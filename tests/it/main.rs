@@ -25,6 +25,7 @@ mod killed_sweeps;
 mod manual;
 mod model_command;
 mod modes_agree;
+mod moments_are_exact;
 mod objects;
 mod path_is_exact;
 mod plots_of_tables;

@@ -106,3 +106,31 @@ fn a_tenth_less_saves_what_it_says() {
     let saved = a["cycles"].as_u64().unwrap() - b["cycles"].as_u64().unwrap();
     assert_eq!(saved, voxels["cycles"].as_u64().unwrap() / 10);
 }
+
+/// A cell that waits, and the chain of those that it waits for, down to one that works.
+#[test]
+fn tells_who_waits_for_whom() {
+    let folder = Folder::new();
+    folder
+        .run("--mode broadcast --cells 4 --scene teapot --size-factor 3 --size 16x16 --fifo-words 16 --ops a.ops")
+        .success();
+    let machine = "--fifo-words 16";
+    insta::assert_snapshot!(folder.run(&format!("why a.ops {machine} --cell 0 --ray 100")).success());
+    insta::assert_snapshot!(folder.run(&format!("why a.ops {machine} --cell host --at 2ms")).success());
+    let refused = |flags: &str| folder.run(&format!("why a.ops {machine} {flags}")).status;
+    for flags in
+        ["--cell 0", "--at 5", "--cell 0 --at 5 --ray 3", "--cell x --at 5", "--cell 0 --at -5", "--cell 9 --at 5"]
+    {
+        assert_eq!(refused(flags), 2, "{flags}");
+    }
+    for (flags, why) in [
+        ("--cell 9 --at 5", "there is no cell 9: the array has 4"),
+        ("--cell 0 --at 99s", "the run is over before cycle 1980000000"),
+        ("--cell 0 --ray 256", "cell 0 does nothing for that ray"),
+        ("--cell host --ray 3", "a ray is looked for in a cell"),
+        ("--cell 2", "--cell is about one moment"),
+    ] {
+        let stderr = folder.run(&format!("why a.ops {machine} {flags}")).refused();
+        assert!(stderr.contains(why), "{stderr}");
+    }
+}

@@ -16,7 +16,7 @@ use super::recorder::Recorder;
 use super::states::{blocked, states, waiting};
 use super::stuck::{self, Stuck};
 use crate::machine::MachineSpec;
-use crate::measure::{Actor, FifoInfo, LinkStats, Measured, SoFar, StateTimes, Topology};
+use crate::measure::{Actor, FifoInfo, LinkStats, Measured, SoFar, StateTimes, Topology, When};
 use crate::quantities::{Cycles, Words};
 use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 
@@ -141,6 +141,14 @@ impl Array {
     pub fn explained(mut self, most_ops: usize) -> Array {
         let causes = Causes::new(self.cells.len(), most_ops);
         self.observers.get_or_insert_default().causes = Some(causes);
+        self
+    }
+
+    /// The same for an array that is [explained](Array::explained): it also looks for what everybody does in one cycle. Of a
+    /// job, [`Array::finish_observed`] tells the cycle; only one that is known before can be looked at.
+    pub fn looking_at(mut self, when: When) -> Array {
+        let causes = self.observers.as_mut().and_then(|observers| observers.causes.as_mut());
+        causes.into_iter().for_each(|causes| causes.look(when));
         self
     }
 
@@ -355,11 +363,11 @@ impl Array {
         let observers = &mut **observers.get_or_insert_default();
         let batch = |station: &CellAt| batches.get(station.batch - *dropped);
         if let Some(&op) = batch(host).and_then(|batch| batch.host.ops().get(host.cell.now.done)) {
-            observers.stall_host_to_limit(&mut host.cell, (host.halt, op), &links[0], prices);
+            observers.stall_host_to_limit(&mut host.cell, (host.batch, host.halt, op), &links[0], prices);
         }
         for (index, station) in self.cells.iter_mut().enumerate() {
             if let Some(&op) = batch(station).and_then(|batch| batch.cells[index].ops().get(station.cell.now.done)) {
-                let halt = (station.halt, op);
+                let halt = (station.batch, station.halt, op);
                 observers.stall_cell_to_limit((index, &mut station.cell), halt, &links[index], prices);
             }
         }

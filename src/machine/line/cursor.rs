@@ -224,8 +224,9 @@ impl Cursor {
     pub fn stall_until(&mut self, cycle: u64, (hold, left): (Hold, u64), ledger: &mut Ledger<'_, impl Watcher>) {
         let until = cycle.min(self.limit).max(self.clock);
         ledger.spend(hold.state(), self.clock, until - self.clock);
-        if until > self.clock && until == cycle {
-            ledger.watcher.held(Held { until, op: self.done, left, by: hold });
+        if until > self.clock {
+            let is_cut = cycle >= self.limit;
+            ledger.watcher.held(Held { until, op: self.done, left, by: hold, is_cut });
         }
         self.clock = until;
     }

@@ -28,6 +28,8 @@ pub(super) struct Held {
     pub left: u64,
     /// What it waited for: of several things, the last.
     pub by: Hold,
+    /// Whether it is over only because no more cycles are simulated.
+    pub is_cut: bool,
 }
 
 impl Hold {

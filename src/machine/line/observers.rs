@@ -9,7 +9,8 @@ use super::link::Link;
 use super::prices::Prices;
 use super::probe::Probe;
 use super::recorder::Recorder;
-use crate::measure::{CriticalPath, Profile, Recording, Topology};
+use crate::measure::{CriticalPath, Profile, Recording, Snapshot, Topology};
+use crate::quantities::Cycles;
 use crate::seam::{Op, OpBatch, OpStream, Vocabulary};
 
 /// What was seen of a run.
@@ -21,6 +22,10 @@ pub struct Observed {
     pub recording: Option<Recording>,
     /// The chain of causes that the run's length is made of, if the array was [explained](super::Array::explained).
     pub path: Option<CriticalPath>,
+    /// The cycle that was [looked for](super::Array::looking_at), if it was come to.
+    pub looked_at: Option<Cycles>,
+    /// What everybody did in that cycle, if it was known before.
+    pub snapshot: Option<Snapshot>,
 }
 
 /// Those that watch an array.
@@ -89,23 +94,31 @@ impl Observers {
         Some(halt)
     }
 
-    /// Lets the host spend the cycles up to the limit as [`Cell::stall_to_limit`].
-    pub fn stall_host_to_limit(&mut self, host: &mut Cell, (halt, op): (Halt, Op), output: &Link, prices: &Prices) {
+    /// Lets the host spend the cycles up to the limit as [`Cell::stall_to_limit`], in a batch.
+    pub fn stall_host_to_limit(
+        &mut self,
+        host: &mut Cell,
+        (batch, halt, op): (usize, Halt, Op),
+        output: &Link,
+        prices: &Prices,
+    ) {
         let mut track = self.recorder.as_mut().map(Recorder::host);
-        host.stall_to_limit(halt, op, output, (prices, track.as_mut()));
+        let mut waits = self.causes.as_mut().map(|causes| causes.host(batch));
+        host.stall_to_limit(halt, op, output, (prices, (track.as_mut(), waits.as_mut())));
     }
 
     /// Lets a cell do so.
     pub fn stall_cell_to_limit(
         &mut self,
         (index, cell): (usize, &mut Cell),
-        (halt, op): (Halt, Op),
+        (batch, halt, op): (usize, Halt, Op),
         input: &Link,
         prices: &Prices,
     ) {
         let lane = self.probe.as_mut().map(|probe| probe.cell(index));
         let mut track = self.recorder.as_mut().map(|recorder| recorder.cell(index));
-        cell.stall_to_limit(halt, op, input, (prices, (lane, track.as_mut())));
+        let mut waits = self.causes.as_mut().map(|causes| causes.cell(index, batch));
+        cell.stall_to_limit(halt, op, input, (prices, (lane, (track.as_mut(), waits.as_mut()))));
     }
 
     /// Follows the FIFOs of a link, after each stretch of reads or writes.
@@ -127,11 +140,16 @@ impl Observers {
         cycles: u64,
     ) -> Observed {
         let clocks = || past.stands.iter().map(|stand| stand.clock);
+        let explained = self.causes.map(|causes| causes.finish(past, (topology, vocabulary), cycles));
+        let (path, looked_at, snapshot) =
+            explained.map_or((None, None, None), |(path, at, seen)| (Some(path), at, seen));
         let profile = |probe: Probe| probe.finish(topology, past.links, clocks().skip(1), cycles);
         Observed {
             profile: self.probe.map(profile),
             recording: self.recorder.map(|recorder| recorder.finish(topology, past.links, clocks(), cycles)),
-            path: self.causes.map(|causes| causes.finish(past, (topology, vocabulary), cycles)),
+            path,
+            looked_at,
+            snapshot,
         }
     }
 }

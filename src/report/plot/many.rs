@@ -110,12 +110,14 @@ impl<'a> Bands<'a> {
         Bands { caption, what, scale, rows, states, occurring: cells::occurring(states, all.iter()) }
     }
 
-    /// Where the critical path is, and why: a row for each cell that it comes to, and for the host, which is the last of
+    /// Where the critical path is, and why: a row for each cell that it stays in, and for the host, which is the last of
     /// `all`. What is higher is there for more of the time, so that the rows add up to a full one.
     pub fn of_path(caption: &'a Caption, scale: TimeScale, states: &'a States, all: &[Vec<StateTimes>]) -> Bands<'a> {
-        let comes_to = |bins: &Vec<StateTimes>| bins.iter().any(|bin| bin.total() > Cycles(0));
+        let cycles = |bins: &Vec<StateTimes>| bins.iter().map(|bin| bin.total().0).sum::<u64>();
+        let whole: u64 = all.iter().map(cycles).sum();
+        let stays_in = |bins: &Vec<StateTimes>| cycles(bins).saturating_mul(SHORTEST_STAY) >= whole.max(1);
         let (places, visited): (Vec<usize>, Vec<Vec<StateTimes>>) =
-            all.iter().cloned().enumerate().filter(|(_, bins)| comes_to(bins)).unzip();
+            all.iter().cloned().enumerate().filter(|(_, bins)| stays_in(bins)).unzip();
         let name = |index: usize| match places[index] {
             place if place + 1 == all.len() => "host".to_owned(),
             place => format!("cell {place}"),
@@ -126,6 +128,9 @@ impl<'a> Bands<'a> {
         Bands { caption, what, scale, rows, states, occurring: cells::occurring(states, all.iter()) }
     }
 }
+
+/// A critical path that is in a cell for less than one part in so many only passes through it.
+const SHORTEST_STAY: u64 = 1000;
 
 /// What the picture of a critical path is called.
 const PATH: &str = "Where the critical path is, and why";

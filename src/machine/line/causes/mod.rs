@@ -10,6 +10,7 @@
 //! kept ([`chains`]), and the ops are dropped. So the memory is bounded whatever the length of the run.
 
 mod chains;
+mod moment;
 mod tally;
 mod way;
 mod window;
@@ -19,10 +20,11 @@ use std::sync::Arc;
 use super::cell::Cell;
 use super::hold::{Held, Hold};
 use super::watcher::Watcher;
-use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit, StateId, Topology};
+use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit, Snapshot, StateId, Topology, When};
 use crate::quantities::Cycles;
 use crate::seam::{Channel, OpBatch, Unit, UnitOfWork, Vocabulary};
 use chains::Chains;
+use moment::Look;
 use tally::{Code, Entry};
 use way::Way;
 use window::{NOW, Point};
@@ -51,6 +53,8 @@ pub(super) struct Causes {
     most_ops: usize,
     /// Points of earlier times that something may yet follow from, with their nodes, in order.
     live: Vec<(Point, u32)>,
+    /// What is looked for in one cycle, if that is asked for.
+    look: Option<Look>,
 }
 
 /// What is remembered of a station since the last reckoning.
@@ -59,6 +63,8 @@ struct Station {
     /// Where it stood then.
     start: Stand,
     waits: Vec<Wait>,
+    /// The wait in which the end of the run finds it, if it comes to it.
+    cut: Option<Wait>,
 }
 
 /// Where a station stands.
@@ -85,7 +91,7 @@ struct Wait {
 /// Remembers the waits of one station in a batch.
 #[derive(Debug)]
 pub(super) struct Waits<'a> {
-    waits: &'a mut Vec<Wait>,
+    station: &'a mut Station,
     batch: usize,
 }
 
@@ -94,8 +100,13 @@ impl Watcher for &mut Waits<'_> {
     fn spent(&mut self, _: StateId, _: u64, _: u64) {}
 
     #[inline(always)]
-    fn held(&mut self, Held { until, op, left, by }: Held) {
-        self.waits.push(Wait { until, left, batch: self.batch as u32, op: op as u32, by });
+    fn held(&mut self, Held { until, op, left, by, is_cut }: Held) {
+        let wait = Wait { until, left, batch: self.batch as u32, op: op as u32, by };
+        if is_cut {
+            self.station.cut = Some(wait);
+        } else {
+            self.station.waits.push(wait);
+        }
     }
 }
 
@@ -115,17 +126,23 @@ impl Causes {
             ops: 0,
             most_ops,
             live: (0..=cells).map(|station| ((station, NOW), 0)).collect(),
+            look: None,
         }
+    }
+
+    /// Looks for what everybody does in one cycle.
+    pub fn look(&mut self, when: When) {
+        self.look = Some(Look::new(self.stations.len(), when));
     }
 
     /// The waits of the host in a batch.
     pub fn host(&mut self, batch: usize) -> Waits<'_> {
-        Waits { waits: &mut self.stations[0].waits, batch }
+        Waits { station: &mut self.stations[0], batch }
     }
 
     /// The waits of a cell in a batch.
     pub fn cell(&mut self, index: usize, batch: usize) -> Waits<'_> {
-        Waits { waits: &mut self.stations[index + 1].waits, batch }
+        Waits { station: &mut self.stations[index + 1], batch }
     }
 
     /// The next ops are known.
@@ -147,7 +164,8 @@ impl Causes {
 
     /// Keeps the chains that end in some points.
     fn keep(&mut self, past: &Past<'_>, mut live: Vec<Point>) {
-        let Causes { stations, chains, live: before, .. } = self;
+        let Causes { stations, chains, live: before, look, .. } = self;
+        look.iter_mut().for_each(|look| look.look(past, stations));
         chains.reach(past.stands.iter().map(|stand| stand.clock).max().unwrap_or_default());
         live.sort_unstable();
         live.dedup();
@@ -162,13 +180,13 @@ impl Causes {
         }
     }
 
-    /// The path of a run of `cycles` cycles, which is over.
+    /// The path of a run of `cycles` cycles, which is over, and what was seen in the cycle that was looked for.
     pub fn finish(
         mut self,
         past: &Past<'_>,
         (topology, vocabulary): (&Arc<Topology>, &Vocabulary),
         cycles: u64,
-    ) -> CriticalPath {
+    ) -> (CriticalPath, Option<Cycles>, Option<Snapshot>) {
         let longest = |station: &usize| (past.stands[*station].clock, std::cmp::Reverse(*station));
         let last_op = (0..past.stands.len()).max_by_key(longest).map(|station| (station, NOW));
         let end = past.end();
@@ -191,13 +209,15 @@ impl Causes {
             let (cycles, state) = past.prices.of(Unit(place));
             PathUnit { name: unit.name.clone(), state, cycles: Cycles(cycles) }
         };
-        CriticalPath {
+        let path = CriticalPath {
             topology: Arc::clone(topology),
             cycles: Cycles(cycles),
             units: vocabulary.units.iter().zip(0..).map(unit).collect(),
             bin: Cycles(bin),
             bins,
-        }
+        };
+        let at = self.look.as_ref().and_then(Look::cycle);
+        (path, at, self.look.and_then(|look| look.finish(past, topology)))
     }
 }
 

@@ -88,7 +88,7 @@ impl<'a> Way<'a> {
 
 impl Wait {
     /// Where the station stood behind it.
-    fn stand(&self) -> Stand {
+    pub(super) fn stand(&self) -> Stand {
         Stand { batch: self.batch as usize, op: self.op as usize, left: self.left, clock: self.until }
     }
 }
@@ -121,49 +121,65 @@ impl<'a> Reached<'a> {
 }
 
 /// Goes through the ops of one station from a wait to the next, between which no cycle is lost.
-struct Walk<'a> {
-    past: &'a Past<'a>,
-    station: usize,
-    at: Stand,
+pub(super) struct Walk<'a> {
+    pub past: &'a Past<'a>,
+    pub station: usize,
+    pub at: Stand,
 }
 
 impl Walk<'_> {
-    /// Goes on to the beginning of cycle `until`, in which the station moves a word, or to where it stands now.
-    fn go(&mut self, until: u64, chains: &mut Chains) {
-        let end = self.past.stands[self.station];
-        while self.at.batch <= end.batch {
-            let ops = self.past.ops(self.station, self.at.batch);
-            while let Some(&op) = ops.get(self.at.op) {
-                let is_last = (self.at.batch, self.at.op) == (end.batch, end.op);
-                if is_last && end.left == 0 {
-                    return;
-                }
-                let left = if self.at.left > 0 { self.at.left } else { op.count() as u64 };
-                let known = if is_last { left.saturating_sub(end.left) } else { left };
-                let done = self.step(op, known, until, chains);
-                if is_last || done < known {
-                    self.at.left = left - done;
-                    return;
-                }
-                self.at.op += 1;
-                self.at.left = 0;
+    /// The op that it is at, and how many cycles each of its units or words takes. It comes to the next batch if there is none
+    /// left in this one; `None` behind the last that is known.
+    pub fn op(&mut self) -> Option<(Op, u64)> {
+        loop {
+            if let Some(&op) = self.past.ops(self.station, self.at.batch).get(self.at.op) {
+                let each = match op.kind() {
+                    OpKind::Work(unit) => self.past.prices.of(unit).0,
+                    OpKind::Await => 0,
+                    _ => 1,
+                };
+                return Some((op, each));
             }
-            if self.at.batch == end.batch {
-                return;
+            if self.at.batch >= self.past.stands[self.station].batch {
+                return None;
             }
             self.at = Stand { batch: self.at.batch + 1, op: 0, ..self.at };
         }
     }
 
-    /// Does so much of an op, or what of it comes before cycle `until`. Returns how much.
-    fn step(&mut self, op: Op, left: u64, until: u64, chains: &mut Chains) -> u64 {
-        let (code, each, count) = match op.kind() {
-            OpKind::Work(unit) => (Code::work(unit), self.past.prices.of(unit).0, left),
-            OpKind::Await => return left,
-            _ => (Code::MOVE, 1, left.min(until.saturating_sub(self.at.clock))),
-        };
-        chains.pen.add(self.station, code, self.at.clock, count * each, count);
-        self.at.clock += count * each;
-        count
+    /// What is left of the op that it is at.
+    pub fn left(&self, op: Op) -> u64 {
+        if self.at.left > 0 { self.at.left } else { op.count() as u64 }
+    }
+
+    /// Goes on to the next op, so many cycles later.
+    pub fn skip(&mut self, cycles: u64) {
+        self.at = Stand { op: self.at.op + 1, left: 0, clock: self.at.clock + cycles, ..self.at };
+    }
+
+    /// Goes on to the beginning of cycle `until`, in which the station moves a word, or to where it stands now.
+    fn go(&mut self, until: u64, chains: &mut Chains) {
+        let end = self.past.stands[self.station];
+        while let Some((op, each)) = self.op() {
+            let is_last = (self.at.batch, self.at.op) == (end.batch, end.op);
+            if is_last && end.left == 0 {
+                return;
+            }
+            let left = self.left(op);
+            let known = if is_last { left.saturating_sub(end.left) } else { left };
+            let (code, done) = match op.kind() {
+                OpKind::Work(unit) => (Some(Code::work(unit)), known),
+                OpKind::Await => (None, known),
+                _ => (Some(Code::MOVE), known.min(until.saturating_sub(self.at.clock))),
+            };
+            if let Some(code) = code {
+                chains.pen.add(self.station, code, self.at.clock, done * each, done);
+            }
+            if is_last || done < known {
+                self.at = Stand { left: left - done, clock: self.at.clock + done * each, ..self.at };
+                return;
+            }
+            self.skip(done * each);
+        }
     }
 }

@@ -8,7 +8,7 @@ use super::tally::Code;
 use crate::machine::line::hold::Hold;
 use crate::machine::line::link::Link;
 use crate::machine::line::prices::Prices;
-use crate::seam::{Channel, Op, OpBatch};
+use crate::seam::{Channel, Op, OpBatch, OpStream};
 
 /// What happened, as far as it is known. Station 0 is the host, and station i + 1 cell i.
 #[derive(Debug)]
@@ -38,7 +38,7 @@ pub(super) struct Crossing {
 }
 
 impl Past<'_> {
-    fn latency(&self) -> u64 {
+    pub(super) fn latency(&self) -> u64 {
         self.links[0].x.latency()
     }
 
@@ -48,7 +48,7 @@ impl Past<'_> {
     }
 
     /// Who reads what a station writes to a channel. Of the last cell's words it is the host.
-    fn reader(&self, station: usize, channel: Channel) -> usize {
+    pub(super) fn reader(&self, station: usize, channel: Channel) -> usize {
         match channel {
             Channel::Z => station - 1,
             _ if station == self.last() => 0,
@@ -132,8 +132,13 @@ impl Past<'_> {
 
     /// A station's ops of a batch that is held.
     pub(super) fn ops(&self, station: usize, batch: usize) -> &[Op] {
-        let batch = self.batches.get(batch - self.first);
-        batch.map_or(&[], |batch| if station == 0 { batch.host.ops() } else { batch.cells[station - 1].ops() })
+        self.stream(station, batch).map_or(&[], OpStream::ops)
+    }
+
+    /// A station's stream of a batch that is held.
+    pub(super) fn stream(&self, station: usize, batch: usize) -> Option<&OpStream> {
+        let batch = self.batches.get(batch - self.first)?;
+        Some(if station == 0 { &batch.host } else { &batch.cells[station - 1] })
     }
 }
 
