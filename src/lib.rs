@@ -33,21 +33,29 @@
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use pcs_sim::machine::Cycles;
-//! use pcs_sim::run::{self, RunOptions, RunSpec, Workers};
+//! use pcs_sim::run::{self, Layers, PlannedRun, RunOptions, RunSpec, Watching, Workers};
 //!
 //! let mut options = RunOptions::default(); // the macro-pipeline on PCS, unless told otherwise
 //! options.set("scene", "room")?;
 //! options.set("size", "16x12")?;
 //! let spec = RunSpec::new(&options, None)?;
 //!
-//! let machine = spec.machine.build()?;
-//! let scene = spec.load_scene()?;
-//! let rays = spec.load_rays(&scene)?;
-//! let workload = spec.lay_out(&scene, &machine, &rays)?;
-//! let outcome = run::run(&workload, &machine.spec, &rays, &Workers::new(2), |_| Ok::<(), std::io::Error>(()))?;
+//! let run = PlannedRun::new(spec)?;
+//! let (workers, mut layers) = (Workers::new(2), Layers::default());
+//! let workload = layers.workload(&run, &workers.cancel)?;
+//! let rays = &layers.prepared(&run)?.rays;
+//! let outcome = run::run(&workload, &run.machine.spec, rays, &workers, |_| Ok::<(), std::io::Error>(()))?;
 //!
 //! assert_eq!((outcome.stats.cycles, outcome.counts.hits), (Cycles(805_210), 185));
 //! assert!(outcome.stats.stations.iter().all(|cell| cell.total() == outcome.stats.cycles));
+//!
+//! // Another time of Figure 7 is the same work, timed again.
+//! let traced = layers.traced(&run, &workers)?;
+//! options.set("grid_voxel", "3.9")?;
+//! let faster = PlannedRun::new(RunSpec::new(&options, None)?)?;
+//! assert_eq!(run.keys.traced, faster.keys.traced);
+//! let (stats, _) = traced.time(&faster.machine, &Watching::default(), &workers.cancel)?;
+//! assert!(stats.cycles < Cycles(805_210));
 //! # Ok(())
 //! # }
 //! ```
@@ -185,6 +193,7 @@
 //! - **A replay is the run.** A recorded trace gives the very statistics of the run that recorded it (`replay`).
 //! - **No run hangs.** One that cannot end is told apart, with its waits (`deadlock`).
 
+pub mod cancel;
 pub mod error;
 pub mod geometry;
 pub mod host;

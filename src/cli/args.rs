@@ -128,7 +128,7 @@ impl ModelArgs {
     /// What is asked of the run that is predicted.
     pub fn options(&self, typed: &Typed) -> RunOptions {
         let mut options = RunOptions {
-            scene: SceneOptions { scene: Some(self.scene.clone()) },
+            scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
             rays: self.rays.clone(),
             program: self.program.clone(),
@@ -245,8 +245,11 @@ pub struct ResultArgs {
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
     /// The trace, as --ops wrote it.
-    #[arg(value_name = "OPS")]
-    pub ops: PathBuf,
+    #[arg(value_name = "OPS", required_unless_present = "config")]
+    pub ops: Option<PathBuf>,
+    /// Repeat the replay that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
     #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]
@@ -352,8 +355,11 @@ pub struct SweepArgs {
 #[derive(Debug, Args)]
 pub struct ModelArgs {
     /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
-    #[arg(value_name = "SCENE")]
-    pub scene: String,
+    #[arg(value_name = "SCENE", required_unless_present = "config")]
+    pub scene: Option<String>,
+    /// Predict the run that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
     /// Predict and simulate nothing: seconds where the simulation may take minutes.
     #[arg(long)]
     pub predict_only: bool,

@@ -6,9 +6,9 @@ use std::path::Path;
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Processor;
 use pcs_sim::machine::MachineFile;
-use pcs_sim::program::cells::calibrate::calibrate as fit;
-use pcs_sim::program::cells::figure7::numbers;
-use pcs_sim::program::cells::{CellOptions, machine_text};
+use pcs_sim::program::cells::CellOptions;
+use pcs_sim::program::figure7::calibrate::calibrate as fit;
+use pcs_sim::program::figure7::{machine_text, numbers};
 
 use super::cell_args::CalibrateArgs;
 use super::{Failure, outputs, print};

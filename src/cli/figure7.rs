@@ -4,7 +4,7 @@ use pcs_sim::isa::Processor;
 use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::MachineSpec;
 use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::cells::figure7::{NUMBERS, numbers, us};
+use pcs_sim::program::figure7::{NUMBERS, numbers, us};
 use pcs_sim::report::summary::{aligned, table};
 
 use super::cell_args::Figure7Args;

@@ -2,7 +2,9 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::image;
@@ -13,7 +15,7 @@ use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, hits, why};
-use pcs_sim::run::{self, ImageSpec, OutputFile, Picture, Rendered, RunSpec, Seen, Switch, Timed};
+use pcs_sim::run::{self, ImageSpec, Layers, OutputFile, Picture, PlannedRun, Rendered, RunSpec, Seen, Switch, Timed};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::TraceWriter;
 
@@ -43,7 +45,7 @@ struct Outputs {
 struct Setup {
     spec: RunSpec,
     image: ImageSpec,
-    scene: Scene,
+    scene: Arc<Scene>,
     machine: Machine,
     workload: Workload,
 }
@@ -52,17 +54,18 @@ struct Setup {
 pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let format = format(args)?;
     let options = args.options(typed);
-    let spec = RunSpec::of_image(&options, args.config.as_deref().map(RunSpec::read).transpose()?)?;
-    let image = spec.image.clone().unwrap_or_default();
-    moot_flags::check_image(args, &options, &spec, &image)?;
-    let machine = spec.machine.build()?;
-    let mut files = open_outputs(args, &spec)?;
+    let base = args.config.as_deref().map(RunSpec::read).transpose()?;
+    let run = PlannedRun::new(RunSpec::of_image(&options, base)?)?;
+    let image = run.spec.image.clone().unwrap_or_default();
+    moot_flags::check_image(args, &options, &run.spec, &image)?;
+    let mut files = open_outputs(args, &run.spec)?;
     let spinner = progress::waiting("preparing the scene");
-    let scene = spec.load_scene()?;
-    let rays = spec.load_rays(&scene)?;
-    let workload = spec.lay_out(&scene, &machine, &rays)?;
-    workload.check(&machine.spec)?;
+    let mut layers = Layers::default();
+    let workload = layers.workload(&run, &Cancel::default())?;
+    workload.check(&run.machine.spec)?;
+    let scene = layers.scene(&run)?;
     spinner.finish_and_clear();
+    let PlannedRun { spec, machine, .. } = run;
     let setup = Setup { spec, image, scene, machine, workload };
     setup.machine.notes.iter().chain(&setup.scene.notes).for_each(|note| eprintln!("note: {note}"));
     let mut found = Vec::new();
@@ -214,7 +217,7 @@ fn write_outputs(
             stats: &timing.stats,
             observed: &timing.observed,
             cell_names: &cell_names(&setup.workload),
-            configuration: Some(&configuration),
+            configuration: &configuration,
             image: Some(&png),
         };
         files.views.write(&seen, &mut written)?;

@@ -24,6 +24,7 @@ mod views;
 mod watch;
 mod why;
 
+use std::convert::Infallible;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -35,7 +36,8 @@ use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
 use pcs_sim::measure::{Actor, Clock, When};
-use pcs_sim::program::cells::figure7::MeasureError;
+use pcs_sim::program::NotLaidOut;
+use pcs_sim::program::figure7::MeasureError;
 use pcs_sim::run::RunError;
 
 /// What of a run is printed.
@@ -112,6 +114,12 @@ impl<E: std::fmt::Display> From<RunError<E>> for Failure {
                 Failure::Output(error.to_string())
             }
         }
+    }
+}
+
+impl From<NotLaidOut> for Failure {
+    fn from(not: NotLaidOut) -> Failure {
+        RunError::<Infallible>::from(not).into()
     }
 }
 

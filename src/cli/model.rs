@@ -2,15 +2,15 @@
 
 use std::convert::Infallible;
 use std::io::Write;
+use std::path::Path;
 
+use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
-use pcs_sim::geometry::Ray;
-use pcs_sim::machine::Machine;
 use pcs_sim::model::Survey;
 use pcs_sim::program::{ArrayProgram, Workload};
 use pcs_sim::report::summary::grouped;
 use pcs_sim::report::{bottleneck, prediction};
-use pcs_sim::run::{self, Outcome, RunSpec};
+use pcs_sim::run::{self, CellsRun, Layers, Outcome, PlannedRun, Prepared, RunSpec};
 use pcs_sim::scene::Scene;
 
 use super::args::{ModelArgs, Typed};
@@ -20,17 +20,19 @@ use super::{Failure, moot_flags, outputs, print, progress};
 /// `pcs-sim model SCENE [...]`
 pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     let options = args.options(typed);
-    let spec = RunSpec::new(&options, None)?;
-    let (machine, program) = (spec.machine.build()?, &spec.program);
-    moot_flags::check_model(args, &options, &spec)?;
-    check_outputs(args)?;
+    let run = PlannedRun::new(RunSpec::new(&options, base(args)?)?)?;
+    let PlannedRun { spec, machine, .. } = &run;
+    let program = &spec.program;
+    moot_flags::check_model(args, &options, spec)?;
+    check_outputs(args, spec)?;
     let stats = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let spinner = progress::waiting("surveying the scene");
-    let scene = spec.load_scene()?;
-    let rays = spec.load_rays(&scene)?;
-    let array = prediction::array_model(program, &machine);
-    let (polygons, sub_volumes) = Workload::sub_volumes(&scene.mesh, program, machine.times, &rays)?;
-    let survey = Survey::new(&polygons, &sub_volumes, &rays);
+    let mut layers = Layers::default();
+    let (scene, prepared) = (layers.scene(&run)?, layers.prepared(&run)?);
+    let Prepared { rays, surfaces } = &*prepared;
+    let array = run::array_model(program, machine);
+    let sub_volumes = surfaces.sub_volumes(program, machine.times, rays, &Cancel::default())?;
+    let survey = Survey::new(surfaces.polygons(), &sub_volumes, rays);
     let too_large = |error| InputError::new(format!("{error}"));
     let predicted = survey.predict(&array, program.grid_coefficient).map_err(too_large)?;
     let best = survey.best_coefficient(&array).map_err(too_large)?;
@@ -38,7 +40,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     for note in machine.notes.iter().chain(&scene.notes) {
         eprintln!("note: {note}");
     }
-    let outcome = if args.predict_only { None } else { Some(simulate(args, &scene, program, &machine, &rays)?) };
+    let outcome = if args.predict_only { None } else { Some(simulate(&mut layers, &run, args.threads)?) };
     let run = outcome.as_ref().map(|(workload, outcome)| prediction::Run {
         workload,
         counts: &outcome.counts,
@@ -47,7 +49,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     let rows = prediction::rows(&predicted, &array, run);
     print(&format!(
         "{}\n{}\n\n{}\n{}",
-        title(&scene, program, polygons.len(), rays.len()),
+        title(&scene, program, surfaces.polygons().len(), rays.len()),
         machine_line(&machine.spec),
         prediction::to_table(&rows),
         prediction::sentences(&predicted, &best, &array),
@@ -57,16 +59,33 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     }
     let mut written = Vec::new();
     outputs::finish(stats, &mut written, |file| {
-        let json = prediction::to_json((&scene.name, program), &rows, &predicted, &best, &array)?;
+        let json = prediction::to_json((&scene.name, spec), &rows, &predicted, &best, &array)?;
         file.write_all(json.as_bytes())
     })?;
     print(&outputs::list(&written))
 }
 
-fn check_outputs(args: &ModelArgs) -> Result<(), InputError> {
+/// The run that is predicted, if a file describes it.
+fn base(args: &ModelArgs) -> Result<Option<RunSpec>, InputError> {
+    let base = args.config.as_deref().map(RunSpec::read).transpose()?;
+    match &base {
+        Some(base) if base.image.is_some() => {
+            let error = InputError::new("the configuration is that of a whole image");
+            Err(error.help("the model is about primary rays: take the configuration of a run"))
+        }
+        Some(base) if base.cells_run == CellsRun::Programs => {
+            let error = InputError::new("the configuration is that of cells that run programs");
+            Err(error.help("the model is about Figure 7's times: take the configuration of a run with those"))
+        }
+        _ => Ok(base),
+    }
+}
+
+fn check_outputs(args: &ModelArgs, spec: &RunSpec) -> Result<(), InputError> {
     let inputs = [
-        Some(std::path::Path::new(&args.scene)),
-        args.rays.rays.as_deref(),
+        Some(Path::new(&spec.scene)),
+        spec.rays.as_deref(),
+        args.config.as_deref(),
         args.program.program.as_deref(),
         args.machine_file.machine.as_deref(),
     ];
@@ -74,16 +93,11 @@ fn check_outputs(args: &ModelArgs) -> Result<(), InputError> {
 }
 
 /// The run that the model is held against.
-fn simulate(
-    args: &ModelArgs,
-    scene: &Scene,
-    program: &ArrayProgram,
-    machine: &Machine,
-    rays: &[Ray],
-) -> Result<(Workload, Outcome), Failure> {
-    let workload = Workload::new(&scene.mesh, program, machine.times, rays)?;
-    let bar = progress::rays(rays.len() as u64);
-    let outcome = run::run(&workload, &machine.spec, rays, &workers(args.threads), |batch| {
+fn simulate(layers: &mut Layers, run: &PlannedRun, threads: Option<u16>) -> Result<(Workload, Outcome), Failure> {
+    let workers = workers(threads);
+    let (workload, prepared) = (layers.workload(run, &workers.cancel)?, layers.prepared(run)?);
+    let bar = progress::rays(prepared.rays.len() as u64);
+    let outcome = run::run(&workload, &run.machine.spec, &prepared.rays, &workers, |batch| {
         bar.inc(batch.hits.len() as u64);
         Ok::<_, Infallible>(())
     });

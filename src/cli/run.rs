@@ -2,9 +2,9 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pcs_sim::error::InputError;
-use pcs_sim::geometry::Ray;
 use pcs_sim::host::image;
 use pcs_sim::machine::{Machine, MachineSpec, Observed};
 use pcs_sim::measure::{Actor, Clock, Measured, When};
@@ -13,7 +13,7 @@ use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, hits, moment, stats, why};
-use pcs_sim::run::{self, Outcome, OutputFile, RunSpec, Watching, Workers};
+use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, Prepared, RunSpec, Watching, Workers};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
@@ -34,9 +34,9 @@ struct Outputs {
 /// What a run is made of.
 struct Setup {
     spec: RunSpec,
-    scene: Scene,
+    scene: Arc<Scene>,
     machine: Machine,
-    rays: Vec<Ray>,
+    prepared: Arc<Prepared>,
     workload: Workload,
 }
 
@@ -48,24 +48,21 @@ pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
         let error = InputError::new("the configuration is that of a whole image");
         return Err(error.help("`pcs-sim image --config FILE` makes it again").into());
     }
-    let spec = RunSpec::new(&options, base)?;
-    moot_flags::check_run(&options, &spec)?;
-    let machine = spec.machine.build()?;
-    let mut files = open_outputs(args, &spec)?;
+    let run = PlannedRun::new(RunSpec::new(&options, base)?)?;
+    moot_flags::check_run(&options, &run.spec)?;
+    let mut files = open_outputs(args, &run.spec)?;
+    let (workers, form) = (workers(args.tracing.threads), args.tracing.ops_form.into());
     let spinner = progress::waiting("preparing the scene");
-    let scene = spec.load_scene()?;
-    let rays = spec.load_rays(&scene)?;
-    let workload = spec.lay_out(&scene, &machine, &rays)?;
-    workload.check(&machine.spec)?;
+    let mut layers = Layers::default();
+    let workload = layers.workload(&run, &workers.cancel)?;
+    workload.check(&run.machine.spec)?;
+    let (scene, prepared) = (layers.scene(&run)?, layers.prepared(&run)?);
     spinner.finish_and_clear();
-    let setup = Setup { spec, scene, machine, rays, workload };
+    let PlannedRun { spec, machine, .. } = run;
+    let setup = Setup { spec, scene, machine, prepared, workload };
     notes(&setup);
-    let outcome = simulate(
-        &setup,
-        (workers(args.tracing.threads), args.results.watch, args.tracing.ops_form.into()),
-        told.moment(setup.machine.spec.clock())?,
-        &mut files,
-    )?;
+    let moment = told.moment(setup.machine.spec.clock())?;
+    let outcome = simulate(&setup, (workers, args.results.watch, form), moment, &mut files)?;
     let names = cell_names(&setup.workload);
     let seen = (&outcome.observed, setup.machine.spec.clock());
     print(&report(head(&setup, &outcome), told, (&outcome.stats, &names), seen)?)?;
@@ -120,7 +117,7 @@ fn simulate(
 ) -> Result<Outcome, Failure> {
     let spec = &setup.machine.spec;
     let mut live = Live::new(
-        progress::rays(setup.rays.len() as u64),
+        progress::rays(setup.prepared.rays.len() as u64),
         watch.then(|| Watch::new(spec.clock(), cell_names(&setup.workload))),
     );
     let failed = |error: std::io::Error| format!("cannot write the ops: {error}");
@@ -129,7 +126,7 @@ fn simulate(
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
     let watched = (spec, &Watching { moment, ..views.watching() });
-    let outcome = run::run_watched(&setup.workload, watched, &setup.rays, &workers, |batch, array| {
+    let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
         live.inc(batch.hits.len() as u64);
         live.show(array);
         writer.as_mut().map_or(Ok(()), |writer| writer.write(&batch.ops)).map_err(failed)
@@ -182,8 +179,8 @@ fn moment(stats: &Measured, (observed, clock): (&Observed, Clock), actor: Actor)
 
 /// What ran, and how fast.
 fn head(setup: &Setup, outcome: &Outcome) -> String {
-    let Setup { machine, rays, workload, .. } = setup;
-    let spec = &machine.spec;
+    let Setup { machine, prepared, workload, .. } = setup;
+    let (spec, rays) = (&machine.spec, prepared.rays.len());
     let hits = outcome.counts.hits;
     let mut lines = vec![
         title(setup),
@@ -192,10 +189,10 @@ fn head(setup: &Setup, outcome: &Outcome) -> String {
         format!(
             "{} rays hit ({:.1} %); {} voxels, {} slabs tests and {} intersection tests a ray",
             grouped(hits),
-            100.0 * hits as f64 / rays.len().max(1) as f64,
-            per_ray(outcome.counts.voxels, rays.len()),
-            per_ray(outcome.counts.slab_tests, rays.len()),
-            per_ray(outcome.counts.intersection_tests, rays.len()),
+            100.0 * hits as f64 / rays.max(1) as f64,
+            per_ray(outcome.counts.voxels, rays),
+            per_ray(outcome.counts.slab_tests, rays),
+            per_ray(outcome.counts.intersection_tests, rays),
         ),
     ];
     lines.push(memory_line(workload) + "\n");
@@ -204,7 +201,7 @@ fn head(setup: &Setup, outcome: &Outcome) -> String {
 
 /// What runs, in one line.
 fn title(setup: &Setup) -> String {
-    let Setup { spec: RunSpec { program, .. }, scene, rays, workload, .. } = setup;
+    let Setup { spec: RunSpec { program, .. }, scene, prepared, workload, .. } = setup;
     format!(
         "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays",
         program.name,
@@ -213,7 +210,7 @@ fn title(setup: &Setup) -> String {
         program.stages.len(),
         scene.name,
         grouped(workload.polygons().len() as u64),
-        grouped(rays.len() as u64),
+        grouped(prepared.rays.len() as u64),
     )
 }
 
@@ -276,13 +273,13 @@ fn write_outputs(setup: &Setup, outcome: &Outcome, files: Outputs) -> Result<Vec
     let path = outcome.observed.path.as_ref();
     outputs::finish(files.stats, &mut written, |file| {
         let spec = &setup.machine.spec;
-        let json = stats::to_json(&outcome.stats, path, spec.clock(), Some(&outcome.counts), Some(&configuration))?;
+        let json = stats::to_json(&outcome.stats, path, spec.clock(), Some(&outcome.counts), &configuration)?;
         file.write_all(json.as_bytes())
     })?;
     outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
     outputs::finish(files.image, &mut written, |file| {
-        let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
+        let pixels = image::preview(&setup.scene, polygons, &setup.prepared.rays, &outcome.hits);
         image::write_png(file, setup.spec.size, &pixels)
     })?;
     write_views(setup, outcome, &configuration, files.views, &mut written)?;
@@ -306,7 +303,7 @@ fn write_views(
         stats: &outcome.stats,
         observed: &outcome.observed,
         cell_names,
-        configuration: Some(configuration),
+        configuration,
         image: image.as_deref(),
     };
     views.write(&seen, written)
@@ -318,7 +315,7 @@ fn page_image(setup: &Setup, outcome: &Outcome, views: &Views) -> Result<Option<
         return Ok(None);
     }
     let (polygons, mut png) = (setup.workload.polygons(), Vec::new());
-    let pixels = image::preview(&setup.scene, polygons, &setup.rays, &outcome.hits);
+    let pixels = image::preview(&setup.scene, polygons, &setup.prepared.rays, &outcome.hits);
     image::write_png(&mut png, setup.spec.size, &pixels)
         .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
     Ok(Some(png))

@@ -38,7 +38,7 @@ pub struct Seen<'a> {
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
     /// All parameters, if they are known.
-    pub configuration: Option<&'a Configuration>,
+    pub configuration: &'a Configuration,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
 }

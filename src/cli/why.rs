@@ -13,7 +13,7 @@ pub fn why(args: &WhyArgs, typed: &Typed) -> Result<(), Failure> {
     let Some(ops) = args.recorded.clone() else { return run::run(&of_run, typed, told) };
     moot_flags::check_why(&of_run, &of_run.options(typed))?;
     let RunArgs { machine_file, machine, results, views, .. } = of_run;
-    replay::replay(&ReplayArgs { ops, machine_file, machine, results, views }, told)
+    replay::replay(&ReplayArgs { ops: Some(ops), config: None, machine_file, machine, results, views }, told)
 }
 
 fn told(args: &WhyArgs) -> Result<Told, InputError> {

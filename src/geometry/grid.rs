@@ -10,6 +10,7 @@ use super::partition::reached;
 use super::polygon::Polygons;
 use super::ray::Ray;
 use super::voxels::Lattice;
+use crate::cancel::{Cancel, Cancelled};
 
 /// The most voxels of a grid.
 pub const MOST_VOXELS: f64 = (1u64 << 29) as f64;
@@ -23,6 +24,17 @@ pub const MOST_REFERENCES: f64 = (1u64 << 30) as f64;
 pub struct GridTooLarge {
     what: &'static str,
     most: f64,
+}
+
+/// Why a grid was not filled.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Unfilled {
+    /// It would be too large.
+    #[error(transparent)]
+    TooLarge(#[from] GridTooLarge),
+    /// It was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// nb_voxel = `coefficient` x P, unless that is more than [`MOST_VOXELS`].
@@ -61,14 +73,20 @@ impl Grid {
     /// number. Fewer voxels where they would be thinner than 32-bit arithmetic can tell apart.
     ///
     /// Every polygon is listed in every voxel that it comes within [`Polygons::margin`] of. Fails if that makes more than
-    /// [`MOST_VOXELS`] voxels or [`MOST_REFERENCES`] references.
-    pub fn new(polygons: &Polygons, members: &[u32], volume: Bounds, coefficient: f64) -> Result<Grid, GridTooLarge> {
+    /// [`MOST_VOXELS`] voxels or [`MOST_REFERENCES`] references, and if it is told to stop.
+    pub fn new(
+        polygons: &Polygons,
+        members: &[u32],
+        volume: Bounds,
+        coefficient: f64,
+        cancel: &Cancel,
+    ) -> Result<Grid, Unfilled> {
         let margin = polygons.margin();
         let reached = volume.intersection(reached(polygons, members));
         let volume = if reached.is_empty() { Bounds { low: volume.low, high: volume.low } } else { reached };
         let voxels = voxels_for(members.len(), coefficient)?;
         let lattice = Lattice::cubic(volume, voxels, 4.0 * margin);
-        let (starts, lists) = fill(&lattice, polygons, members, margin)?;
+        let (starts, lists) = fill(&lattice, (polygons, members), margin, cancel)?;
         Ok(Grid {
             planes: [0, 1, 2].map(|axis| planes(&lattice, axis, margin)),
             per_edge: (1.0 / lattice.voxel_extent()).as_vec3(),
@@ -296,10 +314,10 @@ fn planes(lattice: &Lattice, axis: usize, margin: f64) -> Vec<f32> {
 /// The voxel table and the index lists, each list in rising order: counted first, then filled.
 fn fill(
     lattice: &Lattice,
-    polygons: &Polygons,
-    members: &[u32],
+    (polygons, members): (&Polygons, &[u32]),
     margin: f64,
-) -> Result<(Vec<u32>, Vec<u32>), GridTooLarge> {
+    cancel: &Cancel,
+) -> Result<(Vec<u32>, Vec<u32>), Unfilled> {
     let mut starts = vec![0u32; lattice.voxel_count() + 1];
     let mut references = 0u64;
     for &polygon in members {
@@ -308,8 +326,9 @@ fn fill(
             references += 1;
         });
         if references as f64 > MOST_REFERENCES {
-            return Err(GridTooLarge { what: "references to polygons", most: MOST_REFERENCES });
+            return Err(GridTooLarge { what: "references to polygons", most: MOST_REFERENCES }.into());
         }
+        cancel.check()?;
     }
     for voxel in 1..starts.len() {
         starts[voxel] += starts[voxel - 1];
@@ -317,6 +336,7 @@ fn fill(
     let mut ends = starts.clone();
     let mut lists = vec![0u32; references as usize];
     for &polygon in members {
+        cancel.check()?;
         lattice.for_each_voxel(polygons, polygon, margin, |voxel| {
             let end = &mut ends[voxel];
             lists[*end as usize] = polygon;

@@ -1,63 +1,10 @@
 //! Instructions as 32-bit words, like those of data: a queue moves one, and a word of memory holds one.
 
 use std::fmt;
-use std::ops::Range;
 
-use bitvec::field::BitField;
-use bitvec::order::Lsb0;
-use bitvec::view::BitView;
-
+use super::field::Field;
 use super::register::Register;
 use super::table::{Opcode, Operand};
-
-/// A field of an instruction word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Field {
-    /// Which instruction.
-    Opcode,
-    /// The first register that is written down.
-    First,
-    /// The second.
-    Second,
-    /// The third.
-    Third,
-    /// A signed constant or distance behind two registers.
-    Short,
-    /// A signed constant or distance behind one register or none.
-    Long,
-}
-
-impl Field {
-    /// The bits that it takes, counted from the lowest.
-    pub const fn bits(self) -> Range<usize> {
-        match self {
-            Field::Opcode => 24..32,
-            Field::First => 18..24,
-            Field::Second => 12..18,
-            Field::Third => 6..12,
-            Field::Short => 0..12,
-            Field::Long => 0..18,
-        }
-    }
-
-    /// What a signed constant in it can be.
-    pub fn range(self) -> std::ops::RangeInclusive<i64> {
-        let half = 1i64 << (self.bits().len() - 1);
-        -half..=half - 1
-    }
-
-    fn get(self, word: u32) -> u32 {
-        word.view_bits::<Lsb0>()[self.bits()].load_le()
-    }
-
-    fn get_signed(self, word: u32) -> i32 {
-        word.view_bits::<Lsb0>()[self.bits()].load_le()
-    }
-
-    fn set(self, word: &mut u32, value: u32) {
-        word.view_bits_mut::<Lsb0>()[self.bits()].store_le(value);
-    }
-}
 
 /// One instruction. Registers and constants that its format does not have are `r0` and 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

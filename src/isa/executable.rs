@@ -1,7 +1,8 @@
 //! A program made ready to run: decoded once, with what each instruction costs.
 
 use super::cycles::InstructionCycles;
-use super::encoding::{Field, Instruction};
+use super::encoding::Instruction;
+use super::field::Field;
 use super::kernels::OTHER;
 use super::program::Program;
 use super::register::{Queue, Register};

@@ -8,7 +8,7 @@
 //! | here | is |
 //! | --- | --- |
 //! | [`table`] | the one table of instructions: mnemonic, code, format, class, effect |
-//! | [`encoding`] | the one layout of fields in a word; words to instructions and back |
+//! | [`encoding`] | words to instructions and back, by the one layout of [`Field`]s in a word |
 //! | [`assemble`] | source text to a [`Program`], with errors that point |
 //! | [`object`], [`listing`], [`words`] | programs as object files and listings; words as people write them |
 //! | [`Executable`] | a program under given [`InstructionCycles`], ready to run |
@@ -23,6 +23,7 @@ mod cycles;
 pub mod encoding;
 mod executable;
 mod fault;
+mod field;
 pub mod kernels;
 pub mod listing;
 pub mod object;
@@ -38,6 +39,7 @@ pub use cycles::InstructionCycles;
 pub use encoding::{Instruction, InvalidInstruction};
 pub use executable::Executable;
 pub use fault::{Fault, FaultKind, FaultLine};
+pub use field::Field;
 pub use processor::{Processor, Stop};
 pub use program::{Program, SourceFile, SourceLine};
 pub use queues::Queues;

@@ -1,6 +1,6 @@
 //! The table of instructions, from which encoding, assembler, manual and tests take what they know.
 
-use super::encoding::Field;
+use super::field::Field;
 
 /// A group of instructions that take equally many cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::footprint::{Footprint, area_vector};
-use crate::geometry::grid::GridTooLarge;
+use crate::cancel::Cancel;
+use crate::geometry::grid::Unfilled;
 use crate::geometry::{Bounds, Grid, Hit, Polygons, Ray, RaySlabs, Slabs};
 
 /// The sketch's grid has so many times fewer voxels than the one that it is made for. Walks that stop at a hit see the
@@ -67,10 +68,10 @@ impl<'a> Sketch<'a> {
         rays: &[Ray],
         stops: bool,
         coefficient: f64,
-    ) -> Result<Sketch<'a>, GridTooLarge> {
+    ) -> Result<Sketch<'a>, Unfilled> {
         let count = members.len().max(1) as f64;
         let voxels = (coefficient / COARSER * count).clamp(FEWEST_VOXELS, MOST_VOXELS);
-        let grid = Grid::new(polygons, members, volume, voxels / count)?;
+        let grid = Grid::new(polygons, members, volume, voxels / count, &Cancel::default())?;
         let mut sketch = Sketch {
             polygons,
             slabs,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::prediction::{Group, Prediction};
 use super::sketch::Sketch;
 use super::throughput::ArrayModel;
-use crate::geometry::grid::{GridTooLarge, voxels_for};
+use crate::geometry::grid::{Unfilled, voxels_for};
 use crate::geometry::partition::SubVolume;
 use crate::geometry::{Polygons, Ray, Slabs};
 
@@ -44,14 +44,14 @@ impl<'a> Survey<'a> {
     /// What an array will have to do, with so many voxels a polygon.
     ///
     /// Fails if the grids would be larger than any that can be built.
-    pub fn predict(&self, array: &ArrayModel, coefficient: f64) -> Result<Prediction, GridTooLarge> {
+    pub fn predict(&self, array: &ArrayModel, coefficient: f64) -> Result<Prediction, Unfilled> {
         self.sub_volumes.iter().try_for_each(|part| voxels_for(part.members.len(), coefficient).map(drop))?;
         let groups = self.sketch(array, coefficient)?;
         Ok(self.price(&groups, array, coefficient))
     }
 
     /// The coefficient with the fewest cycles a ray, of 0.5, 1, 2, 5, ... 500, and what to expect of it.
-    pub fn best_coefficient(&self, array: &ArrayModel) -> Result<(f64, Prediction), GridTooLarge> {
+    pub fn best_coefficient(&self, array: &ArrayModel) -> Result<(f64, Prediction), Unfilled> {
         let few = Survey { rays: sample_of(&self.rays, SEARCH_SAMPLE), slabs: self.slabs.clone(), ..*self };
         let sketches = [few.sketch(array, COARSE)?, few.sketch(array, FINE)?];
         let price = |&coefficient: &f64| {
@@ -64,7 +64,7 @@ impl<'a> Survey<'a> {
         Ok(priced.into_iter().min_by(|a, b| cycles(a).total_cmp(&cycles(b))).unwrap_or_default())
     }
 
-    fn sketch(&self, array: &ArrayModel, coefficient: f64) -> Result<Vec<Sketch<'_>>, GridTooLarge> {
+    fn sketch(&self, array: &ArrayModel, coefficient: f64) -> Result<Vec<Sketch<'_>>, Unfilled> {
         let scene = (self.polygons, &self.slabs);
         let sketch = |part: &SubVolume| {
             Sketch::new(scene, (part.volume, &part.members), &self.rays, array.walks_stop(), coefficient)

@@ -5,6 +5,8 @@
 
 mod array_program;
 pub mod cells;
+mod cut;
+pub mod figure7;
 mod layout;
 pub mod messages;
 mod stop_words;
@@ -13,5 +15,6 @@ pub mod work;
 mod workload;
 
 pub use array_program::{ArrayProgram, Kernel, Stages};
+pub use layout::{Layout, NotLaidOut, Surfaces};
 pub use tracer::{Counts, Tracer, send_ray};
 pub use workload::{CellMemory, Workload};

@@ -14,12 +14,13 @@ use crate::quantities::Cycles;
 use crate::seam::{Costs, OpBatch, OpKind, OpStream, Unit};
 
 use super::cells::ProgramTracer;
+use super::layout::{Group, Surfaces};
 use super::messages::{CANDIDATE_WORDS, HIT_WORDS, RAY_WORDS};
 use super::stop_words::Stopping;
 use super::work::{
     GRID_START, GRID_VOXEL, HOST_RAY, INTERSECTION_POLYGON, INTERSECTION_START, SLABS_POLYGON, SLABS_START,
 };
-use super::workload::{Group, Workload};
+use super::workload::Workload;
 
 /// How often the kernels did their work, over all cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,9 +73,9 @@ struct Mailbox {
 impl<'a> Tracer<'a> {
     /// A tracer that has counted nothing yet.
     pub fn new(workload: &'a Workload) -> Tracer<'a> {
-        let polygons = if workload.mailbox { workload.polygons.len() } else { 0 };
+        let polygons = if workload.program.mailbox { workload.polygons().len() } else { 0 };
         let mailbox = Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() };
-        let programs = workload.programs.as_ref().map(|cells| ProgramTracer::new(cells, workload.polygons.len()));
+        let programs = workload.programs.as_ref().map(|cells| ProgramTracer::new(cells, workload.polygons().len()));
         Tracer { workload, mailbox, programs, counts: Counts::default(), fault: None }
     }
 
@@ -87,7 +88,7 @@ impl<'a> Tracer<'a> {
     /// to every cell's ops, and returns the first hit.
     pub fn trace(&mut self, id: u32, count: usize, ray: &Ray, batch: &mut OpBatch) -> Hit {
         send_ray(&mut batch.host, id);
-        let ahead = self.workload.forward_ahead as u64;
+        let ahead = self.workload.program.forward_ahead as u64;
         let known_before = if id == 0 { 0 } else { id as u64 + ahead };
         let passed_on = (id as u64 + 1 + ahead).min(count as u64).saturating_sub(known_before);
         self.trace_line(id, passed_on, ray, &mut batch.cells)
@@ -117,9 +118,10 @@ impl<'a> Tracer<'a> {
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
         let stages = self.workload.stages.count();
-        for (index, (group, cells)) in self.workload.groups.iter().zip(cells.chunks_mut(stages)).enumerate() {
+        for (index, (group, cells)) in self.workload.layout.groups.iter().zip(cells.chunks_mut(stages)).enumerate() {
             let mut in_group = RayInGroup {
                 workload: self.workload,
+                surfaces: &self.workload.layout.surfaces,
                 ray,
                 cells,
                 ray_slabs,
@@ -146,9 +148,10 @@ impl<'a> Tracer<'a> {
     pub(super) fn sample(&mut self, ray: &Ray, sample: &mut WorkSample) {
         let workload = self.workload;
         let mut cells = [OpStream::default()];
-        let Some(group) = workload.groups.first() else { return };
+        let Some(group) = workload.layout.groups.first() else { return };
         let mut in_group = RayInGroup {
             workload,
+            surfaces: &workload.layout.surfaces,
             ray,
             cells: &mut cells,
             ray_slabs: None,
@@ -157,7 +160,7 @@ impl<'a> Tracer<'a> {
             hit: Hit::MISS,
         };
         let mut t_enter = 0.0;
-        group.grid.walk(ray, workload.polygons.beyond_margin(ray.origin), |voxel| {
+        group.grid.walk(ray, workload.polygons().beyond_margin(ray.origin), |voxel| {
             for &polygon in voxel.polygons {
                 in_group.candidate(polygon, &mut self.counts);
             }
@@ -194,6 +197,7 @@ struct Entered {
 /// One ray in one group of cells.
 struct RayInGroup<'a> {
     workload: &'a Workload,
+    surfaces: &'a Surfaces,
     ray: &'a Ray,
     cells: &'a mut [OpStream],
     ray_slabs: Option<RaySlabs>,
@@ -249,7 +253,7 @@ impl RayInGroup<'_> {
     fn walk(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
         let workload = self.workload;
         let mut voxels = 0;
-        group.grid.walk(self.ray, workload.polygons.beyond_margin(self.ray.origin), |voxel| {
+        group.grid.walk(self.ray, self.surfaces.polygons.beyond_margin(self.ray.origin), |voxel| {
             voxels += 1;
             if voxel.polygons.is_empty() {
                 return self.done_in(voxel.t_exit);
@@ -258,7 +262,7 @@ impl RayInGroup<'_> {
             counts.voxels += voxels;
             voxels = 0;
             for &polygon in voxel.polygons {
-                if !workload.mailbox || mailbox.mark(polygon) {
+                if !workload.program.mailbox || mailbox.mark(polygon) {
                     self.candidate(polygon, counts);
                 }
             }
@@ -274,11 +278,11 @@ impl RayInGroup<'_> {
     fn walk_told(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
         let workload = self.workload;
         let Some(words) = workload.stop_words else { return };
-        group.grid.walk(self.ray, workload.polygons.beyond_margin(self.ray.origin), |voxel| {
+        group.grid.walk(self.ray, self.surfaces.polygons.beyond_margin(self.ray.origin), |voxel| {
             self.work(0, GRID_VOXEL, 1);
             counts.voxels += 1;
             for &polygon in voxel.polygons {
-                if !workload.mailbox || mailbox.mark(polygon) {
+                if !workload.program.mailbox || mailbox.mark(polygon) {
                     self.candidate(polygon, counts);
                 }
             }
@@ -339,9 +343,9 @@ impl RayInGroup<'_> {
             self.enter_slabs(cell);
         }
         self.work(cell, SLABS_POLYGON, 1);
-        let polygons = &self.workload.polygons;
+        let Surfaces { polygons, slabs } = self.surfaces;
         let new = || RaySlabs::new(self.ray, polygons.largest_coordinate());
-        self.workload.slabs.meets(self.ray_slabs.get_or_insert_with(new), polygon)
+        slabs.meets(self.ray_slabs.get_or_insert_with(new), polygon)
     }
 
     /// P3: a candidate is intersected, and kept if it is the nearest so far.
@@ -351,7 +355,7 @@ impl RayInGroup<'_> {
             self.enter_intersection();
         }
         self.work(self.workload.stages.intersection, INTERSECTION_POLYGON, 1);
-        self.hit = self.workload.polygons.nearer(self.ray, polygon, self.hit);
+        self.hit = self.surfaces.polygons.nearer(self.ray, polygon, self.hit);
     }
 
     #[inline]

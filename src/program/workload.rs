@@ -1,40 +1,33 @@
-//! A scene laid out for an array program: what each group of cells has of it.
+//! What an array has to do: an array program on a scene that is laid out for it.
+
+use std::sync::Arc;
 
 use crate::error::InputError;
-use crate::geometry::{Grid, Polygons, Slabs, slabs};
+use crate::geometry::{Grid, Polygons, slabs};
 use crate::machine::{HostTimes, KernelTimes, MachineSpec};
 use crate::quantities::Words;
 use crate::seam::{Channel, Costs, OpBatch};
 
-use super::array_program::{Kernel, Stages};
+use super::array_program::{ArrayProgram, Kernel, Stages};
 use super::cells::{CellOptions, CellPrograms};
+use super::layout::Layout;
 use super::messages::RAY_WORDS;
 use super::stop_words::StopWords;
 use super::work;
 
-/// A scene's polygons with the grids and slabs that an array program gives its cells.
+/// A scene laid out, with what an array program's cells do with it.
 #[derive(Clone, Debug)]
 pub struct Workload {
-    pub(super) polygons: Polygons,
-    pub(super) slabs: Slabs,
-    pub(super) groups: Vec<Group>,
+    pub(super) layout: Arc<Layout>,
     pub(super) stages: Stages,
     pub(super) times: KernelTimes,
     /// What units of work cost on the machine that it was laid out for.
     pub(super) costs: Costs,
-    pub(super) mailbox: bool,
     pub(super) stop_words: Option<StopWords>,
-    pub(super) forward_ahead: u32,
-    pub(super) kernels: Vec<Vec<Kernel>>,
+    /// What it was laid out for.
+    pub(super) program: ArrayProgram,
     /// The cells' programs, if they run any instead of Figure 7's times.
     pub(super) programs: Option<CellPrograms>,
-}
-
-/// A group's part of the scene.
-#[derive(Clone, Debug)]
-pub(super) struct Group {
-    pub members: Vec<u32>,
-    pub grid: Grid,
 }
 
 /// What a cell's memory holds, in words.
@@ -60,17 +53,30 @@ impl CellMemory {
 }
 
 impl Workload {
+    /// What the cells of an array program do with a scene that was laid out for it.
+    pub fn of(layout: Arc<Layout>, program: &ArrayProgram, times: KernelTimes) -> Workload {
+        Workload {
+            layout,
+            stages: program.placement(),
+            times,
+            costs: work::costs(&work::vocabulary(false), &times, None),
+            stop_words: program.stop_words.map(|ahead| StopWords { ahead, last: program.stages.len() - 1 }),
+            program: program.clone(),
+            programs: None,
+        }
+    }
+
     /// Lets the cells run programs instead of taking Figure 7's times: assembles them and loads every cell's memory.
     ///
     /// Fails if a program has a mistake, or wants something of the loader that it does not have; or if the array program
     /// goes beyond the paper.
     pub fn with_programs(self, options: &CellOptions) -> Result<Workload, InputError> {
-        if self.stop_words.is_some() || self.forward_ahead > 0 {
+        if self.stop_words.is_some() || self.program.forward_ahead > 0 {
             let what = if self.stop_words.is_some() { "stop words" } else { "rays forwarded ahead" };
             let error = InputError::new(format!("the cells' programs know nothing of {what}"));
             return Err(error.help("leave them out, or let the cells run timings"));
         }
-        let programs = CellPrograms::new(&self, options)?;
+        let programs = CellPrograms::new(&self.layout, &self.program, options)?;
         let costs = work::costs(&work::vocabulary(true), &self.times, Some(&options.cycles));
         Ok(Workload { programs: Some(programs), costs, ..self })
     }
@@ -92,44 +98,44 @@ impl Workload {
 
     /// Number of cells.
     pub fn cells(&self) -> usize {
-        self.groups.len() * self.stages.count()
+        self.groups() * self.stages.count()
     }
 
     /// Number of groups.
     pub fn groups(&self) -> usize {
-        self.groups.len()
+        self.layout.groups.len()
     }
 
     /// The polygons.
     pub fn polygons(&self) -> &Polygons {
-        &self.polygons
+        self.layout.surfaces.polygons()
     }
 
     /// How many polygons the groups hold together: one that reaches into several sub-volumes is held in each.
     pub fn placed_polygons(&self) -> usize {
-        self.groups.iter().map(|group| group.members.len()).sum()
+        self.layout.groups.iter().map(|group| group.members.len()).sum()
     }
 
     /// Each group's grid.
     pub fn grids(&self) -> impl ExactSizeIterator<Item = &Grid> {
-        self.groups.iter().map(|group| &group.grid)
+        self.layout.groups.iter().map(|group| &group.grid)
     }
 
     /// The kernels that a cell runs.
     pub fn kernels_of(&self, cell: usize) -> &[Kernel] {
-        &self.kernels[cell % self.kernels.len()]
+        &self.program.stages[cell % self.stages.count()]
     }
 
     /// What a cell's memory must hold.
     pub fn memory_of(&self, cell: usize) -> CellMemory {
-        let group = &self.groups[cell / self.kernels.len()];
+        let group = &self.layout.groups[cell / self.stages.count()];
         let words = |kernel, words: u64| Words(if self.kernels_of(cell).contains(&kernel) { words } else { 0 });
         let mut memory = CellMemory {
             grid: words(Kernel::Grid, group.grid.memory_words()),
             slabs: words(Kernel::Slabs, slabs::WORDS * group.members.len() as u64),
-            polygons: words(Kernel::Intersection, self.polygons.memory_words(&group.members)),
+            polygons: words(Kernel::Intersection, self.polygons().memory_words(&group.members)),
             program: Words(0),
-            rays: Words(RAY_WORDS * self.forward_ahead as u64),
+            rays: Words(RAY_WORDS * self.program.forward_ahead as u64),
         };
         if let Some(programs) = &self.programs {
             memory.program = Words(programs.words(cell).0 - memory.total().0);
@@ -148,7 +154,7 @@ impl Workload {
 
     /// Fails if the cells want rays before the hits of others have left the array, for a host that sends some only after.
     pub fn check_closed_loop(&self) -> Result<(), InputError> {
-        let message = match self.forward_ahead {
+        let message = match self.program.forward_ahead {
             0 => return Ok(()),
             ahead => format!(
                 "a cell would begin a ray only when the next {ahead} have come, and the host of an image may send those \

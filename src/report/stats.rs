@@ -7,25 +7,31 @@ use super::kinds::RaysByKind;
 use super::why::PathJson;
 use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
 use crate::program::{CellMemory, Counts, Workload};
-use crate::run::RunSpec;
+use crate::run::{ReplaySpec, RunSpec};
 
-/// What was run, beside its statistics: enough to run it again, and what its scene came to.
+/// What was run, beside its statistics: enough to run it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Configuration {
-    /// The run.
-    #[serde(flatten)]
-    pub run: RunSpec,
-    /// How many polygons the scene has.
-    pub polygons: usize,
-    /// Words that each cell's memory holds.
-    pub memory: Vec<MemoryWords>,
+#[serde(untagged)]
+pub enum Configuration {
+    /// A run, and what its scene came to.
+    Run {
+        /// The run.
+        #[serde(flatten)]
+        run: Box<RunSpec>,
+        /// How many polygons the scene has.
+        polygons: usize,
+        /// Words that each cell's memory holds.
+        memory: Vec<MemoryWords>,
+    },
+    /// A replay.
+    Replay(Box<ReplaySpec>),
 }
 
 impl Configuration {
     /// What a run is made of.
     pub fn new(run: &RunSpec, workload: &Workload) -> Configuration {
-        Configuration {
-            run: run.clone(),
+        Configuration::Run {
+            run: Box::new(run.clone()),
             polygons: workload.polygons().len(),
             memory: (0..workload.cells()).map(|cell| workload.memory_of(cell).into()).collect(),
         }
@@ -73,8 +79,7 @@ struct Report<'a> {
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     why: Option<PathJson>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    configuration: Option<&'a Configuration>,
+    configuration: &'a Configuration,
 }
 
 /// A cell's cycles by state: `busy` by activity, then `moving`, `waiting_x`, ..., `idle`.
@@ -122,13 +127,13 @@ impl<'a> Fifo<'a> {
     }
 }
 
-/// The statistics of a run as indented JSON. A replay has no counts and no configuration.
+/// The statistics of a run as indented JSON. A replay has no counts.
 pub fn to_json(
     run: &Measured,
     path: Option<&CriticalPath>,
     clock: Clock,
     counts: Option<&Counts>,
-    configuration: Option<&Configuration>,
+    configuration: &Configuration,
 ) -> serde_json::Result<String> {
     json((run, path), clock, counts, None, configuration)
 }
@@ -142,7 +147,7 @@ pub fn image_to_json(
     kinds: &RaysByKind,
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
-    json((run, path), clock, Some(counts), Some(kinds), Some(configuration))
+    json((run, path), clock, Some(counts), Some(kinds), configuration)
 }
 
 fn json(
@@ -150,7 +155,7 @@ fn json(
     clock: Clock,
     counts: Option<&Counts>,
     rays_by_kind: Option<&RaysByKind>,
-    configuration: Option<&Configuration>,
+    configuration: &Configuration,
 ) -> serde_json::Result<String> {
     let seconds = clock.seconds(run.cycles);
     let fifos = run.topology.fifos.iter().zip(&run.fifos);

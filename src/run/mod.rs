@@ -5,6 +5,8 @@
 
 mod ahead;
 mod closed_loop;
+mod layers;
+mod modelled;
 mod options;
 mod outputs;
 mod render;
@@ -14,14 +16,16 @@ mod trace;
 mod trees;
 mod workers;
 
+pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
+pub use modelled::{CountedLoads, array_model};
 pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, ProgramOptions, RayOptions,
     RunOptions, SceneOptions, ShapeOptions, Switch,
 };
 pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
-pub use spec::{ImageSpec, RunSpec, array_program, is_builtin, machine_file};
+pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};
 pub use trees::{ByKind, KindCounts};
-pub use workers::{Cancel, Cancelled, Workers};
+pub use workers::Workers;

@@ -1,12 +1,14 @@
 //! What a run is: all that its results depend on, with every default filled in.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::options::{CellsRun, Mode, RunOptions, Switch};
 use crate::error::InputError;
-use crate::geometry::{Partition, Ray};
+use crate::geometry::Ray;
 use crate::host::camera::{self, ImageSize};
 use crate::host::policy::{HostRules, Policy};
 use crate::host::ray_file;
@@ -15,8 +17,8 @@ use crate::host::shading::Limits;
 use crate::input::fields;
 use crate::isa::Processor;
 use crate::machine::{Machine, MachineFile};
+use crate::program::ArrayProgram;
 use crate::program::cells::CellOptions;
-use crate::program::{ArrayProgram, Workload};
 use crate::scene::{ReadOptions, Scene, builtin};
 
 /// A run, described: enough to repeat it to the bit.
@@ -57,6 +59,56 @@ pub struct RunSpec {
     /// The machine, as its file would have it.
     pub machine: MachineFile,
 }
+
+/// A replay, described: enough to repeat it to the cycle.
+///
+/// It is the `configuration` of a replay's statistics; fields that it does not know are refused.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReplaySpec {
+    /// The simulator's version that wrote it.
+    pub version: String,
+    /// The activity trace.
+    pub ops: PathBuf,
+    /// What the trace's units of work cost, in cycles; none, if it counts in cycles.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub unit_cycles: BTreeMap<String, u64>,
+    /// The machine, as its file would have it. Its times of kernels count only through `unit_cycles`.
+    pub machine: MachineFile,
+}
+
+impl ReplaySpec {
+    /// Reads a description: a replay's configuration, or the statistics that have it.
+    pub fn read(path: &Path) -> Result<ReplaySpec, InputError> {
+        let spec: ReplaySpec = read_configuration(path, "replay")?;
+        spec.machine.build()?;
+        Ok(spec)
+    }
+}
+
+/// Reads a configuration, or the one in statistics.
+fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
+    #[derive(Deserialize)]
+    struct Statistics {
+        configuration: serde_json::Value,
+    }
+    let text = fields::read_text(path)?;
+    let configuration = match serde_json::from_str::<Statistics>(&text) {
+        Ok(statistics) => Ok(statistics.configuration),
+        Err(_) => serde_json::from_str(&text),
+    };
+    let described = configuration.and_then(|mut configuration| {
+        // It tells more than what was asked for: what the scene came to, which is worked out again.
+        if let Some(fields) = configuration.as_object_mut() {
+            FACTS.iter().for_each(|fact| drop(fields.remove(*fact)));
+        }
+        serde_json::from_value(configuration)
+    });
+    described.map_err(|error| InputError::in_file(path, format!("describes no {what}: {error}")))
+}
+
+/// What a configuration says of its scene beside the run's description.
+const FACTS: [&str; 2] = ["polygons", "memory"];
 
 /// How an image is made of its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -163,45 +215,11 @@ impl RunSpec {
 
     /// Reads a description: a run's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<RunSpec, InputError> {
-        #[derive(Deserialize)]
-        struct Statistics {
-            configuration: serde_json::Value,
-        }
-        let text = fields::read_text(path)?;
-        let described = match serde_json::from_str::<Statistics>(&text) {
-            Ok(statistics) => RunSpec::of_facts(statistics.configuration),
-            Err(_) => serde_json::from_str(&text).and_then(RunSpec::of_facts),
-        };
-        let spec = described.map_err(|error| InputError::in_file(path, format!("describes no run: {error}")))?;
+        let spec: RunSpec = read_configuration(path, "run")?;
         spec.machine.build()?;
         spec.program.check()?;
         spec.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
         Ok(spec)
-    }
-
-    /// A configuration tells more than what was asked for: what the scene came to, which is worked out again.
-    fn of_facts(mut configuration: serde_json::Value) -> serde_json::Result<RunSpec> {
-        if let Some(fields) = configuration.as_object_mut() {
-            fields.remove("polygons");
-            fields.remove("memory");
-        }
-        serde_json::from_value(configuration)
-    }
-
-    /// What the scene and the rays depend on.
-    pub fn stage_key(&self) -> String {
-        let RunSpec { scene, size_factor, resolution, size, rays, .. } = self;
-        format!("{scene:?} {size_factor:?} {resolution:?} {size:?} {rays:?}")
-    }
-
-    /// What the cells' ops depend on, beside scene and rays.
-    pub fn work_key(&self, machine: &Machine) -> String {
-        let RunSpec { program, cells_run, cell_programs, instruction_limit, .. } = self;
-        // What work costs is clockwork, but for a cut that weighs it.
-        let weighed = (program.partition == Partition::Work && program.groups > 1).then_some(machine.times);
-        // A machine that does not say what instructions cost runs no programs, whatever others would make of their ops.
-        let priced = *cells_run == CellsRun::Timings || machine.instructions.is_some();
-        format!("{program:?} {cells_run:?} {cell_programs:?} {instruction_limit:?} {weighed:?} {priced}")
     }
 
     /// Reads or generates the scene.
@@ -226,17 +244,8 @@ impl RunSpec {
         }
     }
 
-    /// The scene laid out for the array, with the cells' programs if they run any.
-    pub fn lay_out(&self, scene: &Scene, machine: &Machine, rays: &[Ray]) -> Result<Workload, InputError> {
-        let workload = Workload::new(&scene.mesh, &self.program, machine.times, rays)?;
-        match self.cells_run {
-            CellsRun::Programs => workload.with_programs(&self.cell_options(machine)?),
-            CellsRun::Timings => Ok(workload),
-        }
-    }
-
     /// How the cells run programs.
-    fn cell_options(&self, machine: &Machine) -> Result<CellOptions, InputError> {
+    pub(super) fn cell_options(&self, machine: &Machine) -> Result<CellOptions, InputError> {
         let instruction_limit = self.instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
         let folder = self.cell_programs.clone().filter(|folder| folder != Path::new(STANDARD_PROGRAMS));
         Ok(CellOptions { cycles: machine.instruction_cycles()?, folder, instruction_limit })

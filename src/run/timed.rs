@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
-use super::{Cancel, Cancelled, TracedBatch, Workers, trace};
+use super::{TracedBatch, Workers, trace};
+use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::{Hit, Ray};
 use crate::isa::Fault;
 use crate::machine::{Array, Cycles, MachineSpec, Observed, Stuck, Unfinished};
 use crate::measure::{CriticalPath, Measured, Recording, When};
-use crate::program::{Counts, Workload};
+use crate::program::{Counts, NotLaidOut, Workload};
 use crate::seam::{BatchError, Costs, OpBatch};
 
 /// What a run gives.
@@ -85,6 +86,15 @@ pub enum RunError<E> {
     /// `observe` failed.
     #[error("{0}")]
     Observer(E),
+}
+
+impl<E> From<NotLaidOut> for RunError<E> {
+    fn from(not: NotLaidOut) -> RunError<E> {
+        match not {
+            NotLaidOut::Unfit(error) => RunError::Unfit(error),
+            NotLaidOut::Cancelled(cancelled) => RunError::Cancelled(cancelled),
+        }
+    }
 }
 
 impl<E> From<Unfinished> for RunError<E> {

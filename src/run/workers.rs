@@ -1,7 +1,6 @@
-//! Who works on a run, and how they are told to stop.
+//! Who works on a run.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use crate::cancel::Cancel;
 
 /// The threads that work on something. What comes out does not depend on how many they are.
 #[derive(Clone, Debug)]
@@ -21,26 +20,5 @@ impl Workers {
     /// A thread for each core.
     pub fn on_all_cores() -> Workers {
         Workers::new(std::thread::available_parallelism().map_or(1, |cores| cores.get()))
-    }
-}
-
-/// A way to stop what takes long, from any thread. Clones stop the same work.
-#[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>);
-
-/// The work was told to stop, and has no result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("stopped before the end, as it was told to")]
-pub struct Cancelled;
-
-impl Cancel {
-    /// Stops the work, as soon as it comes to its next batch. Nothing that is stopped goes on again.
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Fails once the work has been stopped.
-    pub fn check(&self) -> Result<(), Cancelled> {
-        if self.0.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
     }
 }

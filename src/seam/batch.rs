@@ -63,11 +63,11 @@ impl OpBatch {
             return Err(BatchError::Cells { found: self.cells.len(), expected: cells });
         }
         let of_host = |kind| matches!(kind, OpKind::Work(_) | OpKind::WriteX | OpKind::Await);
-        if !self.host.ops().iter().all(|op| of_host(op.kind())) {
+        if !self.host.kinds().all(of_host) {
             return Err(BatchError::Host);
         }
         (0..cells).try_for_each(|cell| {
-            self.cells[cell].ops().iter().try_for_each(|op| OpBatch::check_op(op.kind(), cell, cell + 1 == cells))
+            self.cells[cell].kinds().try_for_each(|kind| OpBatch::check_op(kind, cell, cell + 1 == cells))
         })
     }
 

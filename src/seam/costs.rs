@@ -34,6 +34,11 @@ impl Costs {
         self.cycles.get(unit.0 as usize).copied().unwrap_or_default()
     }
 
+    /// Each unit's name and what it costs.
+    pub fn by_name(&self) -> impl Iterator<Item = (&str, Cycles)> {
+        self.vocabulary.units.iter().map(|unit| unit.name.as_str()).zip(self.cycles.iter().copied())
+    }
+
     /// What a unit belongs to.
     pub fn activity(&self, unit: Unit) -> Activity {
         self.vocabulary.unit(unit).map_or(Activity(0), |unit| unit.activity)

@@ -89,6 +89,15 @@ impl OpKind {
         }
     }
 
+    /// A bit for each kind that moves words or waits, in the order of [`OpKind::MOVES`], and one for all work.
+    #[inline]
+    const fn bit(self) -> u16 {
+        match self {
+            OpKind::Work(_) => 1 << OpKind::MOVES.len(),
+            _ => 1 << (self.code() >> MOVE_BITS),
+        }
+    }
+
     /// The largest count of one op of this kind; longer ones are written as several.
     #[inline]
     pub const fn max_count(self) -> u32 {
@@ -120,9 +129,19 @@ impl Op {
     /// What the op does.
     #[inline]
     pub fn kind(self) -> OpKind {
-        match self.unit() {
-            Some(unit) => OpKind::Work(unit),
-            None => OpKind::MOVES[(self.0 >> MOVE_BITS & 7) as usize].0,
+        if let Some(unit) = self.unit() {
+            return OpKind::Work(unit);
+        }
+        // Spelled out: a match on it is then one jump, where a table would make it two.
+        match self.0 >> MOVE_BITS & 7 {
+            0 => OpKind::PassX,
+            1 => OpKind::ReadY,
+            2 => OpKind::WriteY,
+            3 => OpKind::ReadX,
+            4 => OpKind::WriteX,
+            5 => OpKind::Await,
+            6 => OpKind::ReadZ,
+            _ => OpKind::WriteZ,
         }
     }
 
@@ -170,6 +189,8 @@ pub struct OpLine {
 pub struct OpStream {
     ops: Vec<Op>,
     lines: Vec<OpLine>,
+    /// The bits of the kinds of all ops, so that nobody need look at each to check them.
+    kinds: u16,
 }
 
 impl OpStream {
@@ -194,6 +215,7 @@ impl OpStream {
     }
 
     fn append(&mut self, kind: OpKind, mut count: u64) {
+        self.kinds |= kind.bit();
         let most = kind.max_count();
         while count > most as u64 {
             self.ops.push(Op::new(kind, most));
@@ -206,6 +228,7 @@ impl OpStream {
     #[inline]
     pub fn push_line(&mut self, job: u32, ops: &[Op]) {
         self.ops.extend_from_slice(ops);
+        self.kinds = ops.iter().fold(self.kinds, |kinds, op| kinds | op.kind().bit());
         self.end_line(job);
     }
 
@@ -225,6 +248,12 @@ impl OpStream {
     #[inline]
     pub fn ops(&self) -> &[Op] {
         &self.ops
+    }
+
+    /// The kinds of its ops, each once; for all work one unit stands.
+    pub(super) fn kinds(&self) -> impl Iterator<Item = OpKind> {
+        let moves = OpKind::MOVES.into_iter().map(|(kind, _)| kind);
+        moves.chain([OpKind::Work(Unit(0))]).filter(|kind| self.kinds & kind.bit() != 0)
     }
 
     /// Each line as the job's number and its ops.
@@ -251,5 +280,6 @@ impl OpStream {
     pub fn clear(&mut self) {
         self.ops.clear();
         self.lines.clear();
+        self.kinds = 0;
     }
 }

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::Sweep;
-use super::point::{Outcome, Recording, Setting, Stage};
-use crate::run::{Cancelled, Workers};
+use super::point::{self, Outcome};
+use crate::cancel::Cancelled;
+use crate::run::{Key, Keys, Layers, PlannedRun, Workers};
 
 impl Sweep {
     /// Runs points on all cores, and hands each one's results to `done` as they come: a cell for each of
@@ -29,64 +30,66 @@ impl Sweep {
                 done(index, super::point::results(result))
             }
         };
-        let settings: Vec<Result<Setting, String>> = points.par_iter().map(|&index| self.setting(index)).collect();
+        let planned: Vec<Result<PlannedRun, String>> = points.par_iter().map(|&index| self.planned(index)).collect();
         let mut possible = Vec::new();
-        for (&index, setting) in points.iter().zip(settings) {
-            match setting {
-                Ok(setting) => possible.push((index, setting)),
+        for (&index, planned) in points.iter().zip(planned) {
+            match planned {
+                Ok(planned) => possible.push((index, planned)),
                 Err(reason) => done(index, Err(reason)),
             }
         }
-        for same_stage in by_key(possible.iter().collect(), Setting::stage_key) {
+        let mut layers = Layers::default();
+        for same_ops in by_layers(&possible) {
             workers.cancel.check()?;
-            let stage = same_stage[0].1.stage();
-            for same_work in by_key(same_stage, Setting::work_key) {
-                workers.cancel.check()?;
-                match &stage {
-                    Ok(stage) => run_same_work(stage, &same_work, workers, &done),
-                    Err(reason) => same_work.iter().for_each(|point| done(point.0, Err(reason.clone()))),
-                }
-            }
+            run_same_ops(&same_ops, &mut layers, workers, &done);
         }
         workers.cancel.check()
     }
 
     /// What is to be run for a point, or why it cannot be.
-    fn setting(&self, index: usize) -> Result<Setting, String> {
+    fn planned(&self, index: usize) -> Result<PlannedRun, String> {
         let names = self.parameters.iter().map(|parameter| parameter.column.name);
-        Setting::new(names.zip(self.point(index)))
+        point::planned(names.zip(self.point(index)))
     }
 }
 
 /// A point's number and what is to be run for it.
-type Point = (usize, Setting);
+type Point = (usize, PlannedRun);
 
-fn run_same_work(
-    stage: &Stage,
+fn run_same_ops(
     points: &[&Point],
+    layers: &mut Layers,
     workers: &Workers,
     done: &(impl Fn(usize, Result<Outcome, String>) + Sync),
 ) {
-    if let Some(image) = points[0].1.image() {
-        return points.iter().for_each(|(index, setting)| done(*index, setting.render(image, stage, workers)));
+    let (first, others) = match points {
+        [first, others @ ..] => (&first.1, others),
+        [] => return,
+    };
+    if others.is_empty() || first.spec.image.is_some() {
+        return points.iter().for_each(|(index, planned)| done(*index, point::run(planned, layers, workers)));
     }
-    match (points[0].1.workload(stage), points) {
-        (Err(reason), _) => points.iter().for_each(|(index, _)| done(*index, Err(reason.clone()))),
-        (Ok(workload), [(index, setting)]) => done(*index, setting.run(&workload, stage.rays(), workers)),
-        (Ok(workload), _) => {
-            let recording = Recording::new(&workload, stage.rays(), workers);
-            let time = |setting| recording.as_ref().map_err(String::clone)?.time(setting, &workers.cancel);
-            points.par_iter().for_each(|(index, setting)| done(*index, time(setting)));
-        }
-    }
+    let traced = layers.traced(first, workers).map_err(point::reason);
+    let time = |planned| point::time(planned, traced.as_ref().map_err(String::clone)?, &workers.cancel);
+    points.par_iter().for_each(|(index, planned)| done(*index, time(planned)));
+}
+
+/// The points by the ops that they share, those of the same scene one after the other, and among them those of the same
+/// layout, so that each layer is made once.
+fn by_layers(points: &[Point]) -> Vec<Vec<&Point>> {
+    let layers: [fn(&Keys) -> &Key; 4] =
+        [|keys| &keys.scene, |keys| &keys.prepared, |keys| &keys.laid_out, |keys| &keys.traced];
+    layers.iter().fold(vec![points.iter().collect()], |groups, key| {
+        groups.into_iter().flat_map(|group| by_key(group, key)).collect()
+    })
 }
 
 /// Puts points with the same key together, in the order in which the keys come first.
-fn by_key(points: Vec<&Point>, key: impl Fn(&Setting) -> String) -> Vec<Vec<&Point>> {
+fn by_key<'a>(points: Vec<&'a Point>, key: &impl Fn(&Keys) -> &Key) -> Vec<Vec<&'a Point>> {
     let mut places = HashMap::new();
     let mut groups: Vec<Vec<&Point>> = Vec::new();
     for point in points {
-        let place = *places.entry(key(&point.1)).or_insert(groups.len());
+        let place = *places.entry(key(&point.1.keys)).or_insert(groups.len());
         if place == groups.len() {
             groups.push(Vec::new());
         }
@@ -108,11 +111,11 @@ mod tests {
             link_mb_s: [80, 40], latency_cycles: [1, 2], memory_words: [1000, 2000], rate_counts: ["link", "channel"])"#;
         std::fs::write(&file, text).unwrap();
         let sweep = Sweep::read(&file).unwrap();
-        let points: Vec<Point> = (0..sweep.points()).map(|index| (index, sweep.setting(index).unwrap())).collect();
-        let stages = by_key(points.iter().collect(), Setting::stage_key);
-        assert_eq!(stages.iter().map(Vec::len).collect::<Vec<_>>(), [128, 128]);
-        let works = by_key(stages.into_iter().next().unwrap(), Setting::work_key);
-        assert_eq!(works.iter().map(Vec::len).collect::<Vec<_>>(), [64; 2], "two modes");
-        assert_eq!(works[0][0].0, 0);
+        let points: Vec<Point> = (0..sweep.points()).map(|index| (index, sweep.planned(index).unwrap())).collect();
+        let groups = by_layers(&points);
+        assert_eq!(groups.iter().map(Vec::len).collect::<Vec<_>>(), [64; 4], "two scenes in two modes");
+        let scene = |group: &Vec<&Point>| group[0].1.spec.scene.clone();
+        assert_eq!(groups.iter().map(scene).collect::<Vec<_>>(), ["room", "room", "teapot", "teapot"]);
+        assert_eq!(groups[0][0].0, 0);
     }
 }

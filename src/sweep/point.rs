@@ -5,17 +5,15 @@ use std::convert::Infallible;
 use std::fmt::Display;
 
 use super::parameters::IMAGE;
-use crate::geometry::Ray;
-use crate::machine::Machine;
+use crate::cancel::Cancel;
 use crate::measure::{Measured, StateKind, StateTimes};
-use crate::program::{Counts, Workload, work};
+use crate::program::{Counts, Workload};
 use crate::quantities::Cycles;
 use crate::report::table::{Column, Kind};
 use crate::run::{
-    self, Cancel, ImageSpec, Picture, RunError, RunOptions, RunSpec, Switch, Timed, TracedBatch, Watching, Workers,
+    self, ImageSpec, Layers, Picture, PlannedRun, RunOptions, RunSpec, Switch, Timed, Traced, Watching, Workers,
 };
 use crate::scene::Scene;
-use crate::seam::OpBatch;
 
 /// What the table tells of a point, behind its parameters. `grid_us` to `idle_us` are what all cells together spend on a
 /// ray in each state; they add up to `array_cells` times `us_per_ray`, but for what the cells' programs do beside the kernels.
@@ -53,18 +51,6 @@ const fn column(name: &'static str, kind: Kind, label: &'static str) -> Column<'
     Column { name, kind, label }
 }
 
-/// All that a point is made of.
-pub struct Setting {
-    spec: RunSpec,
-    machine: Machine,
-}
-
-/// A scene and its rays.
-pub struct Stage {
-    scene: Scene,
-    rays: Vec<Ray>,
-}
-
 /// What a point gives.
 pub struct Outcome {
     stats: Measured,
@@ -75,128 +61,56 @@ pub struct Outcome {
     memory_words: u64,
 }
 
-impl Setting {
-    /// The run whose parameters have these values.
-    pub fn new(values: impl Iterator<Item = (&'static str, String)>) -> Result<Setting, String> {
-        let (mut options, mut image) = (RunOptions::default(), None);
-        for (name, value) in values {
-            match name == IMAGE.name {
-                true => image = Some(value == "true"),
-                false => options.set(name, &value).map_err(reason)?,
-            }
-        }
-        let mut of_images = RunOptions::image_parameters().map(|known| known.name).chain(["host_hit_us"]);
-        let of_image = of_images.find(|name| options.has(name));
-        let spec = match (image, of_image) {
-            (Some(false), Some(name)) => return Err(format!("{name} is for images, and image is false")),
-            (Some(true), _) | (None, Some(_)) => image_spec(&options),
-            (Some(false) | None, None) => RunSpec::new(&options, None).map_err(reason),
-        }?;
-        let machine = spec.machine.build().map_err(reason)?;
-        Ok(Setting { spec, machine })
-    }
-
-    /// What its scene and its rays depend on.
-    pub fn stage_key(&self) -> String {
-        self.spec.stage_key()
-    }
-
-    /// What its cells' ops depend on, beside the scene. When an image's rays are sent depends on the whole machine.
-    pub fn work_key(&self) -> String {
-        match &self.spec.image {
-            Some(_) => format!("{:?}", self.spec),
-            None => self.spec.work_key(&self.machine),
+/// The run whose parameters have these values.
+pub fn planned(values: impl Iterator<Item = (&'static str, String)>) -> Result<PlannedRun, String> {
+    let (mut options, mut image) = (RunOptions::default(), None);
+    for (name, value) in values {
+        match name == IMAGE.name {
+            true => image = Some(value == "true"),
+            false => options.set(name, &value).map_err(reason)?,
         }
     }
-
-    /// How its image is made, if it is one.
-    pub fn image(&self) -> Option<&ImageSpec> {
-        self.spec.image.as_ref()
-    }
-
-    /// Its scene and rays.
-    pub fn stage(&self) -> Result<Stage, String> {
-        let scene = self.spec.load_scene().map_err(reason)?;
-        let rays = self.spec.load_rays(&scene).map_err(reason)?;
-        Ok(Stage { scene, rays })
-    }
-
-    /// The scene laid out for its program.
-    pub fn workload(&self, stage: &Stage) -> Result<Workload, String> {
-        self.spec.lay_out(&stage.scene, &self.machine, &stage.rays).map_err(reason)
-    }
-
-    /// Runs it.
-    pub fn run(&self, workload: &Workload, rays: &[Ray], workers: &Workers) -> Result<Outcome, String> {
-        let outcome = run::run(workload, &self.machine.spec, rays, workers, |_| Ok::<_, Infallible>(()));
-        let outcome = outcome.map_err(reason)?;
-        Ok(self.outcome(workload, outcome.stats, outcome.counts))
-    }
-
-    /// Makes its image.
-    pub fn render(&self, image: &ImageSpec, stage: &Stage, workers: &Workers) -> Result<Outcome, String> {
-        let workload = &self.workload(stage)?;
-        let (size, sampling, limits) = (self.spec.size, image.sampling(), image.limits());
-        let picture = Picture { scene: &stage.scene, workload, size, sampling, limits };
-        let timed = Timed { spec: &self.machine.spec, rules: image.rules(), watching: Watching::default() };
-        let rendered = run::render(&picture, Some(timed), workers, |_| Ok::<_, Infallible>(())).map_err(reason)?;
-        let timing = rendered.timing.ok_or("the image was not timed")?;
-        Ok(self.outcome(workload, timing.stats, rendered.counts))
-    }
-
-    fn outcome(&self, workload: &Workload, stats: Measured, counts: Counts) -> Outcome {
-        let seconds = self.machine.spec.seconds(stats.cycles);
-        let memory = (0..workload.cells()).map(|cell| workload.memory_of(cell).total().0).max();
-        let (polygons, memory_words) = (workload.polygons().len(), memory.unwrap_or(0));
-        let placed_polygons = workload.placed_polygons();
-        Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words }
-    }
+    let mut of_images = RunOptions::image_parameters().map(|known| known.name).chain(["host_hit_us"]);
+    let of_image = of_images.find(|name| options.has(name));
+    let spec = match (image, of_image) {
+        (Some(false), Some(name)) => return Err(format!("{name} is for images, and image is false")),
+        (Some(true), _) | (None, Some(_)) => image_spec(&options),
+        (Some(false) | None, None) => RunSpec::new(&options, None).map_err(reason),
+    }?;
+    PlannedRun::new(spec).map_err(reason)
 }
 
-impl Stage {
-    pub fn rays(&self) -> &[Ray] {
-        &self.rays
+/// Runs a point that shares its ops with no other.
+pub fn run(point: &PlannedRun, layers: &mut Layers, workers: &Workers) -> Result<Outcome, String> {
+    let workload = &layers.workload(point, &workers.cancel).map_err(reason)?;
+    if let Some(image) = &point.spec.image {
+        return render(point, image, (&*layers.scene(point).map_err(reason)?, workload), workers);
     }
+    let rays = &layers.prepared(point).map_err(reason)?.rays;
+    let outcome = run::run(workload, &point.machine.spec, rays, workers, |_| Ok::<_, Infallible>(()));
+    let outcome = outcome.map_err(reason)?;
+    Ok(Outcome::new(point, workload, outcome.stats, outcome.counts))
 }
 
-/// The ops of a run, to be timed under any machine.
-pub struct Recording<'a> {
-    workload: &'a Workload,
-    batches: Vec<OpBatch>,
-    counts: Counts,
+/// Makes a point's image.
+fn render(
+    point: &PlannedRun,
+    image: &ImageSpec,
+    (scene, workload): (&Scene, &Workload),
+    workers: &Workers,
+) -> Result<Outcome, String> {
+    let (size, sampling, limits) = (point.spec.size, image.sampling(), image.limits());
+    let picture = Picture { scene, workload, size, sampling, limits };
+    let timed = Timed { spec: &point.machine.spec, rules: image.rules(), watching: Watching::default() };
+    let rendered = run::render(&picture, Some(timed), workers, |_| Ok::<_, Infallible>(())).map_err(reason)?;
+    let timing = rendered.timing.ok_or("the image was not timed")?;
+    Ok(Outcome::new(point, workload, timing.stats, rendered.counts))
 }
 
-impl Recording<'_> {
-    /// Works the ops out.
-    pub fn new<'a>(workload: &'a Workload, rays: &[Ray], workers: &Workers) -> Result<Recording<'a>, String> {
-        let (mut batches, mut counts) = (Vec::new(), Counts::default());
-        run::trace(workload, rays, workers, |batch| {
-            workers.cancel.check().map_err(reason)?;
-            batch.fault.map_or(Ok(()), |fault| Err(reason(fault)))?;
-            counts += batch.counts;
-            batches.push(batch.ops);
-            Ok::<_, String>(TracedBatch::default())
-        })?;
-        Ok(Recording { workload, batches, counts })
-    }
-
-    /// Times the ops under a setting's machine.
-    pub fn time(&self, setting: &Setting, cancel: &Cancel) -> Result<Outcome, String> {
-        let spec = &setting.machine.spec;
-        self.workload.check(spec).map_err(reason)?;
-        let machine = &setting.machine;
-        let costs = work::costs(self.workload.costs().vocabulary(), &machine.times, machine.instructions.as_ref());
-        let stats = run::replay::<Infallible>(spec, &costs, self.workload.cells(), cancel, |take| {
-            let mut copy = OpBatch::default();
-            self.batches.iter().try_for_each(|batch| {
-                copy.clone_from(batch);
-                copy = take(std::mem::take(&mut copy))?;
-                Ok::<_, RunError<Infallible>>(())
-            })
-        });
-        let stats = stats.map_err(reason)?;
-        Ok(setting.outcome(self.workload, stats, self.counts))
-    }
+/// Times a point whose ops are there.
+pub fn time(point: &PlannedRun, traced: &Traced, cancel: &Cancel) -> Result<Outcome, String> {
+    let (stats, _) = traced.time(&point.machine, &Watching::default(), cancel).map_err(reason)?;
+    Ok(Outcome::new(point, traced.workload(), stats, traced.counts()))
 }
 
 /// What an image is whose array is timed.
@@ -211,7 +125,8 @@ fn image_spec(options: &RunOptions) -> Result<RunSpec, String> {
     Ok(spec)
 }
 
-fn reason(error: impl Display) -> String {
+/// A failure, in the words of a table.
+pub fn reason(error: impl Display) -> String {
     error.to_string()
 }
 
@@ -228,6 +143,14 @@ pub fn results(result: Result<Outcome, String>) -> Vec<String> {
 }
 
 impl Outcome {
+    fn new(point: &PlannedRun, workload: &Workload, stats: Measured, counts: Counts) -> Outcome {
+        let seconds = point.machine.spec.seconds(stats.cycles);
+        let memory = (0..workload.cells()).map(|cell| workload.memory_of(cell).total().0).max();
+        let (polygons, memory_words) = (workload.polygons().len(), memory.unwrap_or(0));
+        let placed_polygons = workload.placed_polygons();
+        Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words }
+    }
+
     fn results(&self) -> Vec<String> {
         let Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words } = self;
         let states = &stats.topology.states;

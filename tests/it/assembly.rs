@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::support::command::Folder;
-use pcs_sim::isa::encoding::Field;
+use pcs_sim::isa::Field;
 use pcs_sim::isa::table::TABLE;
 use pcs_sim::isa::{
     Executable, FaultKind, Instruction, Processor, Program, Queues, Register, Sources, Stop, assemble, listing, object,

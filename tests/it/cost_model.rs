@@ -4,14 +4,16 @@
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use crate::support::{machine, program, scene, workload};
 use glam::{DMat3, DVec3, Vec3};
+use pcs_sim::cancel::Cancel;
 use pcs_sim::geometry::{Bounds, Grid, Polygons, Ray};
 use pcs_sim::model::cost::{self, Filter, KernelTime};
 use pcs_sim::model::{Footprint, Prediction, Survey, grid, slabs};
-use pcs_sim::program::{ArrayProgram, Kernel, Workload};
-use pcs_sim::report::prediction::array_model;
+use pcs_sim::program::{ArrayProgram, Kernel, Surfaces};
+use pcs_sim::run::array_model;
 use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
 
@@ -71,9 +73,10 @@ fn random_lines(volume: Bounds, count: usize) -> Vec<Ray> {
 
 fn predict(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray], coefficient: f64) -> Prediction {
     let machine = machine();
-    let (polygons, parts) = Workload::sub_volumes(mesh, program, machine.times, rays).unwrap();
+    let surfaces = Arc::new(Surfaces::new(mesh, rays));
+    let parts = surfaces.sub_volumes(program, machine.times, rays, &Cancel::default()).unwrap();
     let array = array_model(program, &machine);
-    Survey::new(&polygons, &parts, rays).predict(&array, coefficient).unwrap()
+    Survey::new(surfaces.polygons(), &parts, rays).predict(&array, coefficient).unwrap()
 }
 
 #[track_caller]
@@ -111,7 +114,8 @@ fn steps_of_random_lines() {
         let rays = random_lines(Bounds { low: DVec3::ZERO, high: stretch }, 40_000);
         let polygons = Polygons::for_rays(&mesh, &rays);
         let all: Vec<u32> = (0..polygons.len() as u32).collect();
-        let filled = Grid::new(&polygons, &all, Bounds { low: DVec3::ZERO, high: stretch }, 50.0).unwrap();
+        let filled =
+            Grid::new(&polygons, &all, Bounds { low: DVec3::ZERO, high: stretch }, 50.0, &Cancel::default()).unwrap();
         let (mut meets, mut voxels, mut found) = (0.0, 0.0, 0.0);
         for ray in &rays {
             let before = voxels;
@@ -168,8 +172,14 @@ fn voxels_of_random_polygons() {
         }
         let polygons = Polygons::new(&mesh);
         let all: Vec<u32> = (0..4000).collect();
-        let filled =
-            Grid::new(&polygons, &all, Bounds { low: DVec3::splat(-9.0), high: DVec3::splat(29.0) }, 6.0).unwrap();
+        let filled = Grid::new(
+            &polygons,
+            &all,
+            Bounds { low: DVec3::splat(-9.0), high: DVec3::splat(29.0) },
+            6.0,
+            &Cancel::default(),
+        )
+        .unwrap();
         let edge = filled.volume().extent() / DVec3::from_array(filled.size().map(f64::from));
         let counted = filled.reference_count() as f64 / 4000.0;
         let isotropic = grid::voxels_per_polygon(area, perimeter, edge.element_product().cbrt());
@@ -385,9 +395,10 @@ fn the_best_coefficient_is_good() {
         for mode in ["pipeline", "broadcast"] {
             let program = program(mode, 1);
             let machine = machine();
-            let (polygons, parts) = Workload::sub_volumes(&scene.mesh, &program, machine.times, &rays).unwrap();
+            let surfaces = Arc::new(Surfaces::new(&scene.mesh, &rays));
+            let parts = surfaces.sub_volumes(&program, machine.times, &rays, &Cancel::default()).unwrap();
             let array = array_model(&program, &machine);
-            let (chosen, _) = Survey::new(&polygons, &parts, &rays).best_coefficient(&array).unwrap();
+            let (chosen, _) = Survey::new(surfaces.polygons(), &parts, &rays).best_coefficient(&array).unwrap();
             let counted = |&grid_coefficient: &f64| {
                 let program = ArrayProgram { grid_coefficient, ..program.clone() };
                 count(&scene.mesh, &program, &rays).cycles

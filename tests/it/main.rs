@@ -22,6 +22,7 @@ mod instructions;
 mod interrupt;
 mod isa;
 mod killed_sweeps;
+mod layers;
 mod manual;
 mod model_command;
 mod modes_agree;

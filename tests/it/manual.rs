@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::process::Command;
 
-use pcs_sim::isa::encoding::Field;
+use pcs_sim::isa::Field;
 use pcs_sim::isa::table::{Format, TABLE};
 use pcs_sim::isa::{Class, Operand};
 use pcs_sim::machine::MachineFile;

@@ -9,7 +9,7 @@ use crate::support::{bits, cell_options, machine, program, scene, spent};
 use pcs_sim::geometry::{Partition, Polygons, Ray, brute_force};
 use pcs_sim::isa::FaultKind;
 use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::cells::figure7::{NUMBERS, numbers, us};
+use pcs_sim::program::figure7::{NUMBERS, numbers, us};
 use pcs_sim::program::{ArrayProgram, Counts, Workload};
 use pcs_sim::run::{self, Outcome, RunError, Workers};
 use pcs_sim::scene::{Mesh, builtin};

@@ -32,8 +32,7 @@ fn gives_the_very_stats_of_the_run() {
             .run(&format!("{mode} --scene teapot --size-factor 4 --size 40x30 --ops a.ops --stats run.json"))
             .success();
         folder.run("replay a.ops --stats replay.json").success();
-        let replayed: serde_json::Value = serde_json::from_str(&folder.read("replay.json")).unwrap();
-        assert_eq!(replayed, timing_of(&folder.read("run.json")), "{mode}");
+        assert_eq!(timing_of(&folder.read("replay.json")), timing_of(&folder.read("run.json")), "{mode}");
     }
 }
 
@@ -74,8 +73,7 @@ fn a_run_with_other_machine_flags_equals_a_replay_with_them() {
     folder.run(&format!("{run} --ops a.ops")).success();
     folder.run(&format!("{run} {machine} --stats run.json")).success();
     folder.run(&format!("replay a.ops {machine} --stats replay.json")).success();
-    let replayed: serde_json::Value = serde_json::from_str(&folder.read("replay.json")).unwrap();
-    assert_eq!(replayed, timing_of(&folder.read("run.json")));
+    assert_eq!(timing_of(&folder.read("replay.json")), timing_of(&folder.read("run.json")));
 }
 
 #[test]
@@ -87,7 +85,7 @@ fn lines_may_stand_in_any_order_across_cells_and_rays_have_any_numbers() {
     folder.file("b.ops", sorted);
     folder.run("replay a.ops --stats a.json").success();
     folder.run("replay b.ops --stats b.json").success();
-    assert_eq!(folder.read("a.json"), folder.read("b.json"));
+    assert_eq!(timing_of(&folder.read("a.json")), timing_of(&folder.read("b.json")));
 }
 
 #[test]

@@ -6,11 +6,12 @@ use std::sync::mpsc;
 
 use crate::support::command::Folder;
 use crate::support::{machine, ops, program, scene, workload};
+use pcs_sim::cancel::{Cancel, Cancelled};
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::policy::HostRules;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::Limits;
-use pcs_sim::run::{self, Cancel, Cancelled, Outputs, Picture, RunError, Seen, Timed, Watching, Workers};
+use pcs_sim::run::{self, Outputs, Picture, RunError, Seen, Timed, Watching, Workers};
 use pcs_sim::sweep::Sweep;
 
 /// A thread that stops the work and abandons its files when it is asked to, and says when it has.

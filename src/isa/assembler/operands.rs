@@ -5,7 +5,8 @@ use super::line::{Kind, Token};
 use super::{Assembler, Pending, Word};
 use crate::error::InputError;
 use crate::input::text::nearest;
-use crate::isa::encoding::{Field, Instruction};
+use crate::isa::encoding::Instruction;
+use crate::isa::field::Field;
 use crate::isa::register::Register;
 use crate::isa::table::{Opcode, Operand};
 

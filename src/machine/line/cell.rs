@@ -22,8 +22,9 @@ impl Cell {
         Cell { now: Cursor::new(limit), times: StateTimes::default() }
     }
 
-    /// Does a cell's ops until it can go no further. The last cell has no right
-    /// neighbour to pass rays on to (`is_last`).
+    /// Does a cell's ops until it can go no further. The last cell has no right neighbour to pass rays on to (`is_last`).
+    /// Inlined: the links then lie where the array has them, and the clock in a register.
+    #[inline(always)]
     pub fn run(
         &mut self,
         ops: &[Op],
@@ -32,21 +33,14 @@ impl Cell {
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, |now, op, left| {
-            // Asked first, and not in the match: two of three ops compute, and a branch is cheaper than a jump table.
-            if let Some(unit) = op.unit() {
-                return now.work(unit, left, ledger);
-            }
-            match op.kind() {
-                OpKind::Work(unit) => now.work(unit, left, ledger),
-                OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, ledger),
-                OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, ledger),
-                OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
-                OpKind::WriteX => now.write(left, Channel::X, output, ledger),
-                OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
-                OpKind::ReadZ | OpKind::WriteZ => now.move_back(op, left, input, output, ledger),
-                OpKind::Await => Err(Halt::NotReturned),
-            }
+        self.now.run(ops, ledger, |now, op, left, ledger| match op.kind() {
+            OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, ledger),
+            OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, ledger),
+            OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
+            OpKind::WriteX => now.write(left, Channel::X, output, ledger),
+            OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
+            OpKind::ReadZ | OpKind::WriteZ => now.move_back(op, left, input, output, ledger),
+            OpKind::Await | OpKind::Work(_) => Err(Halt::NotReturned),
         })
     }
 
@@ -60,12 +54,13 @@ impl Cell {
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, |now, op, left| match op.kind() {
-            OpKind::Work(unit) => now.work(unit, left, ledger),
+        self.now.run(ops, ledger, |now, op, left, ledger| match op.kind() {
             OpKind::WriteX => now.write(left, Channel::X, output, ledger),
             OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
             OpKind::Await => now.wait_for_return(left, returned, ledger),
-            OpKind::PassX | OpKind::ReadX | OpKind::ReadY | OpKind::ReadZ | OpKind::WriteZ => Err(Halt::NoWord),
+            OpKind::PassX | OpKind::ReadX | OpKind::ReadY | OpKind::ReadZ | OpKind::WriteZ | OpKind::Work(_) => {
+                Err(Halt::NoWord)
+            }
         })
     }
 

@@ -7,7 +7,7 @@ use super::prices::Prices;
 use super::watcher::Watcher;
 use crate::measure::{StateId, StateTimes};
 use crate::quantities::Cycles;
-use crate::seam::{Channel, Op, OpKind, Unit};
+use crate::seam::{Channel, Op, OpKind};
 
 /// Why a cell has stopped. Its op tells the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,34 +61,51 @@ impl Cursor {
         Cursor { clock: 0, done: 0, left: 0, limit }
     }
 
-    /// Does one op after the other until one halts. `step` does one, of which so much is left to do.
+    /// Does one op after the other until one halts. `step` does one that moves words or waits, of which so much is left to do.
     #[inline(always)]
-    pub fn run(&mut self, ops: &[Op], mut step: impl FnMut(&mut Cursor, Op, u64) -> Done) -> Halt {
+    pub fn run<W: Watcher>(
+        &mut self,
+        ops: &[Op],
+        ledger: &mut Ledger<'_, W>,
+        mut step: impl FnMut(&mut Cursor, Op, u64, &mut Ledger<'_, W>) -> Done,
+    ) -> Halt {
         let mut now = *self;
-        let mut halt = Halt::OutOfOps;
         let mut resume = std::mem::take(&mut now.left);
-        while let Some(&op) = ops.get(now.done) {
+        let halt = loop {
+            if let Err(why) = now.work(ops, ledger) {
+                break why;
+            }
+            let Some(&op) = ops.get(now.done) else { break Halt::OutOfOps };
             let left = if resume > 0 { resume } else { op.count() as u64 };
-            if let Err(why) = step(&mut now, op, left) {
-                halt = why;
-                break;
+            if let Err(why) = step(&mut now, op, left, ledger) {
+                break why;
             }
             resume = 0;
             now.done += 1;
-        }
+        };
         *self = now;
         halt
     }
 
-    /// Works on so many units. What the limit cuts off is never gone on with, so it need not be told how far it came.
+    /// Works, as long as one op after the other is work: that is often, and in a loop of its own the clock stays in a register.
+    /// What the limit cuts off is never gone on with, so it need not be told how far it came.
     #[inline(always)]
-    pub fn work(&mut self, unit: Unit, count: u64, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
-        let (cost, state) = ledger.prices.of(unit);
-        let wanted = count * cost;
-        let cycles = wanted.min(self.limit - self.clock);
-        ledger.spend(state, self.clock, cycles);
-        self.clock += cycles;
-        if cycles < wanted { self.halt(Halt::Limit, count) } else { Ok(()) }
+    fn work(&mut self, ops: &[Op], ledger: &mut Ledger<'_, impl Watcher>) -> Done {
+        let (mut clock, mut done) = (self.clock, self.done);
+        while let Some((unit, count)) = ops.get(done).and_then(|op| Some((op.unit()?, op.count() as u64))) {
+            let (cost, state) = ledger.prices.of(unit);
+            let until = clock + count * cost;
+            if until > self.limit {
+                ledger.spend(state, clock, self.limit - clock);
+                (self.clock, self.done) = (self.limit, done);
+                return self.halt(Halt::Limit, count);
+            }
+            ledger.spend(state, clock, until - clock);
+            clock = until;
+            done += 1;
+        }
+        (self.clock, self.done) = (clock, done);
+        Ok(())
     }
 
     #[inline(always)]

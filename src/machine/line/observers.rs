@@ -65,7 +65,9 @@ impl Observers {
         Some(halt)
     }
 
-    /// Does a cell's ops of a batch as [`Cell::run`], if somebody watches it at this time.
+    /// Does a cell's ops of a batch as [`Cell::run`], if somebody watches it at this time. Kept apart from the cells that
+    /// nobody watches.
+    #[inline(never)]
     pub fn run_cell(
         &mut self,
         index: usize,

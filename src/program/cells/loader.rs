@@ -18,30 +18,42 @@
 use std::collections::BTreeMap;
 
 use crate::error::InputError;
-use crate::geometry::{Grid, Hit};
+use crate::geometry::{Grid, Hit, Polygons};
 use crate::isa::Program;
 use crate::program::array_program::Kernel;
-use crate::program::workload::{Group, Workload};
+use crate::program::layout::{Group, Surfaces};
+
+/// A cell's place in the array: its part of the scene, and what it does there.
+pub struct Place<'a> {
+    /// The scene.
+    pub surfaces: &'a Surfaces,
+    /// The group's part of it.
+    pub group: &'a Group,
+    /// What the cell runs.
+    pub kernels: &'a [Kernel],
+    /// Whether its grid sends no polygon twice for a ray.
+    pub mailbox: bool,
+}
 
 /// The words of a cell's data memory and of the scene behind it.
-pub fn load(workload: &Workload, cell: usize, program: &Program) -> Result<(Vec<u32>, Vec<u32>), InputError> {
-    let group = &workload.groups[cell / workload.stages.count()];
-    let kernels = workload.kernels_of(cell);
+pub fn load(place: &Place<'_>, program: &Program) -> Result<(Vec<u32>, Vec<u32>), InputError> {
+    let Place { surfaces, group, kernels, mailbox } = place;
+    let polygons = &surfaces.polygons;
     let mut memory = Memory { data: program.data.clone(), scene: Vec::new(), known: BTreeMap::new() };
-    memory.number("scene", workload.polygons.largest_coordinate() as f32);
+    memory.number("scene", polygons.largest_coordinate() as f32);
     if kernels.contains(&Kernel::Grid) {
-        if workload.mailbox {
+        if *mailbox {
             memory.mailbox(group.members.len());
         }
-        memory.grid(workload, group);
+        memory.grid(polygons, group);
     }
     if kernels.contains(&Kernel::Slabs) {
         memory.here("slabs");
-        let words = |&polygon: &u32| workload.slabs.words(polygon).map(f32::to_bits);
+        let words = |&polygon: &u32| surfaces.slabs.words(polygon).map(f32::to_bits);
         memory.scene.extend(group.members.iter().flat_map(words));
     }
     if kernels.contains(&Kernel::Intersection) {
-        memory.polygons(workload, group);
+        memory.polygons(polygons, group);
     }
     for (name, &address) in &program.loaded {
         let Some(&value) = memory.known.get(name.as_str()) else {
@@ -90,10 +102,10 @@ impl Memory {
         self.data.extend(std::iter::repeat_n(u32::MAX, polygons));
     }
 
-    fn grid(&mut self, workload: &Workload, group: &Group) {
+    fn grid(&mut self, polygons: &Polygons, group: &Group) {
         let Group { grid, members } = group;
         self.word("references", grid.reference_count() as u32);
-        self.number("reach", workload.polygons.reach() as f32);
+        self.number("reach", polygons.reach() as f32);
         let axes = |grid: &Grid| [0, 1, 2].map(|axis| (grid.size()[axis], grid.low()[axis], grid.per_edge()[axis]));
         let names = [
             ["planes_x", "count_x", "low_x", "per_edge_x"],
@@ -117,8 +129,7 @@ impl Memory {
         self.scene.extend(grid.lists().flatten().map(number));
     }
 
-    fn polygons(&mut self, workload: &Workload, group: &Group) {
-        let polygons = &workload.polygons;
+    fn polygons(&mut self, polygons: &Polygons, group: &Group) {
         self.here("polygons");
         let mut record = self.next() + group.members.len() as u32;
         for &polygon in &group.members {

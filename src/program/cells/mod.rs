@@ -3,9 +3,6 @@
 //! The programs are those of `pcs-programs/cells`, one for each set of kernels that a cell can have. They find hits by the
 //! same 32-bit operations in the same order as [`crate::geometry`], so they find the same bits.
 
-pub mod calibrate;
-mod calibrated_text;
-pub mod figure7;
 mod loader;
 mod standard;
 mod tracer;
@@ -16,10 +13,9 @@ use crate::error::InputError;
 use crate::isa::{Executable, InstructionCycles, Program, assemble};
 use crate::quantities::Words;
 
-use super::array_program::Kernel;
-use super::workload::Workload;
+use super::array_program::{ArrayProgram, Kernel};
+use super::layout::Layout;
 
-pub use calibrated_text::machine_text;
 pub use standard::STANDARD;
 pub(super) use tracer::ProgramTracer;
 
@@ -68,23 +64,29 @@ pub fn program_name(kernels: &[Kernel]) -> &'static str {
 
 impl CellPrograms {
     /// Assembles the programs that the stages need and loads every cell's memory.
-    pub fn new(workload: &Workload, options: &CellOptions) -> Result<CellPrograms, InputError> {
-        let stages = workload.stages.count();
+    pub fn new(layout: &Layout, array: &ArrayProgram, options: &CellOptions) -> Result<CellPrograms, InputError> {
+        let (stages, groups) = (array.stages.len(), layout.groups.len());
         // The first group's cells have no earlier group's hit to read.
-        let variants = workload.groups().min(2);
+        let variants = groups.min(2);
         let mut executables = Vec::new();
         for earlier in 0..variants {
-            for stage in 0..stages {
-                let program = open(workload, workload.kernels_of(stage), earlier, options)?;
+            for kernels in &array.stages {
+                let program = open(kernels, earlier, array.mailbox, options)?;
                 executables.push(Executable::new(program, &options.cycles));
             }
         }
         let load = |cell: usize| {
             let executable = (cell / stages).min(variants - 1) * stages + cell % stages;
-            let (data, scene) = loader::load(workload, cell, executables[executable].program())?;
+            let place = loader::Place {
+                surfaces: &layout.surfaces,
+                group: &layout.groups[cell / stages],
+                kernels: &array.stages[cell % stages],
+                mailbox: array.mailbox,
+            };
+            let (data, scene) = loader::load(&place, executables[executable].program())?;
             Ok(LoadedCell { executable, data, scene })
         };
-        let cells = (0..workload.cells()).map(load).collect::<Result<_, InputError>>()?;
+        let cells = (0..groups * stages).map(load).collect::<Result<_, InputError>>()?;
         Ok(CellPrograms { executables, cells, options: options.clone() })
     }
 
@@ -96,9 +98,9 @@ impl CellPrograms {
     }
 }
 
-fn open(workload: &Workload, kernels: &[Kernel], earlier: usize, options: &CellOptions) -> Result<Program, InputError> {
+fn open(kernels: &[Kernel], earlier: usize, mailbox: bool, options: &CellOptions) -> Result<Program, InputError> {
     let name = program_name(kernels);
-    let set = [("EARLIER", earlier as i64), ("MAILBOX", workload.mailbox as i64)];
+    let set = [("EARLIER", earlier as i64), ("MAILBOX", mailbox as i64)];
     match &options.folder {
         Some(folder) => assemble(&folder.join(name), crate::isa::Sources::Files, &set),
         None => assemble(Path::new(name), STANDARD, &set),

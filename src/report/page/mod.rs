@@ -29,7 +29,7 @@ pub struct Page<'a> {
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
     /// All parameters, if they are known.
-    pub configuration: Option<&'a Configuration>,
+    pub configuration: &'a Configuration,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
 }
@@ -46,8 +46,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     environment.add_template("page.html", include_str!("page.html")).map_err(|error| PageError(error.to_string()))?;
     let json = |value: serde_json::Result<String>| value.map_err(|error| PageError(error.to_string()));
     let data = json(serde_json::to_string(&data::Data::new(page)))?;
-    let configuration =
-        json(page.configuration.map(serde_json::to_string_pretty).transpose().map(Option::unwrap_or_default))?;
+    let configuration = json(serde_json::to_string_pretty(page.configuration))?;
     let template = environment.get_template("page.html").map_err(|error| PageError(error.to_string()))?;
     let rendered = template.render(context! {
         title => page.caption.title.as_str(),

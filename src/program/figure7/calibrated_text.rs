@@ -8,7 +8,7 @@ use crate::isa::InstructionCycles;
 use crate::machine::{MachineFile, MachineSpec};
 
 use super::calibrate::BOUNDS;
-use super::figure7::{NUMBERS, us};
+use super::{NUMBERS, us};
 
 /// How what the fit writes begins.
 const HEADING: &str = "    // What instructions cost, in cycles,";

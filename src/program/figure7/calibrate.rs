@@ -12,8 +12,8 @@ use crate::isa::{Class, InstructionCycles, Processor};
 use crate::machine::MachineSpec;
 use crate::seam::{Activity, Unit, Vocabulary};
 
-use super::CellOptions;
-use super::figure7::{MeasureError, NUMBERS, mix};
+use super::{MeasureError, NUMBERS, mix};
+use crate::program::cells::CellOptions;
 
 /// What a class of instructions can have cost in 1988, in ns.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,17 +9,22 @@
 //! - The intersection: a ray through triangles, each of which lies behind the first one. On the built-in scenes most tests
 //!   end so: without a new nearest hit. A new one takes a little longer.
 
+pub mod calibrate;
+mod calibrated_text;
+
 use glam::Vec3;
 
 use crate::error::InputError;
 use crate::geometry::Ray;
 use crate::isa::Fault;
 use crate::machine::{KernelTimes, MachineSpec};
-use crate::program::{ArrayProgram, Tracer, Workload, work};
 use crate::scene::Mesh;
 use crate::seam::{Costs, OpStream, Unit, Vocabulary};
 
-use super::CellOptions;
+use super::cells::CellOptions;
+use super::{ArrayProgram, Tracer, Workload, work};
+
+pub use calibrated_text::machine_text;
 
 /// One of Figure 7's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]

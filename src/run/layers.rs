@@ -1,0 +1,263 @@
+//! A run in layers, each made of the one before: the scene, what is prepared of it, what is laid out, the ops, and the times.
+//!
+//! Each has a [`Key`] of exactly what it reads. Whoever changes one thing redoes the first layer that reads it and those
+//! behind it, and nothing else: a change of Figure 7's times, of the clock, the links or the FIFOs is a replay.
+
+use std::convert::Infallible;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use super::options::{CellsRun, Switch};
+use super::timed::{RunError, Watching, replay_watched};
+use super::trace::{TracedBatch, trace};
+use super::{RunSpec, Workers};
+use crate::cancel::Cancel;
+use crate::error::InputError;
+use crate::geometry::{Hit, Partition, Ray};
+use crate::machine::{Machine, Observed};
+use crate::measure::Measured;
+use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, work};
+use crate::scene::Scene;
+use crate::seam::OpBatch;
+
+/// What a layer of a run depends on. Two layers with the same key are the same, as long as the files that they read are.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Key(String);
+
+impl Key {
+    fn of(what: impl Debug) -> Key {
+        Key(format!("{what:?}"))
+    }
+}
+
+/// The keys of a run's layers. Each holds those before it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Keys {
+    /// The scene, read or generated.
+    pub scene: Key,
+    /// Its rays, and its polygons in 32 bits.
+    pub prepared: Key,
+    /// The sub-volumes and their grids.
+    pub laid_out: Key,
+    /// Hits, counts and the cells' ops.
+    pub traced: Key,
+    /// The times.
+    pub timed: Key,
+}
+
+impl Keys {
+    fn new(spec: &RunSpec, machine: &Machine) -> Keys {
+        // All fields by name, so that a new one cannot be forgotten here.
+        let RunSpec { version: _, scene, size_factor, resolution, size, rays, image, program, .. } = spec;
+        let RunSpec { cells_run, cell_programs, instruction_limit, machine: _, .. } = spec;
+        let ArrayProgram { name: _, stages, groups, partition, grid_coefficient, .. } = program;
+        let ArrayProgram { mailbox, stop_words, forward_ahead, .. } = program;
+        let Machine { spec: array, times, instructions, notes: _ } = machine;
+
+        let scene = Key::of((scene, size_factor, resolution));
+        let prepared = Key::of((&scene, rays.as_ref().ok_or(size)));
+        let sample = || (times.grid.each, times.slabs, times.intersection, program.placement().slabs.is_some());
+        let cut = (*groups > 1).then(|| (partition, (*partition == Partition::Work).then(sample)));
+        let laid_out = Key::of((&prepared, groups, cut, grid_coefficient));
+        // A machine that does not say what instructions cost runs no programs, whatever others would make of their ops.
+        let programs =
+            (*cells_run == CellsRun::Programs).then_some((cell_programs, instruction_limit, instructions.is_some()));
+        // The host of an image sends what it sends next by what it has read until then.
+        let clock = |timing| (timing == Switch::On).then_some((array, times, instructions));
+        let image = image.as_ref().map(|image| (image, clock(image.timing)));
+        let cells = (stages, mailbox, stop_words, forward_ahead);
+        let traced = Key::of((&laid_out, cells, programs, image));
+        let kernels = (times.grid, times.slabs, times.intersection);
+        let costs = match cells_run {
+            CellsRun::Timings => (times.host, Some(kernels), None),
+            CellsRun::Programs => (times.host, None, instructions.as_ref()),
+        };
+        let timed = Key::of((&traced, array, costs));
+        Keys { scene, prepared, laid_out, traced, timed }
+    }
+}
+
+/// A run that is possible: its description, its machine in cycles, and what its layers depend on.
+#[derive(Clone, Debug)]
+pub struct PlannedRun {
+    /// What is run.
+    pub spec: RunSpec,
+    /// On what.
+    pub machine: Machine,
+    /// What each layer depends on.
+    pub keys: Keys,
+}
+
+impl PlannedRun {
+    /// The run that is described. Fails if its machine is impossible.
+    pub fn new(spec: RunSpec) -> Result<PlannedRun, InputError> {
+        let machine = spec.machine.build()?;
+        let keys = Keys::new(&spec, &machine);
+        Ok(PlannedRun { spec, machine, keys })
+    }
+}
+
+/// The second layer: a scene's rays, and its polygons as the array has them.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The rays of the run, in the order in which they are sent; of an image, its primary rays.
+    pub rays: Vec<Ray>,
+    /// The polygons.
+    pub surfaces: Arc<Surfaces>,
+}
+
+/// The fourth layer: all that the cells do for the rays, without times.
+#[derive(Debug)]
+pub struct Traced {
+    workload: Workload,
+    batches: Vec<OpBatch>,
+    counts: Counts,
+    hits: Vec<Hit>,
+}
+
+/// The layers of the run that was made last, for the next one to take what it can of them.
+///
+/// A file that changes between two runs is not read again.
+#[derive(Debug, Default)]
+pub struct Layers {
+    scene: Kept<Scene>,
+    prepared: Kept<Prepared>,
+    laid_out: Kept<Layout>,
+    traced: Option<(Key, Arc<Traced>)>,
+}
+
+/// A layer with its key, or why it cannot be made.
+type Kept<T> = Option<(Key, Result<Arc<T>, InputError>)>;
+
+fn find<T>(kept: &Kept<T>, key: &Key) -> Option<Result<Arc<T>, InputError>> {
+    kept.as_ref().filter(|kept| kept.0 == *key).map(|kept| kept.1.clone())
+}
+
+impl Layers {
+    /// A run's scene.
+    pub fn scene(&mut self, run: &PlannedRun) -> Result<Arc<Scene>, InputError> {
+        if let Some(scene) = find(&self.scene, &run.keys.scene) {
+            return scene;
+        }
+        // What was made of the last scene makes room first.
+        *self = Layers::default();
+        let scene = run.spec.load_scene().map(Arc::new);
+        self.scene = Some((run.keys.scene.clone(), scene.clone()));
+        scene
+    }
+
+    /// Its rays and polygons.
+    pub fn prepared(&mut self, run: &PlannedRun) -> Result<Arc<Prepared>, InputError> {
+        if let Some(prepared) = find(&self.prepared, &run.keys.prepared) {
+            return prepared;
+        }
+        let scene = self.scene(run)?;
+        (self.prepared, self.laid_out, self.traced) = (None, None, None);
+        let prepared = run.spec.load_rays(&scene).map(|rays| {
+            let surfaces = Arc::new(Surfaces::new(&scene.mesh, &rays));
+            Arc::new(Prepared { rays, surfaces })
+        });
+        self.prepared = Some((run.keys.prepared.clone(), prepared.clone()));
+        prepared
+    }
+
+    fn laid_out(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Arc<Layout>, NotLaidOut> {
+        if let Some(layout) = find(&self.laid_out, &run.keys.laid_out) {
+            return Ok(layout?);
+        }
+        let prepared = self.prepared(run)?;
+        (self.laid_out, self.traced) = (None, None);
+        let (surfaces, times) = (prepared.surfaces.clone(), run.machine.times);
+        let layout = match Layout::new(surfaces, &run.spec.program, times, &prepared.rays, cancel) {
+            Ok(layout) => Ok(Arc::new(layout)),
+            Err(NotLaidOut::Unfit(error)) => Err(error),
+            Err(NotLaidOut::Cancelled(cancelled)) => return Err(cancelled.into()),
+        };
+        self.laid_out = Some((run.keys.laid_out.clone(), layout.clone()));
+        Ok(layout?)
+    }
+
+    /// What the array has to do: the scene laid out for its program, with the cells' programs if they run any.
+    ///
+    /// # Errors
+    ///
+    /// If files cannot be read, if the program does not go with the scene, and if it is told to stop.
+    pub fn workload(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Workload, NotLaidOut> {
+        let workload = Workload::of(self.laid_out(run, cancel)?, &run.spec.program, run.machine.times);
+        match run.spec.cells_run {
+            CellsRun::Programs => Ok(workload.with_programs(&run.spec.cell_options(&run.machine)?)?),
+            CellsRun::Timings => Ok(workload),
+        }
+    }
+
+    /// All that the cells do for the rays of a run of primary rays: kept in memory, to be timed any number of times.
+    ///
+    /// # Errors
+    ///
+    /// As [`Layers::workload`], and if a cell's program cannot go on.
+    pub fn traced(&mut self, run: &PlannedRun, workers: &Workers) -> Result<Arc<Traced>, RunError<Infallible>> {
+        if let Some((_, traced)) = self.traced.as_ref().filter(|kept| kept.0 == run.keys.traced) {
+            return Ok(traced.clone());
+        }
+        let workload = self.workload(run, &workers.cancel)?;
+        self.traced = None;
+        let traced = Arc::new(Traced::new(workload, &self.prepared(run)?.rays, workers)?);
+        self.traced = Some((run.keys.traced.clone(), traced.clone()));
+        Ok(traced)
+    }
+}
+
+impl Traced {
+    fn new(workload: Workload, rays: &[Ray], workers: &Workers) -> Result<Traced, RunError<Infallible>> {
+        let (mut batches, mut counts, mut hits) = (Vec::new(), Counts::default(), Vec::with_capacity(rays.len()));
+        trace(&workload, rays, workers, |mut batch| {
+            workers.cancel.check()?;
+            batch.fault.map_or(Ok(()), Err)?;
+            counts += batch.counts;
+            hits.append(&mut batch.hits);
+            batches.push(batch.ops);
+            Ok::<_, RunError<Infallible>>(TracedBatch::default())
+        })?;
+        Ok(Traced { workload, batches, counts, hits })
+    }
+
+    /// What the array had to do.
+    pub fn workload(&self) -> &Workload {
+        &self.workload
+    }
+
+    /// What was counted.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Each ray's first hit, in the order of the rays.
+    pub fn hits(&self) -> &[Hit] {
+        &self.hits
+    }
+
+    /// Times the ops on the machine of a run with the same [`Keys::traced`].
+    ///
+    /// # Errors
+    ///
+    /// If the machine cannot run the workload, if the array can go no further, and if it is told to stop.
+    pub fn time(
+        &self,
+        machine: &Machine,
+        watching: &Watching,
+        cancel: &Cancel,
+    ) -> Result<(Measured, Observed), RunError<Infallible>> {
+        self.workload.check(&machine.spec)?;
+        let costs = work::costs(self.workload.costs().vocabulary(), &machine.times, machine.instructions.as_ref());
+        let (watched, array) = ((&machine.spec, watching), (&costs, self.workload.cells()));
+        let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
+            let mut copy = OpBatch::default();
+            self.batches.iter().try_for_each(|batch| {
+                copy.clone_from(batch);
+                copy = take(std::mem::take(&mut copy))?;
+                Ok(())
+            })
+        };
+        replay_watched(watched, array, cancel, feed, |_| ())
+    }
+}
