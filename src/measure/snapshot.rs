@@ -60,8 +60,8 @@ pub enum What {
     },
     /// It waits for a word.
     WaitsForWord {
-        /// The FIFO that it reads.
-        fifo: usize,
+        /// The FIFO that it reads; none if that carries no word in the whole run.
+        fifo: Option<usize>,
         /// The cycle in which the word is written: before it, the FIFO is empty, and from it on the word is on its way. Far
         /// behind the run's end if it is not written in it.
         written: Cycles,

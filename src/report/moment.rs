@@ -24,7 +24,7 @@ pub fn text(path: &CriticalPath, snapshot: &Snapshot, from: Actor, clock: Clock)
 fn waits_for(path: &CriticalPath, doing: &Doing, at: Cycles) -> Option<Actor> {
     let fifos = &path.topology.fifos;
     match doing.what {
-        What::WaitsForWord { fifo, written } => (at < written).then(|| fifos[fifo].from),
+        What::WaitsForWord { fifo, written } => fifo.filter(|_| at < written).map(|fifo| fifos[fifo].from),
         What::WaitsForSlot { fifo } => Some(fifos[fifo].to).filter(|&reader| reader != Actor::Host),
         What::WaitsForAnswer { written, .. } => {
             (at < written).then(|| Actor::Station(path.topology.stations.saturating_sub(1)))
@@ -46,11 +46,12 @@ fn line(path: &CriticalPath, actor: Actor, doing: &Doing, at: Cycles) -> String 
             let writes = writes.map(|place| format!("writes {}", fifo(place).name));
             format!("moves a word ({})", reads.into_iter().chain(writes).collect::<Vec<_>>().join(", "))
         }
-        What::WaitsForWord { fifo: place, written } if at < written => {
+        What::WaitsForWord { fifo: None, .. } => "waits for a word that does not come in this run".to_owned(),
+        What::WaitsForWord { fifo: Some(place), written } if at < written => {
             let fifo = fifo(place);
             format!("waits for {}: {} is empty (0 of {} words)", fifo.from, fifo.name, fifo.capacity.0)
         }
-        What::WaitsForWord { fifo: place, written } => {
+        What::WaitsForWord { fifo: Some(place), written } => {
             let fifo = fifo(place);
             format!("waits for a word that {} wrote to {} in cycle {}", fifo.from, fifo.name, grouped(written.0))
         }

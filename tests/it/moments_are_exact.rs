@@ -34,7 +34,8 @@ fn state(doing: &Doing, topology: &Topology, costs: &Costs) -> Option<StateId> {
     Some(match doing.what {
         What::Works { unit, .. } => working(costs.activity(Unit(unit as u8))),
         What::Moves { .. } => MOVING,
-        What::WaitsForWord { fifo, .. } => waiting(channel(fifo)),
+        // Only FIFOs of Z may carry no word.
+        What::WaitsForWord { fifo, .. } => waiting(fifo.map_or(Channel::Z, channel)),
         What::WaitsForSlot { fifo } | What::WaitsForWire { fifo } => blocked(channel(fifo)),
         What::WaitsForAnswer { .. } => panic!("only the host waits for answers"),
         What::Done => return None,
@@ -82,8 +83,10 @@ proptest! {
             prop_assert!(doing.until == Cycles(until) || until == ticked.cycles.0, "{:?} ends at {}", doing, until);
             let level = |fifo: usize| history.occupancies[fifo][at];
             match doing.what {
-                What::WaitsForWord { fifo, written } if written > Cycles(at as u64) => prop_assert_eq!(level(fifo), 0),
-                What::WaitsForWord { fifo, .. } => prop_assert!(level(fifo) > 0),
+                What::WaitsForWord { fifo: Some(fifo), written } if written > Cycles(at as u64) => {
+                    prop_assert_eq!(level(fifo), 0);
+                }
+                What::WaitsForWord { fifo: Some(fifo), .. } => prop_assert!(level(fifo) > 0),
                 // In its last cycle the word before is read.
                 What::WaitsForSlot { fifo } if doing.until.0 > at as u64 + 1 => {
                     prop_assert_eq!(level(fifo), spec.fifo_words.0);

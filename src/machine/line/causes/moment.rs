@@ -66,9 +66,10 @@ impl Look {
     /// What was found, if it was a cycle that was looked for. Who did nothing in it any more has done all.
     pub fn finish(self, past: &Past<'_>, topology: &Topology) -> Option<Snapshot> {
         let (When::Cycle(at), latency) = (self.when, past.latency()) else { return None };
-        let fifo =
-            |reader: usize, channel: Channel| topology.fifo_of(&channel.to_string(), actor(reader)).unwrap_or_default();
-        let reads = |station: usize, op: Op| op.kind().reads().map(|channel| fifo(station, channel));
+        let read = |reader: usize, channel: Channel| topology.fifo_of(&channel.to_string(), actor(reader));
+        // Who waits to write has written before.
+        let fifo = |reader: usize, channel: Channel| read(reader, channel).unwrap_or_default();
+        let reads = |station: usize, op: Op| op.kind().reads().and_then(|channel| read(station, channel));
         let writes = |station: usize, op: Op| {
             let passes_on = op.kind() != OpKind::PassX || station != past.last();
             op.kind().writes().filter(|_| passes_on).map(|channel| fifo(past.reader(station, channel), channel))
@@ -81,7 +82,7 @@ impl Look {
             let written = |cycles: u64| Cycles(if found.is_cut { u64::MAX } else { found.until - cycles });
             let what = match (found.hold, found.op.unit()) {
                 (Some(Hold::Word(channel)), _) => {
-                    What::WaitsForWord { fifo: fifo(station, channel), written: written(latency) }
+                    What::WaitsForWord { fifo: read(station, channel), written: written(latency) }
                 }
                 (Some(Hold::Slot(channel)), _) => {
                     What::WaitsForSlot { fifo: fifo(past.reader(station, channel), channel) }
