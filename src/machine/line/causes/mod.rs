@@ -12,13 +12,14 @@
 mod chains;
 mod moment;
 mod tally;
+mod waits;
 mod way;
 mod window;
 
 use std::sync::Arc;
 
 use super::cell::Cell;
-use super::hold::{Held, Hold};
+use super::hold::Held;
 use super::watcher::Watcher;
 use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit, Snapshot, StateId, Topology, When};
 use crate::quantities::Cycles;
@@ -26,6 +27,7 @@ use crate::seam::{Channel, OpBatch, Unit, UnitOfWork, Vocabulary};
 use chains::Chains;
 use moment::Look;
 use tally::{Code, Entry};
+use waits::Waits;
 use way::Way;
 use window::{NOW, Point};
 
@@ -41,7 +43,7 @@ const STREAM_OPS: usize = 16;
 
 /// Ops that are held at the least for each point that something may follow from, as each of these is looked at in every
 /// reckoning.
-const OPS_PER_POINT: usize = 16;
+const OPS_PER_POINT: usize = 64;
 
 /// Follows the causes of what all stations do: of the host, and of the cells.
 #[derive(Debug)]
@@ -62,9 +64,9 @@ pub(super) struct Causes {
 struct Station {
     /// Where it stood then.
     start: Stand,
-    waits: Vec<Wait>,
+    waits: Vec<Waits>,
     /// The wait in which the end of the run finds it, if it comes to it.
-    cut: Option<Wait>,
+    cut: Option<Waits>,
 }
 
 /// Where a station stands.
@@ -78,34 +80,23 @@ pub(super) struct Stand {
     pub clock: u64,
 }
 
-/// A wait that is over.
-#[derive(Clone, Copy, Debug)]
-struct Wait {
-    until: u64,
-    left: u64,
-    batch: u32,
-    op: u32,
-    by: Hold,
-}
-
 /// Remembers the waits of one station in a batch.
 #[derive(Debug)]
-pub(super) struct Waits<'a> {
+pub(super) struct Remembered<'a> {
     station: &'a mut Station,
     batch: usize,
 }
 
-impl Watcher for &mut Waits<'_> {
+impl Watcher for &mut Remembered<'_> {
     #[inline(always)]
     fn spent(&mut self, _: StateId, _: u64, _: u64) {}
 
     #[inline(always)]
-    fn held(&mut self, Held { until, op, left, by, is_cut }: Held) {
-        let wait = Wait { until, left, batch: self.batch as u32, op: op as u32, by };
-        if is_cut {
-            self.station.cut = Some(wait);
-        } else {
-            self.station.waits.push(wait);
+    fn held(&mut self, held: Held) {
+        if held.is_cut {
+            self.station.cut = Some(Waits::new(self.batch, held));
+        } else if !self.station.waits.last_mut().is_some_and(|row| row.extend(self.batch, &held)) {
+            self.station.waits.push(Waits::new(self.batch, held));
         }
     }
 }
@@ -136,13 +127,13 @@ impl Causes {
     }
 
     /// The waits of the host in a batch.
-    pub fn host(&mut self, batch: usize) -> Waits<'_> {
-        Waits { station: &mut self.stations[0], batch }
+    pub fn host(&mut self, batch: usize) -> Remembered<'_> {
+        Remembered { station: &mut self.stations[0], batch }
     }
 
     /// The waits of a cell in a batch.
-    pub fn cell(&mut self, index: usize, batch: usize) -> Waits<'_> {
-        Waits { station: &mut self.stations[index + 1], batch }
+    pub fn cell(&mut self, index: usize, batch: usize) -> Remembered<'_> {
+        Remembered { station: &mut self.stations[index + 1], batch }
     }
 
     /// The next ops are known.

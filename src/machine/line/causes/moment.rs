@@ -1,5 +1,6 @@
 //! What everybody does in one cycle: the ops and the ends of the waits say it exactly.
 
+use super::waits::{last_before, next_after};
 use super::way::Walk;
 use super::window::Past;
 use super::{Stand, Station, actor};
@@ -79,10 +80,11 @@ impl Look {
                 let since = Cycles(past.stands[station].clock);
                 return Doing { what: What::Done, job: None, since, until: since };
             };
-            let written = |cycles: u64| Cycles(if found.is_cut { u64::MAX } else { found.until - cycles });
             let what = match (found.hold, found.op.unit()) {
                 (Some(Hold::Word(channel)), _) => {
-                    What::WaitsForWord { fifo: read(station, channel), written: written(latency) }
+                    let cut = || past.next_written(station, channel).unwrap_or(u64::MAX);
+                    let written = if found.is_cut { cut() } else { found.until - latency };
+                    What::WaitsForWord { fifo: read(station, channel), written: Cycles(written) }
                 }
                 (Some(Hold::Slot(channel)), _) => {
                     What::WaitsForSlot { fifo: fifo(past.reader(station, channel), channel) }
@@ -91,7 +93,8 @@ impl Look {
                     What::WaitsForWire { fifo: fifo(past.reader(station, channel), channel) }
                 }
                 (Some(Hold::Answer), _) => {
-                    What::WaitsForAnswer { message: found.op.count(), written: written(latency + 1) }
+                    let written = if found.is_cut { u64::MAX } else { found.until - 1 - latency };
+                    What::WaitsForAnswer { message: found.op.count(), written: Cycles(written) }
                 }
                 (None, Some(unit)) => What::Works { unit: unit.0 as usize, count: found.op.count() },
                 (None, None) => What::Moves { reads: reads(station, found.op), writes: writes(station, found.op) },
@@ -108,21 +111,22 @@ fn doing(past: &Past<'_>, index: usize, station: &Station, at: u64) -> Option<Fo
     if !(station.start.clock..past.stands[index].clock).contains(&at) {
         return None;
     }
-    let behind = station.waits.partition_point(|wait| wait.until <= at);
-    let start = behind.checked_sub(1).map_or(station.start, |last| station.waits[last].stand());
+    let last = last_before(&station.waits, at);
+    let start = last.map_or(station.start, |last| station.waits[last.row].stand(last.number));
     let mut walk = Walk { past, station: index, at: start };
-    let next = station.waits.get(behind).or(station.cut.as_ref());
-    let is_cut = behind == station.waits.len();
+    let next = next_after(&station.waits, last).map(|next| (&station.waits[next.row], next.number));
+    let is_cut = next.is_none();
+    let next = next.or(station.cut.as_ref().map(|cut| (cut, 0))).map(|(row, number)| (row.stand(number), row.by));
     while let Some((op, each)) = walk.op() {
         let length = walk.left(op) * each;
         let job = past.stream(index, walk.at.batch).and_then(|stream| stream.line_of(walk.at.op)).map(|line| line.job);
-        let here = next.filter(|wait| (wait.batch as usize, wait.op as usize) == (walk.at.batch, walk.at.op));
-        let waits_from = here.map_or(u64::MAX, |wait| {
+        let here = next.filter(|(wait, _)| (wait.batch, wait.op) == (walk.at.batch, walk.at.op));
+        if let Some((wait, by)) = here {
             let moved = if op.kind() == OpKind::Await { 0 } else { walk.left(op) - wait.left };
-            walk.at.clock + moved
-        });
-        if let Some(wait) = here.filter(|_| at >= waits_from) {
-            return Some(Found { op, job, since: waits_from, until: wait.until, hold: Some(wait.by), is_cut });
+            let since = walk.at.clock + moved;
+            if at >= since {
+                return Some(Found { op, job, since, until: wait.clock, hold: Some(by), is_cut });
+            }
         }
         if at < walk.at.clock + length {
             // Words move one by one, and a reckoning may come between them.
@@ -148,9 +152,10 @@ fn longest_waits(past: &Past<'_>, index: usize, station: &Station, job: u32) -> 
             if other != job {
                 continue;
             }
-            let inside = |wait: &&super::Wait| wait.batch as usize == batch && range.contains(&(wait.op as usize));
-            for wait in station.waits.iter().chain(&station.cut).filter(inside) {
-                let found = doing(past, index, station, wait.until - 1);
+            let rows = station.waits.iter().chain(&station.cut);
+            let ends = rows.flat_map(|row| (0..row.count()).map(|number| row.stand(number)));
+            for wait in ends.filter(|wait| wait.batch == batch && range.contains(&wait.op)) {
+                let found = doing(past, index, station, wait.clock - 1);
                 waits.extend(found.map(|found| ((found.since + found.until) / 2, found.until - found.since)));
             }
             let begins = Stand { batch, op: range.start, left: 0, clock: 0 };
@@ -167,8 +172,9 @@ fn clock_at(past: &Past<'_>, index: usize, station: &Station, op: Stand) -> Opti
     if place(op) < place(start) || place(op) >= place(end) {
         return None;
     }
-    let behind = station.waits.partition_point(|wait| place(wait.stand()) < place(op));
-    let start = behind.checked_sub(1).map_or(start, |last| station.waits[last].stand());
+    let behind = station.waits.partition_point(|row| place(row.stand(0)) < place(op));
+    let last = behind.checked_sub(1).map(|last| &station.waits[last]);
+    let start = last.map_or(start, |row| row.stand(row.count() - 1));
     let mut walk = Walk { past, station: index, at: start };
     loop {
         let (next, each) = walk.op()?;

@@ -82,61 +82,91 @@ pub(super) fn normalize(entries: &mut Vec<Entry>, from: usize) {
     entries.truncate(end);
 }
 
-/// Writes entries, adding up those of a bin as long as it stays in it.
+/// Writes entries, adding up those of one bin and one station as long as it stays with these.
 #[derive(Debug)]
 pub(super) struct Pen {
     pub entries: Vec<Entry>,
-    /// The entries of the bin and the piece under way begin here.
-    open: usize,
+    /// The piece under way begins here.
     piece: usize,
-    bin: u64,
+    /// The station and the bin that it is at, as the cycles of that.
+    station: usize,
+    cycles: Range<u64>,
+    /// By cause, cycles and counts there that are no entries yet, and which of these are not 0.
+    sums: [[u64; 2]; Pen::CODES],
+    used: u128,
     /// A bin is 2^shift cycles wide.
     pub shift: u32,
 }
 
 impl Pen {
+    const CODES: usize = 128;
+
     /// For bins of 2^shift cycles.
     pub fn new(shift: u32) -> Pen {
-        Pen { entries: Vec::new(), open: 0, piece: 0, bin: 0, shift }
+        Pen { entries: Vec::new(), piece: 0, station: 0, cycles: 0..0, sums: [[0; 2]; Pen::CODES], used: 0, shift }
+    }
+
+    /// What follows is of that station.
+    #[inline]
+    pub fn turn_to(&mut self, station: usize) {
+        if station != self.station {
+            self.flush();
+            self.station = station;
+        }
     }
 
     /// Enters cycles `from..from + cycles`, in which something happened `count` times.
-    pub fn add(&mut self, station: usize, code: Code, from: u64, cycles: u64, count: u64) {
-        if count == 0 {
-            return;
+    #[inline(always)]
+    pub fn add(&mut self, code: Code, from: u64, cycles: u64, count: u64) {
+        if self.cycles.start <= from && from + cycles <= self.cycles.end {
+            self.enter(code, cycles, count);
+        } else {
+            self.cut(code, from, cycles, count);
         }
-        let last = (from + cycles.max(1) - 1) >> self.shift;
-        let mut from = from;
-        let mut left = cycles;
-        while from >> self.shift < last {
-            let part = ((from >> self.shift) + 1 << self.shift) - from;
-            self.enter(from >> self.shift, station, code, part, 0);
-            from += part;
-            left -= part;
-        }
-        self.enter(last, station, code, left, count);
     }
 
-    fn enter(&mut self, bin: u64, station: usize, code: Code, cycles: u64, count: u64) {
-        if bin != self.bin {
-            self.open = self.entries.len();
-            self.bin = bin;
-        }
-        let key = Entry::key(bin, station, code);
-        match self.entries[self.open..].iter_mut().find(|entry| entry.key == key) {
-            Some(entry) => {
-                entry.cycles += cycles;
-                entry.count += count;
+    /// Cuts the cycles where bins meet.
+    #[cold]
+    fn cut(&mut self, code: Code, mut from: u64, mut cycles: u64, count: u64) {
+        loop {
+            self.flush();
+            let start = from >> self.shift << self.shift;
+            self.cycles = start..start + (1 << self.shift);
+            let part = cycles.min(self.cycles.end - from);
+            (from, cycles) = (from + part, cycles - part);
+            if cycles == 0 {
+                return self.enter(code, part, count);
             }
-            None => self.entries.push(Entry { key, cycles, count }),
+            self.enter(code, part, 0);
+        }
+    }
+
+    #[inline(always)]
+    fn enter(&mut self, code: Code, cycles: u64, count: u64) {
+        let [all_cycles, all_counts] = &mut self.sums[code.0 as usize % Pen::CODES];
+        *all_cycles += cycles;
+        *all_counts += count;
+        self.used |= 1 << (code.0 as usize % Pen::CODES);
+    }
+
+    /// Makes entries of the sums.
+    fn flush(&mut self) {
+        while self.used != 0 {
+            let code = self.used.trailing_zeros();
+            self.used &= self.used - 1;
+            let [cycles, count] = std::mem::take(&mut self.sums[code as usize]);
+            if count > 0 || cycles > 0 {
+                let key = Entry::key(self.cycles.start >> self.shift, self.station, Code(code as u8));
+                self.entries.push(Entry { key, cycles, count });
+            }
         }
     }
 
     /// Ends a piece: what was entered since the last one ended.
     pub fn end_piece(&mut self) -> Range<u32> {
+        self.flush();
         let piece = self.piece as u32..self.entries.len() as u32;
         self.piece = self.entries.len();
-        self.open = self.piece;
         piece
     }
 }

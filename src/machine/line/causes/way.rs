@@ -2,8 +2,9 @@
 
 use super::chains::Chains;
 use super::tally::Code;
+use super::waits::{Wait, Waits, last_before};
 use super::window::{NOW, Past, Point};
-use super::{Stand, Station, Wait};
+use super::{Stand, Station};
 use crate::seam::{Op, OpKind};
 
 /// All points since the last reckoning that some points lead back to.
@@ -32,7 +33,7 @@ impl<'a> Way<'a> {
                 continue;
             }
             if let Some(wait) = reached[station].come_to(cycle) {
-                todo.push(past.crossing(station, wait.until, wait.by).from);
+                todo.push(past.crossing(station, &stations[station].waits[wait.row], wait.number).from);
             }
         }
         let mut first = Vec::with_capacity(reached.len());
@@ -67,18 +68,19 @@ impl<'a> Way<'a> {
             let mut walk = Walk { past: self.past, station, at: self.stations[station].start };
             let mut behind = None;
             for &cycle in &reached.cycles {
-                let waits = reached.waits_before(cycle);
-                let parent = if behind == Some(waits) {
-                    chains.len() - 1
-                } else if let Some(wait) = waits.checked_sub(1).map(|last| &reached.waits[last]) {
-                    let crossing = self.past.crossing(station, wait.until, wait.by);
-                    crossing.enter(chains);
-                    walk.at = wait.stand();
-                    self.node_of(crossing.from)
-                } else {
-                    self.node_before((station, NOW))
+                let last = last_before(reached.waits, cycle);
+                let parent = match last {
+                    _ if behind == Some(last) => chains.len() - 1,
+                    None => self.node_before((station, NOW)),
+                    Some(Wait { row, number }) => {
+                        let waits = &reached.waits[row];
+                        let crossing = self.past.crossing(station, waits, number);
+                        crossing.enter(chains);
+                        walk.at = waits.stand(number);
+                        self.node_of(crossing.from)
+                    }
                 };
-                behind = Some(waits);
+                behind = Some(last);
                 walk.go(cycle, chains);
                 chains.push(parent);
             }
@@ -86,37 +88,30 @@ impl<'a> Way<'a> {
     }
 }
 
-impl Wait {
-    /// Where the station stood behind it.
-    pub(super) fn stand(&self) -> Stand {
-        Stand { batch: self.batch as usize, op: self.op as usize, left: self.left, clock: self.until }
-    }
-}
-
 /// The waits of one station in the window, and its points that chains lead through.
 struct Reached<'a> {
-    waits: &'a [Wait],
-    /// Whether the way that begins behind a wait has been come to; the first begins with the window.
+    waits: &'a [Waits],
+    /// Whether the way that begins behind a row of waits has been come to; the first begins with the window.
     seen: Vec<bool>,
     cycles: Vec<u64>,
 }
 
 impl<'a> Reached<'a> {
-    fn new(waits: &'a [Wait]) -> Reached<'a> {
+    fn new(waits: &'a [Waits]) -> Reached<'a> {
         Reached { waits, seen: vec![false; waits.len() + 1], cycles: Vec::new() }
     }
 
-    /// How many waits are over at the beginning of a cycle.
-    fn waits_before(&self, cycle: u64) -> usize {
-        self.waits.partition_point(|wait| wait.until <= cycle)
-    }
-
-    /// Comes to a point. Returns the wait before it, if no point behind that has been come to.
-    fn come_to(&mut self, cycle: u64) -> Option<&'a Wait> {
+    /// Comes to a point. Returns the wait before it, if no point behind that has been come to (inside a row it may have been).
+    fn come_to(&mut self, cycle: u64) -> Option<Wait> {
         self.cycles.push(cycle);
-        let before = self.waits_before(cycle);
-        let is_new = !std::mem::replace(&mut self.seen[before], true);
-        before.checked_sub(1).filter(|_| is_new).map(|wait| &self.waits[wait])
+        let last = last_before(self.waits, cycle);
+        let Some(wait) = last else {
+            self.seen[0] = true;
+            return None;
+        };
+        let is_last = wait.number + 1 == self.waits[wait.row].count();
+        let is_new = !is_last || !std::mem::replace(&mut self.seen[wait.row + 1], true);
+        is_new.then_some(wait)
     }
 }
 
@@ -160,7 +155,10 @@ impl Walk<'_> {
     /// Goes on to the beginning of cycle `until`, in which the station moves a word, or to where it stands now.
     fn go(&mut self, until: u64, chains: &mut Chains) {
         let end = self.past.stands[self.station];
-        while let Some((op, each)) = self.op() {
+        chains.pen.turn_to(self.station);
+        loop {
+            self.work(end, chains);
+            let Some((op, each)) = self.op() else { return };
             let is_last = (self.at.batch, self.at.op) == (end.batch, end.op);
             if is_last && end.left == 0 {
                 return;
@@ -173,13 +171,32 @@ impl Walk<'_> {
                 _ => (Some(Code::MOVE), known.min(until.saturating_sub(self.at.clock))),
             };
             if let Some(code) = code {
-                chains.pen.add(self.station, code, self.at.clock, done * each, done);
+                chains.pen.add(code, self.at.clock, done * each, done);
             }
             if is_last || done < known {
                 self.at = Stand { left: left - done, clock: self.at.clock + done * each, ..self.at };
                 return;
             }
             self.skip(done * each);
+        }
+    }
+
+    /// Goes through ops of one batch that are work, as long as one follows the other: most are.
+    fn work(&mut self, end: Stand, chains: &mut Chains) {
+        let ops = self.past.ops(self.station, self.at.batch);
+        let last = if self.at.batch == end.batch { end.op.min(ops.len()) } else { ops.len() };
+        let Stand { mut op, mut clock, .. } = self.at;
+        while op < last
+            && let Some(unit) = ops[op].unit()
+        {
+            let count = ops[op].count() as u64;
+            let cycles = count * self.past.prices.of(unit).0;
+            chains.pen.add(Code::work(unit), clock, cycles, count);
+            clock += cycles;
+            op += 1;
+        }
+        if op > self.at.op {
+            self.at = Stand { op, clock, left: 0, ..self.at };
         }
     }
 }

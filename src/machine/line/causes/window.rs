@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use super::Stand;
 use super::chains::Chains;
 use super::tally::Code;
+use super::waits::Waits;
 use crate::machine::line::hold::Hold;
 use crate::machine::line::link::Link;
 use crate::machine::line::prices::Prices;
@@ -34,7 +35,16 @@ pub(super) const NOW: u64 = u64::MAX;
 /// What a wait was for: the point that it follows from, and what lies between them.
 pub(super) struct Crossing {
     pub from: Point,
-    parts: [Option<(usize, Code, u64, u64)>; 2],
+    parts: [Option<Part>; 2],
+}
+
+/// Some cycles of a station's, from one on, and how often what they are spent on.
+struct Part {
+    station: usize,
+    code: Code,
+    from: u64,
+    cycles: u64,
+    count: u64,
 }
 
 impl Past<'_> {
@@ -61,23 +71,33 @@ impl Past<'_> {
         if channel == Channel::Z { station + 1 } else { station - 1 }
     }
 
-    /// What a station's wait until cycle `until` was for.
-    pub(super) fn crossing(&self, station: usize, until: u64, by: Hold) -> Crossing {
-        let latency = self.latency();
-        let one = |from, part| Crossing { from, parts: [Some(part), None] };
-        match by {
+    /// The cycle in which the next word that a station reads from a channel is written, if it is.
+    pub(super) fn next_written(&self, station: usize, channel: Channel) -> Option<u64> {
+        let link = if channel == Channel::Z { station } else { station - 1 };
+        Some(self.links[link].fifo(channel).ready()? - self.latency())
+    }
+
+    /// What one of a row of waits was for.
+    pub(super) fn crossing(&self, station: usize, waits: &Waits, number: u32) -> Crossing {
+        let (until, latency) = (waits.stand(number).clock, self.latency());
+        let one = |from, station, code, cycles, count| Crossing {
+            from,
+            parts: [Some(Part { station, code, from: until - cycles, cycles, count }), None],
+        };
+        match waits.by {
             Hold::Word(channel) => {
-                let written = until - latency;
-                one((Past::writer(station, channel), written), (station, Code::latency(channel), written, latency))
+                let written = (Past::writer(station, channel), until - latency);
+                one(written, station, Code::latency(channel), latency, 1)
             }
             Hold::Slot(channel) => match self.reader(station, channel) {
                 0 => self.through_host(until, Code::slot(channel)),
-                reader => one((reader, until - 1), (reader, Code::slot(channel), until - 1, 1)),
+                reader => one((reader, until - 1), reader, Code::slot(channel), 1, 1),
             },
             Hold::Wire(channel) => {
-                let cycles = self.links[0].cycles_per_word();
-                let part = (self.reader(station, channel), Code::wire(channel), until - cycles, cycles);
-                one((station, until - cycles), part)
+                // Each word of the row waits for the one before it.
+                let words = number as u64 + 1;
+                let cycles = words * self.links[0].cycles_per_word();
+                one((station, until - cycles), self.reader(station, channel), Code::wire(channel), cycles, words)
             }
             Hold::Answer => self.through_host(until, Code::MOVE),
         }
@@ -86,9 +106,11 @@ impl Past<'_> {
     /// What follows from the host's read of a word of an answer in the cycle before `until`: it reads each word as soon as it
     /// has come.
     pub(super) fn through_host(&self, until: u64, code: Code) -> Crossing {
-        let written = until - 1 - self.latency();
-        let way = (0, Code::latency(Channel::Y), written, self.latency());
-        Crossing { from: (self.last(), written), parts: [Some(way), Some((0, code, until - 1, 1))] }
+        let latency = self.latency();
+        let written = until - 1 - latency;
+        let way = Part { station: 0, code: Code::latency(Channel::Y), from: written, cycles: latency, count: 1 };
+        let read = Part { station: 0, code, from: until - 1, cycles: 1, count: 1 };
+        Crossing { from: (self.last(), written), parts: [Some(way), Some(read)] }
     }
 
     /// All points that something may yet follow from which has not happened.
@@ -145,8 +167,9 @@ impl Past<'_> {
 impl Crossing {
     /// Enters it.
     pub fn enter(&self, chains: &mut Chains) {
-        for &(station, code, from, cycles) in self.parts.iter().flatten() {
-            chains.pen.add(station, code, from, cycles, 1);
+        for part in self.parts.iter().flatten() {
+            chains.pen.turn_to(part.station);
+            chains.pen.add(part.code, part.from, part.cycles, part.count);
         }
     }
 }
