@@ -15,7 +15,7 @@ use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{bottleneck, hits};
+use pcs_sim::report::{bottleneck, hits, why};
 use pcs_sim::run::{
     self, ImageSpec, Layers, OutputFile, Picture, PlannedRun, Rendered, RunSpec, Seen, Shuffled, Switch, Timed, Timing,
 };
@@ -178,6 +178,8 @@ fn report(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
     };
     let (spec, stats) = (&setup.machine.spec, &timing.stats);
+    let path = timing.observed.path.as_ref();
+    let why = path.map(|path| format!("\n{}{}", why::text(path, false), why::OF_AN_IMAGE)).unwrap_or_default();
     [
         title,
         machine_line(spec),
@@ -186,7 +188,7 @@ fn report(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n", verdict(stats, losses, spec.clock())),
+        format!("{}\n{why}", verdict(stats, losses, spec.clock())),
     ]
     .join("\n")
 }
@@ -209,7 +211,9 @@ fn write_outputs(
         outputs::finish(files.stats, &mut written, |file| {
             let kinds = RaysByKind::new(&rendered.kinds, timing);
             let (spec, counts) = (&setup.machine.spec, &rendered.counts);
-            let json = stats::image_to_json(&timing.stats, spec.clock(), losses, (counts, &kinds), &configuration)?;
+            let (path, clock) = (timing.observed.path.as_ref(), spec.clock());
+            let counted = (counts, &kinds);
+            let json = stats::image_to_json((&timing.stats, path), clock, losses, counted, &configuration)?;
             file.write_all(json.as_bytes())
         })?;
         let spec = &setup.machine.spec;

@@ -47,6 +47,11 @@ impl Link {
         words.saturating_mul(self.rate.cycles_per_word)
     }
 
+    /// Cycles from the beginning of one word to that of the next.
+    pub fn cycles_per_word(&self) -> u64 {
+        self.rate.cycles_per_word
+    }
+
     #[inline(always)]
     pub fn fifo(&self, channel: Channel) -> &Fifo {
         match channel {

@@ -1,7 +1,7 @@
 //! The judge: the machine ticked cycle by cycle, written as plainly as the machine's description and sharing no code
 //! with the simulator's timing half but the types of its input and output.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use pcs_sim::machine::line::{IDLE, MOVING, blocked, waiting, working};
 use pcs_sim::machine::{Cycles, MachineSpec, RateCounts, Words};
@@ -39,6 +39,8 @@ pub struct History {
     pub at: Vec<Vec<usize>>,
     /// For each FIFO, in the order of the statistics, its occupancy at the end of each cycle.
     pub occupancies: Vec<Vec<u64>>,
+    /// For each link and channel (0, 1, 2 for X, Y, Z), the cycles in which words were written and in which they were read.
+    pub words: BTreeMap<(usize, usize), [Vec<u64>; 2]>,
     /// The cycles in which the host wrote the words of X.
     pub sent: Vec<u64>,
     /// The cycles in which the host read the last words of messages.
@@ -311,7 +313,7 @@ impl<'a> Ticking<'a> {
         *self.cells[index].times.of_mut(state) += Cycles(1);
         if moved {
             if let Some(channel) = reads {
-                self.queue(from(channel), channel).unwrap().written_in.pop_front();
+                self.take(from(channel), channel);
             }
             if let Some(channel) = writes {
                 self.put(to(channel), channel);
@@ -340,8 +342,14 @@ impl<'a> Ticking<'a> {
         wire_free && self.queue(link, channel).is_some_and(|q| (q.at_start as u64) < q.capacity)
     }
 
+    fn take(&mut self, link: usize, channel: usize) {
+        self.queue(link, channel).unwrap().written_in.pop_front();
+        self.history.words.entry((link, channel)).or_default()[1].push(self.now);
+    }
+
     fn put(&mut self, link: usize, channel: usize) {
         let now = self.now;
+        self.history.words.entry((link, channel)).or_default()[0].push(now);
         let queue = self.queue(link, channel).unwrap();
         queue.written_in.push_back(now);
         queue.words += 1;
@@ -357,7 +365,7 @@ impl<'a> Ticking<'a> {
         let link = self.cells.len();
         let read = self.word(link, 1);
         if read {
-            self.queue(link, 1).unwrap().written_in.pop_front();
+            self.take(link, 1);
             self.returned_words += 1;
             if self.returned_words.is_multiple_of(self.costs.vocabulary().answer_words) {
                 self.returned.push(self.now);
