@@ -5,6 +5,7 @@ mod file;
 mod journal;
 mod parameters;
 mod point;
+mod range;
 mod record;
 
 pub use file::Sweep;

@@ -27,6 +27,7 @@ mod manual;
 mod model_command;
 mod modes_agree;
 mod objects;
+mod own_inputs;
 mod plots_of_tables;
 mod polygons;
 mod profile_is_exact;
