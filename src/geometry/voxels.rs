@@ -69,7 +69,7 @@ impl Lattice {
     /// Calls `visit` with the number of every voxel within `margin` of a polygon as A.3 has it, in rising order. May visit
     /// a few more at the polygon's corners, never fewer.
     pub fn for_each_voxel(&self, polygons: &Polygons, polygon: u32, margin: f64, mut visit: impl FnMut(usize)) {
-        if polygons.normal(polygon) == glam::Vec3::ZERO {
+        if !polygons.can_be_hit(polygon) {
             return;
         }
         let points: Vec<DVec3> = polygons.flattened(polygon).collect();

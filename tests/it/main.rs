@@ -15,6 +15,7 @@ mod cost_model;
 mod cost_model_bounds;
 mod deadlock;
 mod documents;
+mod edges;
 mod figure7;
 mod hits_are_right;
 mod images;

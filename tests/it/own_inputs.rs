@@ -41,8 +41,7 @@ fn no_command_writes_over_what_it_reads() {
     for (link, target) in [("i.png", "m.mtl"), ("t.csv", "part.obj"), ("u.parquet", "sweep.ron")] {
         std::os::unix::fs::symlink(folder.path(target), folder.path(link)).unwrap();
     }
-    for command in ["image all.ron --size 2x2 -o i.png", "sweep sweep.ron -o t.csv", "sweep sweep.ron -o u.csv"]
-    {
+    for command in ["image all.ron --size 2x2 -o i.png", "sweep sweep.ron -o t.csv", "sweep sweep.ron -o u.csv"] {
         let error = folder.run(&format!("{command} --force")).refused();
         assert!(error.contains("the file is an input of this run"), "{command}: {error}");
     }
