@@ -26,7 +26,7 @@ impl Range {
         let Range { from, to, step, times } = *self;
         let next = |value: f64| value * times + step;
         if !(from <= to && next(from) > from && [to, step, times].into_iter().all(f64::is_finite)) {
-            return Err("a range needs from, a to that is no less, and a step above 0 or times above 1".to_owned());
+            return Err("a range needs from, to, and a step above 0 or times above 1".to_owned());
         }
         let steps = if times == 1.0 { Steps::new(from, to, step) } else { None };
         let count = steps.as_ref().map_or_else(|| self.count(), |steps| steps.count as f64);
