@@ -10,6 +10,7 @@ use super::options::{CellsRun, Mode, RunOptions, Switch};
 use crate::error::InputError;
 use crate::geometry::{Edges, Ray};
 use crate::host::camera::{self, ImageSize};
+use crate::host::order::{Order, Sequence};
 use crate::host::policy::{HostRules, Policy};
 use crate::host::ray_file;
 use crate::host::sampling::Sampling;
@@ -43,6 +44,9 @@ pub struct RunSpec {
     /// The file of the rays, if they are not a camera's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rays: Option<PathBuf>,
+    /// In which order the host sends the rays, or begins the pixels.
+    #[serde(default, skip_serializing_if = "is_raster")]
+    pub order: Order,
     /// How a whole image is made; `None` for a run of primary rays.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageSpec>,
@@ -90,7 +94,7 @@ impl ReplaySpec {
 }
 
 /// Reads a configuration, or the one in statistics.
-fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
+pub(super) fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
     #[derive(Deserialize)]
     struct Statistics {
         configuration: serde_json::Value,
@@ -144,7 +148,11 @@ fn is_paper(edges: &Edges) -> bool {
     *edges == Edges::Paper
 }
 
-fn standard_size() -> ImageSize {
+fn is_raster(order: &Order) -> bool {
+    *order == Order::Raster
+}
+
+pub(super) fn standard_size() -> ImageSize {
     ImageSize { width: 256, height: 256 }
 }
 
@@ -189,6 +197,8 @@ impl RunSpec {
         let rays = options.rays.rays.clone().or_else(|| base?.rays.clone().filter(|_| shape.size.is_none()));
         let edges = cells.edges.or(base.map(|base| base.edges)).unwrap_or_default();
         check_edges(edges, cells_run)?;
+        let order = options.order.order.or(base.map(|base| base.order)).unwrap_or_default();
+        check_order(order, rays.as_deref())?;
         Ok(RunSpec {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             scene: scene.clone().or(base.map(|base| base.scene.clone())).unwrap_or_else(|| "teapot".to_owned()),
@@ -196,6 +206,7 @@ impl RunSpec {
             resolution: shape.resolution.or(of_same_scene.and_then(|base| base.resolution)),
             size,
             rays,
+            order,
             image: None,
             program,
             edges,
@@ -230,29 +241,31 @@ impl RunSpec {
         spec.machine.build()?;
         spec.program.check()?;
         check_edges(spec.edges, spec.cells_run)?;
+        check_order(spec.order, spec.rays.as_deref())?;
         spec.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
         Ok(spec)
     }
 
     /// Reads or generates the scene.
     pub fn load_scene(&self) -> Result<Scene, InputError> {
-        if is_builtin(&self.scene) {
-            return builtin::generate(&self.scene, self.size_factor, self.resolution);
-        }
-        if self.size_factor.is_some() {
-            let error = InputError::new("a size factor is for built-in scenes, not for files");
-            return Err(error.help("`pcs-sim scenes` lists the built-in scenes"));
-        }
-        let default = ReadOptions::default();
-        let options = ReadOptions { resolution: self.resolution.unwrap_or(default.resolution) };
-        crate::scene::load(Path::new(&self.scene), &options)
+        load_scene(&self.scene, self.size_factor, self.resolution)
     }
 
-    /// The rays: the camera's, or a file's.
+    /// The rays, the camera's or a file's, in the order in which the host sends them.
     pub fn load_rays(&self, scene: &Scene) -> Result<Vec<Ray>, InputError> {
+        let rays = match &self.rays {
+            Some(path) => ray_file::read(path)?,
+            None => camera::primary_rays(&scene.camera, self.size),
+        };
+        Ok(self.sequence(rays.len()).arrange(rays))
+    }
+
+    /// The numbers of that many rays, in the order in which the host sends them. The number of a camera's ray is its pixel's, line
+    /// by line; that of a file's, its place there.
+    pub fn sequence(&self, rays: usize) -> Sequence {
         match &self.rays {
-            Some(path) => ray_file::read(path),
-            None => Ok(camera::primary_rays(&scene.camera, self.size)),
+            Some(_) => self.order.of_list(rays).unwrap_or_else(|| Sequence::in_order(rays)),
+            None => self.order.of_pixels(self.size),
         }
     }
 
@@ -265,7 +278,7 @@ impl RunSpec {
 }
 
 impl ImageSpec {
-    fn check(&self) -> Result<(), InputError> {
+    pub(super) fn check(&self) -> Result<(), InputError> {
         let within = |what: &str, value: u64, least: u64, most: u64| match (least..=most).contains(&value) {
             true => Ok(()),
             false => Err(InputError::new(format!("{what} are {value}, they must be from {least} to {most}"))),
@@ -289,9 +302,10 @@ impl ImageSpec {
         Limits { depth: self.depth, contribution: self.min_contribution }
     }
 
-    /// What the host may do.
-    pub fn rules(&self) -> HostRules {
-        HostRules { policy: self.policy, in_flight: self.in_flight, open_samples: self.open_samples as usize }
+    /// What the host may do, which begins the pixels in that order.
+    pub fn rules(&self, order: Order) -> HostRules {
+        let open_samples = self.open_samples as usize;
+        HostRules { order, policy: self.policy, in_flight: self.in_flight, open_samples }
     }
 }
 
@@ -304,6 +318,28 @@ fn check_edges(edges: Edges, cells_run: CellsRun) -> Result<(), InputError> {
         return Err(error.help("leave --edges closed out, or let the cells run timings"));
     }
     Ok(())
+}
+
+/// Reads or generates a scene, with the size factor of a built-in one and the slices of spheres and cones if they are given.
+pub(super) fn load_scene(scene: &str, size_factor: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
+    if is_builtin(scene) {
+        return builtin::generate(scene, size_factor, resolution);
+    }
+    if size_factor.is_some() {
+        let error = InputError::new("a size factor is for built-in scenes, not for files");
+        return Err(error.help("`pcs-sim scenes` lists the built-in scenes"));
+    }
+    let options = ReadOptions { resolution: resolution.unwrap_or(ReadOptions::default().resolution) };
+    crate::scene::load(Path::new(scene), &options)
+}
+
+/// Fails if rays of a file are to be sent in an order of pixels.
+fn check_order(order: Order, rays: Option<&Path>) -> Result<(), InputError> {
+    if rays.is_none() || order.of_list(1).is_some() {
+        return Ok(());
+    }
+    let error = InputError::new(format!("{order} is an order of pixels, and the rays are a file's"));
+    Err(error.help("rays of a file can be sent as they stand there (raster), by stride and by shuffle:SEED"))
 }
 
 /// Whether a scene is the name of a built-in one, not that of a file.

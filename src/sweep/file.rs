@@ -2,16 +2,20 @@
 
 use std::path::Path;
 
-use super::parameters::{MOST_VALUES, Parameter, SweepFile};
+use super::parameters::{MOST_VALUES, Parameter, Points, SweepFile};
+use super::{farm_point, point};
 use crate::error::InputError;
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};
 use crate::isa::{Sources, assemble};
+use crate::report::table::Column;
 use crate::scene::ReadOptions;
 
 /// The points of a sweep: every combination of its parameters' values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sweep {
+    /// What its points are.
+    pub of: Points,
     /// The parameters that it sets or varies.
     pub parameters: Vec<Parameter>,
     points: usize,
@@ -22,19 +26,27 @@ impl Sweep {
     /// Reads the file of a sweep.
     pub fn read(path: &Path) -> Result<Sweep, InputError> {
         let file: SweepFile = fields::parse(path, &fields::read_text(path)?)?;
-        let parameters = file.parameters;
+        let SweepFile { points: of, parameters } = file;
         let count: f64 = parameters.iter().map(|parameter| parameter.values.len() as f64).product();
         if count > MOST_VALUES as f64 {
             let error = InputError::in_file(path, format!("has {count} points, and may have up to {MOST_VALUES}"));
             return Err(error.help("a point is a combination of one value each"));
         }
         let files = files_of(&parameters);
-        Ok(Sweep { parameters, points: count as usize, files })
+        Ok(Sweep { of, parameters, points: count as usize, files })
     }
 
     /// The files that its points read, with those behind them, as they were when the sweep was read.
     pub fn files(&self) -> &[FileRead] {
         &self.files
+    }
+
+    /// What its table tells of a point, behind the parameters.
+    pub fn results(&self) -> &'static [Column<'static>] {
+        match self.of {
+            Points::Arrays => &point::COLUMNS,
+            Points::Farms => &farm_point::COLUMNS,
+        }
     }
 
     /// How many points it has.

@@ -9,7 +9,7 @@ use super::Caption;
 use super::chart::{self, FOOT, HEAD, LEFT, RIGHT, SMALL, TimeScale, WIDTH, font, rgb};
 use super::render::{Drawn, Figure};
 use super::{cells, fifos};
-use crate::measure::{FifoBin, FifoInfo, FifoProfile, State, StateTimes, States};
+use crate::measure::{FifoBin, FifoInfo, FifoProfile, State, StateTimes, Topology};
 use crate::quantities::Cycles;
 use crate::report::palette::{self, Rgb};
 
@@ -92,16 +92,21 @@ pub struct Bands<'a> {
     caption: &'a Caption,
     scale: TimeScale,
     rows: Vec<Row<StateTimes>>,
-    states: &'a States,
+    topology: &'a Topology,
     occurring: Vec<&'a State>,
     together: usize,
 }
 
 impl<'a> Bands<'a> {
-    pub fn new(caption: &'a Caption, scale: TimeScale, states: &'a States, all: &'a [Vec<StateTimes>]) -> Bands<'a> {
+    pub fn new(
+        caption: &'a Caption,
+        scale: TimeScale,
+        topology: &'a Topology,
+        all: &'a [Vec<StateTimes>],
+    ) -> Bands<'a> {
         let together = all.len().div_ceil(MOST_ROWS).max(1);
-        let rows = rows(all, |index| format!("cell {index}"), Vec::as_slice, StateTimes::sum);
-        Bands { caption, scale, rows, states, occurring: cells::occurring(states, all.iter()), together }
+        let rows = rows(all, |index| topology.station(index), Vec::as_slice, StateTimes::sum);
+        Bands { caption, scale, rows, topology, occurring: cells::occurring(&topology.states, all.iter()), together }
     }
 }
 
@@ -111,12 +116,10 @@ impl Figure for Bands<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        chart::head(
-            area,
-            self.caption,
-            &together(cells::WHAT, "cells", self.together),
-            &cells::legend(self.states, &self.occurring),
-        )?;
+        let Topology { states, names, .. } = self.topology;
+        let stations = format!("{}s", names.station);
+        let what = together(&cells::what(self.topology), &stations, self.together);
+        chart::head(area, self.caption, &what, &cells::legend(states, &self.occurring))?;
         let names = self.rows.iter().map(|row| row.name.as_str());
         let mut chart = frame(area, names, 0.0..self.scale.end(), &self.scale.label())?;
         let count = self.rows.len();
@@ -125,8 +128,7 @@ impl Figure for Bands<'_> {
             let ground = (count - index) as f64 - FILLED;
             for (state, edge) in cells::bands(&row.bins, &self.occurring, self.scale, grain) {
                 let up = |(x, share): (f64, f64)| (x, ground + FILLED * share / 100.0 / row.members);
-                let band =
-                    AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(self.states, state)));
+                let band = AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(states, state)));
                 chart.draw_series(band)?;
             }
         }
@@ -147,7 +149,7 @@ pub struct Levels<'a> {
 impl<'a> Levels<'a> {
     pub fn new(caption: &'a Caption, scale: TimeScale, all: &'a [(&'a FifoInfo, &'a FifoProfile)]) -> Levels<'a> {
         let highest = all.iter().map(|(_, fifo)| fifos::highest(fifo)).max().unwrap_or(0);
-        let capacity = all.first().map_or(0, |(info, _)| info.capacity.0);
+        let capacity = all.iter().map(|(info, _)| info.capacity.0).max().unwrap_or(0);
         Levels {
             caption,
             scale,
@@ -209,15 +211,25 @@ const SHADES: [(&str, f64, Rgb); 5] = [
     ("over 10 % of the time", 10.0, Rgb(24, 28, 45)),
 ];
 
+/// A histogram whose entries are for `step` occupancies each; steps are powers of two.
+fn shared(fifo: &FifoProfile, step: u64, sum: impl Fn(&[Cycles]) -> Cycles) -> Vec<Cycles> {
+    fifo.histogram.chunks((step / fifo.step.0.max(1)).max(1) as usize).map(sum).collect()
+}
+
 impl<'a> Histograms<'a> {
     pub fn new(caption: &'a Caption, all: &'a [(&'a FifoInfo, &'a FifoProfile)], cycles: Cycles) -> Histograms<'a> {
         let together = all.len().div_ceil(MOST_ROWS).max(1);
         let sum = |entries: &[Cycles]| entries.iter().copied().sum();
+        // FIFOs of several depths: as the deepest have them.
+        let step = all.iter().map(|(_, fifo)| fifo.step.0).max().unwrap_or(1);
+        let mut histograms: Vec<Vec<Cycles>> = all.iter().map(|(_, fifo)| shared(fifo, step, sum)).collect();
+        let longest = histograms.iter().map(Vec::len).max().unwrap_or(0);
+        histograms.iter_mut().for_each(|histogram| histogram.resize(longest, Cycles(0)));
         Histograms {
             caption,
-            rows: rows(all, |index| all[index].0.name.clone(), |(_, fifo)| &fifo.histogram, sum),
+            rows: rows(&histograms, |index| all[index].0.name.clone(), |histogram| histogram, sum),
             cycles: cycles.0.max(1) as f64,
-            step: all.first().map_or(1, |(_, fifo)| fifo.step.0) as f64,
+            step: step as f64,
             together,
         }
     }
