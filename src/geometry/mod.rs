@@ -10,7 +10,7 @@
 
 pub mod bounds;
 pub mod brute_force;
-mod closed;
+pub mod closed;
 pub mod edges;
 pub mod grid;
 pub mod hit;
@@ -19,7 +19,7 @@ pub mod polygon;
 pub mod ray;
 pub mod rounding;
 pub mod slabs;
-mod slivers;
+pub mod slivers;
 pub mod voxels;
 
 pub use bounds::Bounds;
