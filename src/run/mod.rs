@@ -7,9 +7,12 @@ mod ahead;
 mod closed_loop;
 mod layers;
 mod modelled;
+pub mod moot;
 mod options;
 mod outputs;
 mod render;
+mod replayed;
+mod setup;
 mod spec;
 mod timed;
 mod trace;
@@ -17,13 +20,15 @@ mod trees;
 mod workers;
 
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
-pub use modelled::{CountedLoads, array_model};
+pub use modelled::{CountedLoads, Forecast, array_model};
 pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, ProgramOptions, RayOptions,
     RunOptions, SceneOptions, ShapeOptions, Switch,
 };
 pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
+pub use replayed::Replay;
+pub use setup::Setup;
 pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};

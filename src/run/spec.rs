@@ -195,6 +195,30 @@ impl RunSpec {
         })
     }
 
+    /// The same, where `base` may be no whole image.
+    pub fn of_rays(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
+        let help = "`pcs-sim image --config FILE` makes it again";
+        RunSpec::new(options, base.map(|base| base.without_image(help)).transpose()?)
+    }
+
+    /// What a run is that the cost model predicts: `base` may be no whole image, and none whose cells run programs.
+    pub fn of_model(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
+        let help = "the model is about primary rays: take the configuration of a run";
+        let base = base.map(|base| base.without_image(help)).transpose()?;
+        if base.as_ref().is_some_and(|base| base.cells_run == CellsRun::Programs) {
+            let error = InputError::new("the configuration is that of cells that run programs");
+            return Err(error.help("the model is about Figure 7's times: take the configuration of a run with those"));
+        }
+        RunSpec::new(options, base)
+    }
+
+    fn without_image(self, help: &str) -> Result<RunSpec, InputError> {
+        match self.image {
+            Some(_) => Err(InputError::new("the configuration is that of a whole image").help(help)),
+            None => Ok(self),
+        }
+    }
+
     /// The same of a whole image.
     pub fn of_image(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
         let below = base.as_ref().and_then(|base| base.image.clone()).unwrap_or_default();

@@ -1,15 +1,15 @@
-//! Flags that a command would take and not look at: whoever types one expects it to matter, and is told that it does not.
+//! Parameters that a run would take and not look at: whoever gives one expects it to matter, and is told that it does not,
+//! by the name of its flag.
 //!
 //! A sweep is no such typing: a parameter that runs through its values may well be without effect at some points.
 
 use std::path::Path;
 
-use pcs_sim::error::InputError;
-use pcs_sim::program::ArrayProgram;
-use pcs_sim::run::{CellsRun, ImageSpec, RunOptions, RunSpec, Switch, is_builtin};
-use pcs_sim::scene::builtin;
-
-use super::args::{ImageArgs, ModelArgs};
+use super::options::{CellsRun, RunOptions, Switch};
+use super::spec::{RunSpec, is_builtin};
+use crate::error::InputError;
+use crate::program::ArrayProgram;
+use crate::scene::builtin;
 
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
@@ -19,25 +19,21 @@ pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
     check_program(typed, &spec.program)
 }
 
+/// Why an image that is not timed looks at no results of the machine.
+pub const WITHOUT_TIMING: &str = "is about the machine at work, which --timing off leaves out";
+
+/// Why a prediction alone does not look at what is about the run.
+pub const WITHOUT_RUN: &str = "is about the simulation, which --predict-only leaves out";
+
 /// Refuses the flags that an image would not look at.
-pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: &ImageSpec) -> Result<(), InputError> {
+pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    let image = spec.image.clone().unwrap_or_default();
     if image.adaptive && image.samples == 1 {
         let error = InputError::new("--adaptive has nothing to refine a pixel with: it has one sample in any case");
         return Err(error.help("say with --samples how many samples along a side a refined pixel has"));
     }
     if image.timing == Switch::Off {
-        let files = [
-            ("--stats", args.results.stats.is_some()),
-            ("--hits", args.tracing.hits.is_some()),
-            ("--ops", args.tracing.ops.is_some()),
-            ("--plot", args.views.plot.is_some()),
-            ("--page", args.views.page.is_some()),
-            ("--trace", args.views.trace.is_some()),
-        ];
-        let (why, help) = ("is about the machine at work, which --timing off leaves out", "leave out one of the two");
-        if let Some((flag, _)) = files.iter().find(|(_, typed)| *typed) {
-            return Err(InputError::new(format!("{flag} {why}")).help(help));
-        }
+        let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
         let names = [&["policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
@@ -47,7 +43,7 @@ pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: 
 }
 
 /// Refuses what the cost model would not look at.
-pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Result<(), InputError> {
     let program = &spec.program;
     if program.mailbox {
         let error = InputError::new("the cost model knows no mailbox: it is the paper's, which has none");
@@ -58,13 +54,10 @@ pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Resu
             InputError::new("the cost model knows neither stop words nor rays forwarded ahead, as the paper does not");
         return Err(error.help("take a program without them, or run this one to see what it does"));
     }
-    if args.predict_only {
-        let (why, help) = ("is about the simulation, which --predict-only leaves out", "leave out one of the two");
+    if predict_only {
+        let (why, help) = (WITHOUT_RUN, "leave out one of the two");
         let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
         refuse(typed, &names, why, help)?;
-        if args.threads.is_some() {
-            return Err(InputError::new(format!("--threads {why}")).help(help));
-        }
     }
     check_shading(typed)?;
     check_resolution(spec)?;
@@ -77,14 +70,14 @@ pub fn check_replay(typed: &RunOptions) -> Result<(), InputError> {
 }
 
 /// Refuses the flags that a replay of a trace in cycles would not look at.
-pub fn check_replay_of_cycles(typed: &RunOptions) -> Result<(), InputError> {
+pub(super) fn check_replay_of_cycles(typed: &RunOptions) -> Result<(), InputError> {
     let recorded = [&KERNELS[..], &HOST].concat();
     let help = "record a trace in units of work to see what it does";
     refuse(typed, &recorded, "is a time that the trace has recorded", help)
 }
 
 /// Whether a flag gives the price of a unit of work.
-pub fn prices(typed: &RunOptions, unit: &str) -> bool {
+pub(super) fn prices(typed: &RunOptions, unit: &str) -> bool {
     KERNELS.iter().chain(&HOST).any(|name| name.trim_end_matches("_us") == unit && typed.has(name))
 }
 
