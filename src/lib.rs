@@ -202,7 +202,7 @@ pub mod isa;
 pub mod machine;
 pub mod measure;
 pub mod model;
-mod parameters;
+pub mod parameters;
 pub mod program;
 pub mod quantities;
 #[cfg(feature = "report")]

@@ -88,23 +88,22 @@ impl ReplaySpec {
 
 /// Reads a configuration, or the one in statistics.
 fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
-    #[derive(Deserialize)]
-    struct Statistics {
-        configuration: serde_json::Value,
-    }
     let text = fields::read_text(path)?;
-    let configuration = match serde_json::from_str::<Statistics>(&text) {
-        Ok(statistics) => Ok(statistics.configuration),
-        Err(_) => serde_json::from_str(&text),
-    };
-    let described = configuration.and_then(|mut configuration| {
-        // It tells more than what was asked for: what the scene came to, which is worked out again.
-        if let Some(fields) = configuration.as_object_mut() {
-            FACTS.iter().for_each(|fact| drop(fields.remove(*fact)));
-        }
-        serde_json::from_value(configuration)
-    });
+    let described = serde_json::from_str(&text).and_then(configuration);
     described.map_err(|error| InputError::in_file(path, format!("describes no {what}: {error}")))
+}
+
+/// What a configuration describes, or the one in statistics.
+fn configuration<T: DeserializeOwned>(mut value: serde_json::Value) -> serde_json::Result<T> {
+    let configuration = match value.get_mut("configuration") {
+        Some(configuration) => configuration,
+        None => &mut value,
+    };
+    // It tells more than what was asked for: what the scene came to, which is worked out again.
+    if let Some(fields) = configuration.as_object_mut() {
+        FACTS.iter().for_each(|fact| drop(fields.remove(*fact)));
+    }
+    serde_json::from_value(configuration.take())
 }
 
 /// What a configuration says of its scene beside the run's description.
@@ -239,11 +238,20 @@ impl RunSpec {
 
     /// Reads a description: a run's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<RunSpec, InputError> {
-        let spec: RunSpec = read_configuration(path, "run")?;
-        spec.machine.build()?;
-        spec.program.check()?;
-        spec.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
-        Ok(spec)
+        read_configuration::<RunSpec>(path, "run")?.checked()
+    }
+
+    /// The same from JSON that is at hand.
+    pub fn from_json(value: serde_json::Value) -> Result<RunSpec, InputError> {
+        let described = configuration::<RunSpec>(value);
+        described.map_err(|error| InputError::new(format!("describes no run: {error}")))?.checked()
+    }
+
+    fn checked(self) -> Result<RunSpec, InputError> {
+        self.machine.build()?;
+        self.program.check()?;
+        self.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
+        Ok(self)
     }
 
     /// Reads or generates the scene.
@@ -260,11 +268,12 @@ impl RunSpec {
         crate::scene::load(Path::new(&self.scene), &options)
     }
 
-    /// The rays: the camera's, or a file's.
-    pub fn load_rays(&self, scene: &Scene) -> Result<Vec<Ray>, InputError> {
-        match &self.rays {
-            Some(path) => ray_file::read(path),
-            None => Ok(camera::primary_rays(&scene.camera, self.size)),
+    /// The rays: those `given`, a file's or the camera's.
+    pub fn load_rays(&self, scene: &Scene, given: Option<Vec<Ray>>) -> Result<Vec<Ray>, InputError> {
+        match (given, &self.rays) {
+            (Some(given), _) => Ok(given),
+            (None, Some(path)) => ray_file::read(path),
+            (None, None) => Ok(camera::primary_rays(&scene.camera, self.size)),
         }
     }
 

@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use super::parameters::{MOST_VALUES, Parameter, SweepFile};
-use crate::error::InputError;
+use super::parameters::{self, MOST_VALUES, Parameter, SweepFile};
+use super::point::COLUMNS;
+use crate::error::{InputError, Place};
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};
 use crate::isa::{Sources, assemble};
+use crate::report::table::Column;
 use crate::scene::ReadOptions;
 
 /// The points of a sweep: every combination of its parameters' values.
@@ -20,16 +22,33 @@ pub struct Sweep {
 impl Sweep {
     /// Reads the file of a sweep.
     pub fn read(path: &Path) -> Result<Sweep, InputError> {
-        let file: SweepFile = fields::parse(path, &fields::read_text(path)?)?;
+        let file = fields::parse(path, &fields::read_text(path)?)?;
+        let place = Some(Place { file: path.to_owned(), spot: None });
+        Sweep::new(file).map_err(|error| InputError { place, ..error })
+    }
+
+    /// The sweep that JSON describes: an object as the file has it.
+    pub fn from_json(value: serde_json::Value) -> Result<Sweep, InputError> {
+        parameters::check(&value)?;
+        let wrong = |error: serde_json::Error| InputError::new(error.to_string());
+        Sweep::new(serde_json::from_value(value).map_err(wrong)?)
+    }
+
+    fn new(file: SweepFile) -> Result<Sweep, InputError> {
         let parameters = file.parameters;
         let count = parameters.iter().try_fold(1usize, |count, parameter| count.checked_mul(parameter.values.len()));
         match count.filter(|&count| count <= MOST_VALUES) {
             Some(points) => Ok(Sweep { parameters, points }),
             None => {
-                let error = InputError::in_file(path, format!("has more than {MOST_VALUES} points"));
+                let error = InputError::new(format!("has more than {MOST_VALUES} points"));
                 Err(error.help("a point is a combination of one value each"))
             }
         }
+    }
+
+    /// The columns of its table: the parameters, then the results.
+    pub fn columns(&self) -> Vec<Column<'static>> {
+        self.parameters.iter().map(|parameter| parameter.column).chain(COLUMNS).collect()
     }
 
     /// How many points it has.

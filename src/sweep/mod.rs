@@ -10,4 +10,4 @@ mod record;
 pub use file::Sweep;
 pub use parameters::Parameter;
 pub use point::COLUMNS;
-pub use record::Record;
+pub use record::{Record, Unrecorded};

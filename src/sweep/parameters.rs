@@ -7,7 +7,8 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
-use crate::parameters::{Kind as Form, ParameterInfo};
+use crate::error::InputError;
+use crate::parameters::{Kind as Form, ParameterInfo, named};
 use crate::report::table::{Column, Kind};
 use crate::run::RunOptions;
 
@@ -38,6 +39,17 @@ fn known_parameters() -> impl Iterator<Item = &'static ParameterInfo> {
 
 /// The names of all parameters, in the order of tables.
 static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| known_parameters().map(|known| known.name).collect());
+
+/// Says what is wrong with the values of a sweep that stands in no file, and with which.
+pub(super) fn check(sweep: &serde_json::Value) -> Result<(), InputError> {
+    let fields =
+        sweep.as_object().ok_or_else(|| InputError::new("a sweep is a value, a list or a range by parameter"))?;
+    fields.iter().try_for_each(|(name, value)| {
+        let known = named(known_parameters(), name)?;
+        let values = known.kind.deserialize(value);
+        values.map(drop).map_err(|error| InputError::new(format!("{name}: {error}")))
+    })
+}
 
 impl<'de> Deserialize<'de> for SweepFile {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<SweepFile, D::Error> {

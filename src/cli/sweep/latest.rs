@@ -7,8 +7,6 @@ use indicatif::ProgressBar;
 use pcs_sim::report::summary::grouped;
 use pcs_sim::sweep::Sweep;
 
-use super::columns;
-
 /// Points that are shown at the most.
 const MOST_LINES: usize = 16;
 
@@ -28,7 +26,7 @@ impl Latest<'_> {
     pub fn new<'a>(sweep: &Sweep, bar: &'a ProgressBar, watch: bool) -> Latest<'a> {
         let parameters = sweep.parameters.iter().enumerate();
         let varying = parameters.filter(|(_, parameter)| parameter.values.len() > 1);
-        let place = |name: &str| columns(sweep).iter().position(|column| column.name == name).unwrap_or(0);
+        let place = |name: &str| sweep.columns().iter().position(|column| column.name == name).unwrap_or(0);
         Latest {
             bar,
             varying: varying.map(|(index, parameter)| (index, parameter.column.name)).collect(),
