@@ -27,7 +27,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let stats_file = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let views = Views::open(&args.views, args.results.force)?;
     let spinner = progress::waiting("reading the trace");
-    let mut replay = Replay::new(Some(&ops), &options, base.as_ref())?;
+    let mut replay = Replay::new(Some(&ops), &options, base.as_ref(), None)?;
     let clock = replay.machine.spec.clock();
     spinner.set_message("timing the trace");
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(clock, Vec::new())));

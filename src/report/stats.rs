@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::bottleneck;
 use super::kinds::RaysByKind;
-use crate::measure::{Clock, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
+use crate::measure::{Clock, FifoInfo, FifoStats, Measured, State, StateKind, StateTimes};
 use crate::program::{CellMemory, Counts, Workload};
 use crate::run::{ReplaySpec, RunSpec};
 
@@ -102,11 +102,10 @@ struct CountsJson {
 }
 
 fn cell(run: &Measured, times: &StateTimes) -> Cell {
-    let key = |name: &str| name.to_lowercase().replace(' ', "_");
     let states = &run.topology.states;
-    let busy: Cell = states.by_activity(times).map(|(name, cycles)| (key(name), cycles.0.into())).collect();
-    let others = states.used().filter(|state| state.kind != StateKind::Works);
-    let others = others.map(|state| (key(&state.name), times.of(state.id).0.into()));
+    let spent = |state: &State| (state.key(), times.of(state.id).0.into());
+    let busy: Cell = states.all().iter().filter(|state| state.kind == StateKind::Works).map(spent).collect();
+    let others = states.used().filter(|state| state.kind != StateKind::Works).map(spent);
     std::iter::once(("busy".to_owned(), busy.into())).chain(others).collect()
 }
 

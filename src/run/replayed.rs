@@ -10,7 +10,7 @@ use super::spec::{ReplaySpec, machine_file};
 use super::timed::{RunError, Watching, replay_watched};
 use crate::cancel::Cancel;
 use crate::error::InputError;
-use crate::machine::{Array, Machine, Observed};
+use crate::machine::{Array, Machine, MachineFile, Observed};
 use crate::measure::Measured;
 use crate::program::work;
 use crate::quantities::Cycles;
@@ -35,17 +35,23 @@ impl Replay {
         ops.or(base.map(|base| base.ops.as_path())).unwrap_or(Path::new("")).to_owned()
     }
 
-    /// Opens the trace `ops`, or that of `base`, which the machine of `options` is laid over.
+    /// Opens the trace `ops`, or that of `base`, for `machine`, or that of `base`, with the changes of `options`.
     ///
     /// # Errors
     ///
     /// If a file cannot be read, if the machine is impossible, and if an option is without effect.
-    pub fn new(ops: Option<&Path>, options: &RunOptions, base: Option<&ReplaySpec>) -> Result<Replay, InputError> {
-        let file = machine_file(options, base.map(|base| &base.machine))?;
+    pub fn new(
+        ops: Option<&Path>,
+        options: &RunOptions,
+        base: Option<&ReplaySpec>,
+        machine: Option<MachineFile>,
+    ) -> Result<Replay, InputError> {
+        let is_named = machine.is_some() || options.machine_file.machine.is_some();
+        let file = machine_file(options, machine.as_ref().or(base.map(|base| &base.machine)))?;
         let machine = file.build()?;
         let ops = Replay::ops_of(ops, base);
         let trace = ActivityTrace::open(&ops, &work::cycles_vocabulary())?;
-        let costs = costs(options, base, &machine, &trace)?;
+        let costs = costs((options, is_named), base, &machine, &trace)?;
         let unit_cycles = match trace.form() {
             Form::Units => costs.by_name().map(|(name, cycles)| (name.to_owned(), cycles.0)).collect(),
             Form::Cycles => BTreeMap::new(),
@@ -78,7 +84,7 @@ impl Replay {
 /// What the trace's units cost: what they did when it was recorded, or in the replay that is repeated, but for what the
 /// machine's file and the options say.
 fn costs(
-    options: &RunOptions,
+    (options, is_named): (&RunOptions, bool),
     base: Option<&ReplaySpec>,
     machine: &Machine,
     trace: &ActivityTrace,
@@ -88,7 +94,7 @@ fn costs(
         moot::check_replay_of_cycles(options)?;
         return Ok(recorded.clone());
     }
-    let asked = |name: &str| options.machine_file.machine.is_some() || moot::prices(options, name);
+    let asked = |name: &str| is_named || moot::prices(options, name);
     let price = |name: &str| work::price(name, &machine.times, machine.instructions.as_ref());
     Ok(Costs::new(recorded.vocabulary().clone(), |unit| {
         let name = recorded.vocabulary().unit(unit).map_or("", |unit| unit.name.as_str());

@@ -80,9 +80,18 @@ pub struct ReplaySpec {
 impl ReplaySpec {
     /// Reads a description: a replay's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<ReplaySpec, InputError> {
-        let spec: ReplaySpec = read_configuration(path, "replay")?;
-        spec.machine.build()?;
-        Ok(spec)
+        read_configuration::<ReplaySpec>(path, "replay")?.checked()
+    }
+
+    /// The same from JSON that is at hand.
+    pub fn from_json(value: serde_json::Value) -> Result<ReplaySpec, InputError> {
+        let described = configuration::<ReplaySpec>(value);
+        described.map_err(|error| InputError::new(format!("describes no replay: {error}")))?.checked()
+    }
+
+    fn checked(self) -> Result<ReplaySpec, InputError> {
+        self.machine.build()?;
+        Ok(self)
     }
 }
 
