@@ -45,7 +45,7 @@ pub fn run(
         let setup = Setup::new(run, &mut layers, &task.workers.cancel)?;
         let (outcome, file) = trace(&setup, &Watching::default(), ops.as_ref().zip(file), task)?;
         file.map(outputs::finish).transpose()?;
-        Ok(Made::Rays { setup, outcome })
+        Ok(Made::Rays { setup, outcome: Box::new(outcome) })
     })?;
     Ok(Run::new(made, crew))
 }
@@ -80,7 +80,7 @@ pub fn image(
         let setup = Setup::new(run, &mut layers, &task.workers.cancel)?;
         let (rendered, hits, file) = render(&setup, &Watching::default(), ops.as_ref().zip(file), task)?;
         file.map(outputs::finish).transpose()?;
-        Ok(Made::Image { setup, rendered, hits })
+        Ok(Made::Image { setup, rendered: Box::new(rendered), hits })
     })?;
     Ok(Run::new(made, crew))
 }

@@ -7,7 +7,7 @@ use pcs_sim::error;
 use pcs_sim::geometry::Ray;
 use pcs_sim::machine::MachineOptions;
 use pcs_sim::parameters::{Kind, ParameterInfo, named};
-use pcs_sim::run::{CellsOptions, Layers, MachineFileOptions, PlannedRun, ReplaySpec, RunOptions, RunSpec};
+use pcs_sim::run::{CellsOptions, Layers, MachineFileOptions, PlannedRun, RayOptions, ReplaySpec, RunOptions, RunSpec};
 use pcs_sim::scene::{Scene as SceneData, builtin};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PySequence, PyString};
@@ -34,16 +34,12 @@ pub enum Of {
 impl Of {
     /// The parameters that there are.
     fn parameters(self) -> Vec<&'static ParameterInfo> {
-        let without = |names: &[ParameterInfo]| {
-            let names: Vec<&str> = names.iter().map(|known| known.name).collect();
-            RunOptions::parameters().filter(move |known| !names.contains(&known.name))
+        let without = |group: &'static [ParameterInfo]| {
+            RunOptions::parameters().filter(move |known| group.iter().all(|other| other.name != known.name))
         };
         match self {
             Of::Rays => RunOptions::parameters().collect(),
-            Of::Image => {
-                let of_run = RunOptions::parameters().filter(|known| known.name != "rays");
-                of_run.chain(RunOptions::image_parameters()).collect()
-            }
+            Of::Image => without(RayOptions::PARAMETERS).chain(RunOptions::image_parameters()).collect(),
             Of::Model => without(CellsOptions::PARAMETERS).collect(),
             Of::Replay => MachineFileOptions::PARAMETERS.iter().chain(MachineOptions::PARAMETERS).collect(),
         }
@@ -214,12 +210,18 @@ fn text_of(py: Python<'_>, known: &ParameterInfo, value: &Bound<'_, PyAny>) -> P
 }
 
 /// The parameters of runs: `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), and
-/// what has it (`of`: every run, or only an image).
+/// what has it (`of`): a `machine`, and so all that runs on one; every `run`; the `cells` of runs and images; runs with
+/// `rays` of their own; an `image`.
 #[pyfunction]
 pub fn parameters() -> PyResult<Table> {
-    let of = |of: &'static str| move |known: &'static ParameterInfo| (known, of);
-    let all = RunOptions::parameters().map(of("run")).chain(RunOptions::image_parameters().map(of("image")));
-    let all: Vec<_> = all.collect();
+    let has = |group: &[ParameterInfo], known: &ParameterInfo| group.iter().any(|other| other.name == known.name);
+    let of = |known: &ParameterInfo| match known {
+        _ if has(MachineFileOptions::PARAMETERS, known) || has(MachineOptions::PARAMETERS, known) => "machine",
+        _ if has(CellsOptions::PARAMETERS, known) => "cells",
+        _ if has(RayOptions::PARAMETERS, known) => "rays",
+        _ if RunOptions::image_parameters().any(|other| other.name == known.name) => "image",
+        _ => "run",
+    };
     let kind = |kind: Kind| match kind {
         Kind::Text => "text",
         Kind::Size => "size",
@@ -227,11 +229,14 @@ pub fn parameters() -> PyResult<Table> {
         Kind::Whole => "whole",
         Kind::Number => "number",
     };
+    let all: Vec<&ParameterInfo> = RunOptions::parameters().chain(RunOptions::image_parameters()).collect();
+    let column =
+        |of: &dyn Fn(&ParameterInfo) -> &'static str| all.iter().map(|known| of(known).to_owned()).collect::<Vec<_>>();
     Table::new(vec![
-        text("name", all.iter().map(|(known, _)| known.name.to_owned())),
-        text("kind", all.iter().map(|(known, _)| kind(known.kind).to_owned())),
-        text("label", all.iter().map(|(known, _)| known.label.to_owned())),
-        text("of", all.iter().map(|(_, of)| (*of).to_owned())),
+        text("name", column(&|known| known.name)),
+        text("kind", column(&|known| kind(known.kind))),
+        text("label", column(&|known| known.label)),
+        text("of", column(&of)),
     ])
 }
 

@@ -46,9 +46,9 @@ pub struct Run {
 #[derive(Debug)]
 pub enum Made {
     /// Primary rays.
-    Rays { setup: Setup, outcome: Outcome },
+    Rays { setup: Setup, outcome: Box<Outcome> },
     /// A whole image, with the hits in the order in which the rays were sent.
-    Image { setup: Setup, rendered: Rendered, hits: Vec<Hit> },
+    Image { setup: Setup, rendered: Box<Rendered>, hits: Vec<Hit> },
     /// A recorded trace.
     Replay { replay: Mutex<Replay>, stats: Measured },
 }
