@@ -1,4 +1,4 @@
-"""Writes pcs_sim/_parameters.pyi, the parameters' types, from what the module says that there are.
+"""Writes lib/pcs_sim/_parameters.pyi, the parameters' types, from what the module says that there are.
 
 A parameter that is new to the simulator is taken at once; for type checkers to know it, run this.
 """
@@ -69,4 +69,4 @@ def text() -> str:
 
 
 if __name__ == "__main__":
-    Path(__file__).with_name("pcs_sim").joinpath("_parameters.pyi").write_text(text(), encoding="utf-8")
+    Path(__file__).parent.joinpath("lib", "pcs_sim", "_parameters.pyi").write_text(text(), encoding="utf-8")

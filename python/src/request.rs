@@ -10,7 +10,7 @@ use pcs_sim::parameters::{Kind, ParameterInfo, named};
 use pcs_sim::run::{CellsOptions, Layers, MachineFileOptions, PlannedRun, RayOptions, ReplaySpec, RunOptions, RunSpec};
 use pcs_sim::scene::{Scene as SceneData, builtin};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PySequence, PyString};
+use pyo3::types::{PyDict, PyFloat, PyInt, PySequence, PyString};
 
 use crate::arrays::{self, Scene};
 use crate::machine::{Machine, Program};
@@ -55,6 +55,7 @@ pub struct Request {
     pub base: Option<RunSpec>,
     scene: Option<Arc<SceneData>>,
     rays: Option<Vec<Ray>>,
+    has_program: bool,
 }
 
 impl Request {
@@ -101,7 +102,10 @@ impl Request {
                 self.rays = Some(rays);
             }
             "machine" if !is_path(value) => self.base_mut(py)?.machine = Machine::of(py, value)?,
-            "program" if !is_path(value) => self.base_mut(py)?.program = Program::of(py, value)?,
+            "program" if !is_path(value) => {
+                self.base_mut(py)?.program = Program::of(py, value)?;
+                self.has_program = true;
+            }
             _ => return Ok(false),
         }
         Ok(true)
@@ -119,7 +123,10 @@ impl Request {
         spec: impl FnOnce(&RunOptions, Option<RunSpec>) -> Result<RunSpec, error::InputError>,
         check: impl FnOnce(&RunOptions, &RunSpec) -> Result<(), error::InputError>,
     ) -> Result<(PlannedRun, Layers), Trouble> {
-        let Request { options, base, scene, rays } = self;
+        let Request { options, base, scene, rays, has_program } = self;
+        if has_program && options.has("mode") {
+            return Err(error::InputError::new("mode and program cannot both be given").into());
+        }
         let run = PlannedRun::new(spec(&options, base)?)?;
         check(&options, &run.spec)?;
         let mut layers = Layers::default();
@@ -175,8 +182,9 @@ fn text_of(py: Python<'_>, known: &ParameterInfo, value: &Bound<'_, PyAny>) -> P
     if value.is_instance_of::<PyString>() {
         return value.extract();
     }
-    if value.is_instance_of::<PyBool>() || value.get_type().name()? == "bool_" {
-        return Ok(value.is_truthy()?.to_string());
+    // NumPy's, too.
+    if let Ok(truth) = value.extract::<bool>() {
+        return Ok(truth.to_string());
     }
     if value.is_instance_of::<PyFloat>() {
         return Ok(value.extract::<f64>()?.to_string());

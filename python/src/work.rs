@@ -14,7 +14,7 @@ use crate::trouble::Trouble;
 /// How often Python is asked for signals, and the bar is drawn.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Work that is done earlier has no bar.
+/// Work that is done earlier has no bar, unless one is asked for.
 const BAR_AFTER: Duration = Duration::from_millis(500);
 
 /// Who does the work, and who is told of it.
@@ -101,7 +101,8 @@ fn watch(py: Python<'_>, task: &Task, progress: Option<bool>, unit: &str) -> PyR
         py.detach(|| thread::park_timeout(PAUSE));
         py.check_signals()?;
         let of = task.of.load(Ordering::Relaxed);
-        if bar.0.is_none() && of > 0 && progress != Some(false) && start.elapsed() >= BAR_AFTER {
+        let due = progress == Some(true) || (progress.is_none() && start.elapsed() >= BAR_AFTER);
+        if bar.0.is_none() && of > 0 && due {
             let helpers = py.import("pcs_sim._helpers")?;
             bar = Bar(Some(helpers.getattr("bar")?.call1((of, unit, progress))?));
         }

@@ -57,7 +57,7 @@ def test_runs(two: Path, parameters: dict[str, Any]) -> None:
     ended = command(two / "theirs", *flags(parameters), *results.split(), "--ops", "run.ops")
     assert ended.status == 0, ended.err
     names = sorted(path.relative_to(two / "theirs").as_posix() for path in (two / "theirs").rglob("*.*"))
-    assert sorted([*written, "run.ops"]) == names
+    assert sorted([*(path.as_posix() for path in written), "run.ops"]) == names
     same(two, names)
     assert ended.out.startswith(str(run))
     assert run.stats == json.loads((two / "theirs" / "stats.json").read_text())

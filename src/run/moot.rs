@@ -13,6 +13,7 @@ use crate::scene::builtin;
 
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    check_rays(typed)?;
     check_shading(typed)?;
     check_resolution(spec)?;
     check_cells(typed, spec)?;
@@ -59,6 +60,7 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
         let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
         refuse(typed, &names, why, help)?;
     }
+    check_rays(typed)?;
     check_shading(typed)?;
     check_resolution(spec)?;
     check_program(typed, program)
@@ -79,6 +81,13 @@ pub(super) fn check_replay_of_cycles(typed: &RunOptions) -> Result<(), InputErro
 /// Whether a flag gives the price of a unit of work.
 pub(super) fn prices(typed: &RunOptions, unit: &str) -> bool {
     KERNELS.iter().chain(&HOST).any(|name| name.trim_end_matches("_us") == unit && typed.has(name))
+}
+
+fn check_rays(typed: &RunOptions) -> Result<(), InputError> {
+    match typed.has("rays") && typed.has("size") {
+        true => Err(InputError::new("rays and size cannot both be given").help("the size is that of a camera's image")),
+        false => Ok(()),
+    }
 }
 
 fn check_shading(typed: &RunOptions) -> Result<(), InputError> {

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
+from pathlib import Path
 from typing import Any, TypedDict, final
 
 import numpy as np
@@ -269,7 +270,7 @@ class Run:
         trace: _Path | None = None,
         trace_window: tuple[int, int] | None = None,
         force: bool = False,
-    ) -> list[str]:
+    ) -> list[Path]:
         """Writes results as the command does, and gives the files that it wrote.
 
         Statistics, hits, the picture, the page, a folder of plots, a trace for viewers (.pftrace, .vcd, .fst) of the

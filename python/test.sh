@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# Builds the module as a user does, in a virtual environment of its own, and tests it against the command.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
+venv="$CARGO_TARGET_DIR/python-tests"
+[ -x "$venv/bin/python" ] || python3 -m venv "$venv"
+export PATH="$venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1
+pip install --quiet --require-virtualenv -r python/tests/requirements.txt
+cargo build --release --bin pcs-sim
+pip install --quiet --no-build-isolation --no-deps --force-reinstall ./python
+export PCS_SIM="$CARGO_TARGET_DIR/release/pcs-sim"
+cd python
+ruff format --check .
+ruff check .
+mypy
+python -m pytest "$@"
