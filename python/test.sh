@@ -14,4 +14,5 @@ cd python
 ruff format --check .
 ruff check .
 mypy
+python -m mypy.stubtest pcs_sim --mypy-config-file pyproject.toml --allowlist tests/stubtest_allowlist.txt --concise
 python -m pytest "$@"

@@ -16,7 +16,6 @@ TYPES = {
 }
 
 SPECIAL = {
-    "scene": "str | PathLike[str] | Scene",
     "rays": "str | PathLike[str] | ArrayLike",
     "program": "str | PathLike[str] | Mapping[str, Any] | Program",
     "machine": "str | PathLike[str] | Mapping[str, Any] | Machine",
@@ -31,15 +30,17 @@ from typing import Any, TypedDict
 
 from numpy.typing import ArrayLike
 
-from ._native import Machine, Program, Scene
+from ._native import Machine, Program
 '''
 
 
 def group(name: str, base: str, about: str, rows: list[tuple[str, str, str]]) -> str:
     """The declaration of some parameters, each with what it is."""
-    lines = [f"\nclass {name}({base}):\n" f'    """{about}"""\n']
+    lines = [f'\nclass {name}({base}):\n    """{about}"""\n']
     for parameter, kind, label in rows:
-        lines.append(f'    {parameter}: {SPECIAL.get(parameter, TYPES[kind])} | None\n    """{label[0].upper()}{label[1:]}."""\n')
+        lines.append(
+            f'    {parameter}: {SPECIAL.get(parameter, TYPES[kind])} | None\n    """{label[0].upper()}{label[1:]}."""\n'
+        )
     return "\n".join(lines)
 
 

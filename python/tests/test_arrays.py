@@ -21,16 +21,24 @@ def run() -> pcs_sim.Run:
     return pcs_sim.run("room", size="24x18", mode="broadcast", cells=4)
 
 
+def rows(query: str, **tables: pcs_sim.Table) -> list[Any]:
+    """What DuckDB finds in tables."""
+    with duckdb.connect() as connection:
+        for name, table in tables.items():
+            connection.register(name, table)
+        return connection.execute(query).fetchall()
+
+
 def test_tables_in_other_libraries(run: pcs_sim.Run) -> None:
     sweep = pcs_sim.sweep({"scene": "room", "size": 8, "cells": [3, 4], "mailbox": [True, False]})
     for given in [run.cells, run.fifos, sweep, pcs_sim.parameters(), pcs_sim.scenes()]:
         columns = given.to_dict()
         by_polars = pl.DataFrame(given)
         assert by_polars.to_dict(as_series=False) == columns
-        by_pandas = pd.DataFrame.from_arrow(given)  # type: ignore[attr-defined]
+        by_pandas = pd.DataFrame.from_arrow(given)
         assert list(by_pandas.columns) == given.columns
         assert by_pandas.astype(object).where(by_pandas.notna(), None).to_dict("list") == columns
-        by_duckdb = duckdb.sql("SELECT * FROM given").fetchall()
+        by_duckdb = rows("SELECT * FROM given", given=given)
         assert by_duckdb == list(zip(*columns.values()))
         # A stream can be asked for any number of times.
         assert pl.DataFrame(given).equals(by_polars)
@@ -38,9 +46,12 @@ def test_tables_in_other_libraries(run: pcs_sim.Run) -> None:
 
 def test_queries(run: pcs_sim.Run) -> None:
     fifos = run.fifos
-    found = duckdb.sql("SELECT max(words) FROM fifos WHERE channel = 'Y'").fetchall()
+    found = rows("SELECT max(words) FROM fifos WHERE channel = 'Y'", fifos=fifos)
     stats = [fifo["words"] for fifo in run.stats["fifos"] if fifo["name"].startswith("Y")]
     assert found == [(max(stats),)]
+    by_its_name = duckdb.sql("SELECT count(*) FROM fifos")
+    assert by_its_name is not None
+    assert by_its_name.fetchall() == [(len(fifos),)]
     assert list(fifos["name"]) == [fifo["name"] for fifo in run.stats["fifos"]]
     assert list(fifos["mean"]) == [fifo["mean"] for fifo in run.stats["fifos"]]
 
@@ -48,14 +59,14 @@ def test_queries(run: pcs_sim.Run) -> None:
 def test_states_sum_to_the_run(run: pcs_sim.Run) -> None:
     cells = run.cells
     states = [np.asarray(cells[name]) for name in cells.columns[2:]]
-    assert (sum(states) == run.cycles).all()
+    assert (np.sum(states, axis=0) == run.cycles).all()
     lines = run.timelines
     assert sum(int(cycles.sum()) for cycles in lines["cells"].values()) == 4 * run.cycles
     for state, cycles in lines["cells"].items():
         assert list(cycles.sum(axis=1)) == list(cells[state])
     assert lines["rays"].sum() == run.rays
     assert list(lines["fifos"]["max"].max(axis=1)) == list(run.fifos["max"])
-    assert list(lines["start"]) == [bin * lines["bin"] for bin in range(len(lines["rays"]))]
+    assert list(lines["start"]) == [number * lines["bin"] for number in range(len(lines["rays"]))]
     lengths = np.diff([*lines["start"], run.cycles])
     np.testing.assert_allclose((lines["fifos"]["mean"] * lengths).sum(axis=1) / run.cycles, run.fifos["mean"])
 
@@ -102,7 +113,7 @@ def test_scenes_of_arrays(folder: Path) -> None:
 
 def test_rays_of_arrays(folder: Path) -> None:
     random = np.random.default_rng(1)
-    rays = random.normal(size=(200, 6)) + [5, 5, 5, 0, 0, 0]
+    rays = random.normal(size=(200, 6)) + np.array([5, 5, 5, 0, 0, 0])
     text = "ox,oy,oz,dx,dy,dz\n" + "".join(",".join(repr(float(x)) for x in ray) + "\n" for ray in rays)
     (folder / "rays.csv").write_text(text)
     read, given = pcs_sim.run("room", rays="rays.csv"), pcs_sim.run("room", rays=rays)

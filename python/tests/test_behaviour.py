@@ -145,7 +145,10 @@ def test_progress(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[
 def test_every_flag_is_a_parameter(folder: Path) -> None:
     """Every parameter is a flag of the command, and every flag that is about the run a parameter."""
     known = pcs_sim.parameters().to_dict()
-    for arguments, groups in [([], {"machine", "run", "cells", "rays"}), (["image"], {"machine", "run", "cells", "image"})]:
+    for arguments, groups in [
+        ([], {"machine", "run", "cells", "rays"}),
+        (["image"], {"machine", "run", "cells", "image"}),
+    ]:
         told = command(folder, *arguments, "--help").out
         flags = {word.strip(",").removeprefix("--") for word in told.split() if word.startswith("--")}
         names = {name.replace("_", "-") for name, of in zip(known["name"], known["of"]) if of in groups}
@@ -190,9 +193,11 @@ def test_the_manuals_examples_run(folder: Path) -> None:
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.ipynb")), ids=lambda path: path.name)
 def test_notebooks_run_from_top_to_bottom(folder: Path, path: Path) -> None:
-    notebook = nbformat.read(path, as_version=4)
+    notebook = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]
     assert all(not cell.get("outputs") for cell in notebook.cells), "a notebook is kept without its outputs"
     os.environ.setdefault("MPLBACKEND", "module://matplotlib_inline.backend_inline")
     NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(folder)}}).execute()
-    pictures = [output for cell in notebook.cells for output in cell.get("outputs", []) if "image/png" in output.get("data", {})]
+    pictures = [
+        output for cell in notebook.cells for output in cell.get("outputs", []) if "image/png" in output.get("data", {})
+    ]
     assert pictures

@@ -181,10 +181,10 @@ def test_machines_and_programs_as_values(two: Path) -> None:
     expected = pcs_sim.run("room", size=8, mode="hybrid", cells=4, fifo_words=20).stats
     machine, program = pcs_sim.Machine(fifo_words=20), pcs_sim.Program("hybrid")
     (two / "ours" / "p.ron").write_text(
-        "(name: \"hybrid\", groups: 4, stages: [[grid, slabs], [intersection]], partition: regular)"
+        '(name: "hybrid", groups: 4, stages: [[grid, slabs], [intersection]], partition: regular)'
     )
-    machines = [machine, machine.to_dict(), pcs_sim.Machine(machine.to_dict()), pcs_sim.Machine(machine)]
-    programs = [program, program.to_dict(), "hybrid", pcs_sim.Program(program.to_dict())]
+    machines: list[Any] = [machine, machine.to_dict(), pcs_sim.Machine(machine.to_dict()), pcs_sim.Machine(machine)]
+    programs: list[Any] = [program, program.to_dict(), "hybrid", pcs_sim.Program(program.to_dict())]
     for given, known in zip(machines, programs):
         assert pcs_sim.run("room", size=8, machine=given, program=known, cells=4).stats == expected
     assert pcs_sim.Program("p.ron").to_dict()["stages"] == program.to_dict()["stages"]

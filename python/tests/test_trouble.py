@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Any, Callable
 
@@ -116,7 +117,7 @@ ELSEWHERE: list[tuple[Callable[[], object], str]] = [
     (lambda: pcs_sim.run("room", cells=2.5), "invalid value '2.5' for cells"),  # type: ignore[arg-type]
     (lambda: pcs_sim.run("room", cells=[1, 2]), "expected a whole number"),  # type: ignore[arg-type]
     (lambda: pcs_sim.run("room", cells=np.arange(3)), "expected a whole number"),  # type: ignore[arg-type]
-    (lambda: pcs_sim.run("room", scene=5), "multiple values|got multiple"),  # type: ignore[misc]
+    (lambda: pcs_sim.run("room", scene=5), "multiple values"),  # type: ignore[misc, arg-type]
     (lambda: pcs_sim.run(5), "there is no built-in scene `5`"),  # type: ignore[arg-type]
     (lambda: pcs_sim.run(b"room"), "expected a text"),  # type: ignore[arg-type]
     (lambda: pcs_sim.run("room", mode="pipeline", program="hybrid"), "mode and program cannot both be given"),
@@ -226,10 +227,8 @@ def test_no_value_brings_the_module_down(name: str) -> None:
         given = {"scene": "room", "size": 1, name: value}
         if name == "rays":
             del given["size"]
-        try:
+        with contextlib.suppress(pcs_sim.InputError, pcs_sim.Deadlock, pcs_sim.CellFault):
             pcs_sim.image(**given, threads=1) if name in IMAGE_ONLY else pcs_sim.run(**given, threads=1)
-        except (pcs_sim.InputError, pcs_sim.Deadlock, pcs_sim.CellFault):
-            pass
 
 
 IMAGE_ONLY = {name for name, of in zip(pcs_sim.parameters()["name"], pcs_sim.parameters()["of"]) if of == "image"}

@@ -3,13 +3,14 @@
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypedDict, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
 from ._parameters import ImageParameters, MachineChanges, MachineParameters, ModelParameters, RunParameters
+from ._types import Counts, Timelines, Wait
 
 _Path = str | PathLike[str]
 _Point = tuple[float, float, float]
@@ -29,32 +30,6 @@ class InputError(ValueError):
     """Its line there, from 1."""
     column: int | None
     """Its column, from 1."""
-
-_For = TypedDict("_For", {"for": str})
-
-class Wait(_For):
-    """One wait of a standstill. `for` is "word", "room", "return" or "nothing"."""
-
-    actor: str
-    """Who waits: "cell 3", "the host"."""
-    on: str
-    """For whom."""
-    channel: str | None
-    """The channel of the FIFO that it stands at: X, Y or Z."""
-    capacity: int | None
-    """Words that the FIFO holds."""
-    since: int
-    """The cycle since when."""
-    op: str
-    """The op that waits."""
-    moved: int
-    """How many of the op's words have been moved."""
-    ray: int
-    """The ray whose op it is."""
-    position: int
-    """The op's place in what the actor does for the ray, from 0."""
-    text: str
-    """All of it, as a sentence."""
 
 class Deadlock(RuntimeError):
     """The array can go no further."""
@@ -84,7 +59,7 @@ class Table:
     def columns(self) -> list[str]:
         """The names of the columns."""
     def __len__(self) -> int: ...
-    def __getitem__(self, column: str) -> Any:
+    def __getitem__(self, column: str, /) -> Any:
         """A column: a NumPy array of numbers (NaN where a number is missing), or a list."""
     def to_dict(self) -> dict[str, list[Any]]:
         """The columns as lists, by name, with None where there is no value."""
@@ -133,10 +108,10 @@ class Program:
 class Scene:
     """A scene of arrays.
 
-    `points` are n x 3 numbers. `faces` are m x k numbers of points, from 0, or a list of such rows of any lengths; faces
-    that are concave or not flat are cut into triangles. `colors` (n x 3, linear RGB) colour the points, `lights` (n x 3)
-    are points of white light. The camera is at `eye` and looks at `at`; without, it frames the scene. `up` is the
-    direction that is up in the image, `angle` the angle of view of its height, in degrees.
+    `points` are n x 3 numbers. `faces` are m x k numbers of points, from 0, or a list of such rows of any lengths;
+    faces that are concave or not flat are cut into triangles. `colors` (n x 3, linear RGB) colour the points, `lights`
+    (n x 3) are points of white light; `background` is black. The camera is at `eye` and looks at `at`; without, it
+    frames the scene. `up` is the direction that is up in the image (z), `angle` the angle of view of its height, in degrees.
     """
 
     def __new__(
@@ -146,10 +121,10 @@ class Scene:
         *,
         colors: ArrayLike | None = None,
         lights: ArrayLike | None = None,
-        background: _Point = (0.0, 0.0, 0.0),
+        background: _Point = ...,
         eye: _Point | None = None,
         at: _Point | None = None,
-        up: _Point = (0.0, 0.0, 1.0),
+        up: _Point = ...,
         angle: float = 40.0,
         name: str = "scene",
     ) -> Scene: ...
@@ -163,42 +138,12 @@ class Scene:
     def polygons(self) -> int:
         """How many polygons it has."""
 
-class Counts(TypedDict):
-    """How often the kernels did their work."""
-
-    voxels: int
-    slab_tests: int
-    intersection_tests: int
-    hits: int
-
-class FifoLevels(TypedDict):
-    """What every FIFO held in each bin (FIFOs x bins): words, and the cycles at whose end it was full."""
-
-    min: NDArray[np.uint64]
-    max: NDArray[np.uint64]
-    mean: NDArray[np.float64]
-    full: NDArray[np.uint64]
-
-class Timelines(TypedDict):
-    """A run over time, cut into bins."""
-
-    bin: int
-    """Width of a bin, in cycles."""
-    start: NDArray[np.uint64]
-    """The first cycle of each bin."""
-    cells: dict[str, NDArray[np.uint64]]
-    """For each state, the cycles of every cell in it (cells x bins)."""
-    fifos: FifoLevels
-    """What every FIFO held."""
-    rays: NDArray[np.uint64]
-    """How many answers came back in each bin."""
-
 @final
 class Run:
     """A run that is over: of primary rays, of a whole image, or of a recorded trace.
 
-    What a run over time looked like (`timelines`, `plot`, `page`) is found out when it is first asked for: by running it
-    again under a probe, which changes nothing.
+    What a run over time looked like (`timelines`, `plot`, `page`) is found out when it is first asked for: by running
+    it again under a probe, which changes nothing.
     """
 
     @property
@@ -237,7 +182,10 @@ class Run:
         """
     @property
     def image(self) -> NDArray[np.float32] | None:
-        """The picture: height x width x 3, linear light, line by line from the top left; None if the rays are no camera's."""
+        """The picture: height x width x 3, linear light, line by line from the top left.
+
+        None if the rays are no camera's.
+        """
     @property
     def timelines(self) -> Timelines:
         """The run over time."""
@@ -371,18 +319,18 @@ def sweep(
 ) -> Table:
     """Runs every combination of parameters, and gives one table: a row a run, the parameters first.
 
-    `sweep` is a file as `pcs-sim sweep` takes it, or a dict: for each parameter a value, a list of values, or a range as
-    {"from": 1, "to": 64, "times": 2}. With `table` the rows go to TABLE.csv and TABLE.parquet as points finish, and a
-    sweep that was stopped goes on where it was; one that is done is not run again. A point that fails says why in the
-    column `error`.
+    `sweep` is a file as `pcs-sim sweep` takes it, or a dict: for each parameter a value, a list of values, or a range
+    as {"from": 1, "to": 64, "times": 2}. With `table` the rows go to TABLE.csv and TABLE.parquet as points finish, and
+    a sweep that was stopped goes on where it was; one that is done is not run again. A point that fails says why in
+    the column `error`.
     """
 
 def parameters() -> Table:
     """The parameters of runs.
 
     `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), and what has it (`of`): a
-    `machine`, and so all that runs on one; every `run`; the `cells` of runs and images; runs with `rays` of their own; an
-    `image`.
+    `machine`, and so all that runs on one; every `run`; the `cells` of runs and images; runs with `rays` of their own;
+    an `image`.
     """
 
 def scenes() -> Table:

@@ -6,7 +6,7 @@ from typing import Any, TypedDict
 
 from numpy.typing import ArrayLike
 
-from ._native import Machine, Program, Scene
+from ._native import Machine, Program
 
 class MachineChanges(TypedDict, total=False):
     """Changes to a machine."""
