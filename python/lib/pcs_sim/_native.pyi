@@ -111,7 +111,8 @@ class Scene:
     `points` are n x 3 numbers. `faces` are m x k numbers of points, from 0, or a list of such rows of any lengths;
     faces that are concave or not flat are cut into triangles. `colors` (n x 3, linear RGB) colour the points, `lights`
     (n x 3) are points of white light; `background` is black. The camera is at `eye` and looks at `at`; without, it
-    frames the scene. `up` is the direction that is up in the image (z), `angle` the angle of view of its height, in degrees.
+    frames the scene. `up` is the direction that is up in the image (z), `angle` the angle of view of its height, in
+    degrees.
     """
 
     def __new__(
