@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueEnum};
-use pcs_sim::machine::{Cycles, MachineOptions};
+use pcs_sim::machine::{CapitanOptions, Cycles, MachineOptions};
 use pcs_sim::run::{
-    CellsOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions, RayOptions, RunOptions, SceneOptions,
-    ShapeOptions,
+    CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions,
+    RayOptions, RunOptions, SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
 
@@ -30,6 +30,8 @@ pub struct Cli {
 pub enum Command {
     /// Makes a whole image: the host shades the hits and sends shadow, reflected and refracted rays.
     Image(Box<ImageArgs>),
+    /// Runs a farm of workers on the machine CAPITAN: a master hands out parts of an image, and each worker has the scene.
+    Farm(Box<FarmArgs>),
     /// Times a recorded activity trace again, under any machine, without its scene.
     Replay(Box<ReplayArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
@@ -188,6 +190,51 @@ pub struct ImageArgs {
     pub tracing: TracingArgs,
     #[command(flatten)]
     pub views: ViewArgs,
+}
+
+/// `pcs-sim farm`.
+#[derive(Debug, Args)]
+pub struct FarmArgs {
+    /// A built-in scene (`pcs-sim scenes` lists them), a file (.ron, .obj, .ply, .nff), or rectangles: a made-up scene.
+    #[arg(value_name = "SCENE", required_unless_present = "config")]
+    pub scene: Option<String>,
+    /// Repeat the farm that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    #[command(flatten)]
+    pub farm: FarmOptions,
+    #[command(flatten)]
+    pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub light: LightOptions,
+    #[command(flatten)]
+    pub machine: CapitanOptions,
+    /// Write all statistics as JSON.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub stats: Option<PathBuf>,
+    /// Replace result files that exist.
+    #[arg(long, help_heading = "Results")]
+    pub force: bool,
+    #[command(flatten)]
+    pub views: ViewArgs,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+impl FarmArgs {
+    /// What is asked of the farm.
+    pub fn options(&self, typed: &Typed) -> FarmRunOptions {
+        let mut options = FarmRunOptions {
+            scene: SceneOptions { scene: self.scene.clone() },
+            shape: self.shape.clone(),
+            light: self.light.clone(),
+            farm: self.farm.clone(),
+            machine: self.machine.clone(),
+        };
+        options.retain(|name| typed.has(name));
+        options
+    }
 }
 
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.

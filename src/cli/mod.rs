@@ -7,6 +7,7 @@ mod cell_args;
 mod compare;
 mod diagnostics;
 mod disasm;
+mod farm;
 mod figure7;
 mod image;
 mod interrupt;
@@ -69,7 +70,7 @@ impl<E: std::fmt::Display> From<RunError<E>> for Failure {
             RunError::Fault(fault) => fault.into(),
             RunError::Unfit(error) => error.into(),
             RunError::Batch(error) => InputError::new(error.to_string()).into(),
-            RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
+            RunError::Standstill(_) | RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
                 Failure::Output(error.to_string())
             }
         }
@@ -115,6 +116,7 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
     match &cli.command {
         None => run::run(&cli.run, typed),
         Some(Command::Image(args)) => image::image(args, typed),
+        Some(Command::Farm(args)) => farm::farm(args, typed),
         Some(Command::Replay(args)) => replay::replay(args),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Model(args)) => model::model(args, typed),

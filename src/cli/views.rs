@@ -58,7 +58,12 @@ impl Views {
         })
     }
 
-    /// What the views need to see of an array.
+    /// No views.
+    pub fn none() -> Views {
+        Views { plot: None, page: None, trace: None, window: Cycles(0)..Cycles(0), force: false }
+    }
+
+    /// What the views need to see of a machine.
     pub fn watching(&self) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
         Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()) }

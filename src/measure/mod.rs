@@ -16,9 +16,9 @@ mod topology;
 
 pub use clock::Clock;
 pub use moment::{Moment, StationMoment};
-pub use profile::{FifoBin, FifoProfile, Latency, Profile};
+pub use profile::{FifoBin, FifoProfile, Latency, Observed, Profile};
 pub use recording::{FifoLevels, JobSpan, Recording, StationRecord, Stretch};
 pub use so_far::SoFar;
 pub use state::{State, StateId, StateKind, StateTimes, States, Toward};
 pub use stats::{FifoStats, LinkStats, Measured};
-pub use topology::{Actor, FifoInfo, Topology};
+pub use topology::{Actor, FifoInfo, Names, Shape, Topology};

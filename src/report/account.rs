@@ -204,6 +204,6 @@ fn per_ray(count: u64, rays: usize) -> String {
 }
 
 /// `1 group`, `2 groups`.
-fn plural(count: usize, noun: &str) -> String {
+pub fn plural(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }

@@ -6,7 +6,7 @@ use super::bottleneck;
 use super::kinds::RaysByKind;
 use crate::measure::{Clock, FifoInfo, FifoStats, Measured, State, StateKind, StateTimes};
 use crate::program::{CellMemory, Counts, Workload};
-use crate::run::{ReplaySpec, RunSpec};
+use crate::run::{FarmSpec, ReplaySpec, RunSpec};
 
 /// What was run, beside its statistics: enough to run it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,6 +24,8 @@ pub enum Configuration {
     },
     /// A replay.
     Replay(Box<ReplaySpec>),
+    /// A farm.
+    Farm(Box<FarmSpec>),
 }
 
 impl Configuration {
@@ -79,7 +81,7 @@ struct Report<'a> {
     configuration: &'a Configuration,
 }
 
-/// A cell's cycles by state: `busy` by activity, then `moving`, `waiting_x`, ..., `idle`.
+/// A station's cycles by state: `busy` by activity, then `moving`, `waiting_x`, ..., `idle`.
 type Cell = serde_json::Map<String, serde_json::Value>;
 
 #[derive(Serialize)]
@@ -101,7 +103,8 @@ struct CountsJson {
     hits: u64,
 }
 
-fn cell(run: &Measured, times: &StateTimes) -> Cell {
+/// A station's cycles by state.
+pub(super) fn station(run: &Measured, times: &StateTimes) -> Cell {
     let states = &run.topology.states;
     let spent = |state: &State| (state.key(), times.of(state.id).0.into());
     let busy: Cell = states.all().iter().filter(|state| state.kind == StateKind::Works).map(spent).collect();
@@ -158,7 +161,7 @@ fn json(
         seconds,
         rays: run.jobs,
         rays_per_second: if seconds > 0.0 { run.jobs as f64 / seconds } else { 0.0 },
-        cells: run.stations.iter().map(|times| cell(run, times)).collect(),
+        cells: run.stations.iter().map(|times| station(run, times)).collect(),
         fifos: fifos.map(|(info, stats)| Fifo::new(info, stats, run)).collect(),
         counts: counts.map(|counts| CountsJson {
             voxels: counts.voxels,

@@ -25,7 +25,7 @@ use crate::seam::OpBatch;
 pub struct Key(String);
 
 impl Key {
-    fn of(what: impl Debug) -> Key {
+    pub(super) fn of(what: impl Debug) -> Key {
         Key(format!("{what:?}"))
     }
 }

@@ -5,6 +5,7 @@
 
 mod ahead;
 mod closed_loop;
+mod farm;
 mod layers;
 mod modelled;
 pub mod moot;
@@ -19,6 +20,7 @@ mod trace;
 mod trees;
 mod workers;
 
+pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSpec, TaskRange};
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};
 pub use options::{

@@ -5,17 +5,19 @@
 
 use std::path::Path;
 
+use super::farm::{FarmRunOptions, FarmSpec};
 use super::options::{CellsRun, RunOptions, Switch};
 use super::spec::{RunSpec, is_builtin};
 use crate::error::InputError;
 use crate::program::ArrayProgram;
+use crate::program::farm::ItemKind;
 use crate::scene::builtin;
 
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
     check_rays(typed)?;
     check_shading(typed)?;
-    check_resolution(spec)?;
+    check_resolution(&spec.scene, spec.resolution)?;
     check_cells(typed, spec)?;
     check_program(typed, &spec.program)
 }
@@ -38,7 +40,7 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
         let names = [&["policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
-    check_resolution(spec)?;
+    check_resolution(&spec.scene, spec.resolution)?;
     check_cells(typed, spec)?;
     check_program(typed, &spec.program)
 }
@@ -62,7 +64,7 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
     }
     check_rays(typed)?;
     check_shading(typed)?;
-    check_resolution(spec)?;
+    check_resolution(&spec.scene, spec.resolution)?;
     check_program(typed, program)
 }
 
@@ -88,6 +90,28 @@ fn check_rays(typed: &RunOptions) -> Result<(), InputError> {
         true => Err(InputError::new("rays and size cannot both be given").help("the size is that of a camera's image")),
         false => Ok(()),
     }
+}
+
+/// Refuses the flags that a farm would not look at.
+pub fn check_farm(typed: &FarmRunOptions, spec: &FarmSpec) -> Result<(), InputError> {
+    let refuse = |names: &[&str], why: &str, help: &str| match names.iter().find(|name| typed.has(name)) {
+        Some(name) => Err(InputError::new(format!("--{} {why}", name.replace('_', "-"))).help(help)),
+        None => Ok(()),
+    };
+    let adaptive = "asks what the neighbours of a pixel show, which other workers know";
+    refuse(&["adaptive"], adaptive, "ask for more --samples in all pixels, as workers can take these by themselves")?;
+    if spec.items != ItemKind::Tiles {
+        refuse(&["tile"], "is about tiles, which the master does not hand out", "ask for --items tiles")?;
+    }
+    if spec.rectangles.is_none() {
+        let why = "is about the made-up scene, and this one has polygons";
+        refuse(&["rectangles", "seed", "pixel_ms"], why, "leave it out, or take the scene `rectangles`")?;
+        return check_resolution(&spec.scene, spec.resolution);
+    }
+    let shape = ["size_factor", "resolution", "samples", "depth", "min_contribution", "grid_coefficient"];
+    let why = "is about scenes of polygons, and this one is made up of rectangles";
+    let help = "leave it out, or take another scene";
+    refuse(&[&shape[..], &KERNELS, &["shade_hit"]].concat(), why, help)
 }
 
 fn check_shading(typed: &RunOptions) -> Result<(), InputError> {
@@ -117,15 +141,14 @@ fn check_program(typed: &RunOptions, program: &ArrayProgram) -> Result<(), Input
 }
 
 /// Slices matter to spheres and cones, so not to every scene.
-fn check_resolution(spec: &RunSpec) -> Result<(), InputError> {
-    let scene = &spec.scene;
+fn check_resolution(scene: &str, resolution: Option<u32>) -> Result<(), InputError> {
     let of_polygons = if is_builtin(scene) {
         builtin::all().iter().any(|known| known.name == scene && known.default_resolution.is_none())
     } else {
         let extension = Path::new(scene).extension().map(|extension| extension.to_string_lossy().to_lowercase());
         matches!(extension.as_deref(), Some("obj" | "ply"))
     };
-    if of_polygons && spec.resolution.is_some() {
+    if of_polygons && resolution.is_some() {
         let error = InputError::new("--resolution slices spheres and cones, and this scene is of polygons only");
         return Err(error.help("leave it out"));
     }

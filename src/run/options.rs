@@ -204,6 +204,8 @@ impl clap::ValueEnum for Switch {
     }
 }
 
+pub(super) use choice;
+
 choice!(Switch: "on" is On, "off" is Off);
 choice!(Policy: "secondaries" is SecondariesFirst, "primaries" is PrimariesFirst, "generation" is ByGeneration);
 

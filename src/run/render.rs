@@ -237,6 +237,6 @@ impl Canvas {
 }
 
 /// The object that a hit shows.
-fn object(mesh: &Mesh, hit: &Hit) -> Option<Object> {
+pub(super) fn object(mesh: &Mesh, hit: &Hit) -> Option<Object> {
     hit.is_hit().then(|| mesh.object(&mesh.faces()[hit.polygon as usize]))
 }

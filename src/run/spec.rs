@@ -96,7 +96,7 @@ impl ReplaySpec {
 }
 
 /// Reads a configuration, or the one in statistics.
-fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
+pub(super) fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
     let text = fields::read_text(path)?;
     let described = serde_json::from_str(&text).and_then(configuration);
     described.map_err(|error| InputError::in_file(path, format!("describes no {what}: {error}")))
@@ -144,7 +144,7 @@ pub struct ImageSpec {
 /// What stands for the standard programs of the cells.
 const STANDARD_PROGRAMS: &str = "standard";
 
-fn standard_size() -> ImageSize {
+pub(super) fn standard_size() -> ImageSize {
     ImageSize { width: 256, height: 256 }
 }
 
@@ -265,16 +265,7 @@ impl RunSpec {
 
     /// Reads or generates the scene.
     pub fn load_scene(&self) -> Result<Scene, InputError> {
-        if is_builtin(&self.scene) {
-            return builtin::generate(&self.scene, self.size_factor, self.resolution);
-        }
-        if self.size_factor.is_some() {
-            let error = InputError::new("a size factor is for built-in scenes, not for files");
-            return Err(error.help("`pcs-sim scenes` lists the built-in scenes"));
-        }
-        let default = ReadOptions::default();
-        let options = ReadOptions { resolution: self.resolution.unwrap_or(default.resolution) };
-        crate::scene::load(Path::new(&self.scene), &options)
+        load_scene(&self.scene, self.size_factor, self.resolution)
     }
 
     /// The rays: those `given`, a file's or the camera's.
@@ -295,7 +286,7 @@ impl RunSpec {
 }
 
 impl ImageSpec {
-    fn check(&self) -> Result<(), InputError> {
+    pub(super) fn check(&self) -> Result<(), InputError> {
         let within = |what: &str, value: u64, least: u64, most: u64| match (least..=most).contains(&value) {
             true => Ok(()),
             false => Err(InputError::new(format!("{what} are {value}, they must be from {least} to {most}"))),
@@ -323,6 +314,19 @@ impl ImageSpec {
     pub fn rules(&self) -> HostRules {
         HostRules { policy: self.policy, in_flight: self.in_flight, open_samples: self.open_samples as usize }
     }
+}
+
+/// Reads or generates a scene, with the size factor of a built-in one and the slices of spheres and cones if they are given.
+pub(super) fn load_scene(scene: &str, size_factor: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
+    if is_builtin(scene) {
+        return builtin::generate(scene, size_factor, resolution);
+    }
+    if size_factor.is_some() {
+        let error = InputError::new("a size factor is for built-in scenes, not for files");
+        return Err(error.help("`pcs-sim scenes` lists the built-in scenes"));
+    }
+    let options = ReadOptions { resolution: resolution.unwrap_or(ReadOptions::default().resolution) };
+    crate::scene::load(Path::new(scene), &options)
 }
 
 /// Whether a scene is the name of a built-in one, not that of a file.

@@ -7,6 +7,7 @@ use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::{Hit, Ray};
 use crate::isa::Fault;
+use crate::machine::events::Standstill;
 use crate::machine::{Array, Cycles, MachineSpec, Observed, Stuck, Unfinished};
 use crate::measure::{Measured, Recording};
 use crate::program::{Counts, NotLaidOut, Workload};
@@ -58,6 +59,9 @@ pub enum RunError<E> {
     /// The array program does not go with what is to be run.
     #[error(transparent)]
     Unfit(#[from] InputError),
+    /// The tasks of a farm can go no further.
+    #[error(transparent)]
+    Standstill(#[from] Standstill),
     /// The ops are none of such an array's.
     #[error(transparent)]
     Batch(#[from] BatchError),

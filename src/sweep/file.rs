@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::parameters::{self, MOST_VALUES, Parameter, SweepFile};
-use super::point::COLUMNS;
+use super::parameters::{self, MOST_VALUES, Parameter, Points, SweepFile};
+use super::{farm_point, point};
 use crate::error::{InputError, Place};
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};
@@ -14,6 +14,8 @@ use crate::scene::ReadOptions;
 /// The points of a sweep: every combination of its parameters' values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sweep {
+    /// What its points are.
+    pub of: Points,
     /// The parameters that it sets or varies.
     pub parameters: Vec<Parameter>,
     points: usize,
@@ -35,10 +37,10 @@ impl Sweep {
     }
 
     fn new(file: SweepFile) -> Result<Sweep, InputError> {
-        let parameters = file.parameters;
+        let SweepFile { points: of, parameters } = file;
         let count = parameters.iter().try_fold(1usize, |count, parameter| count.checked_mul(parameter.values.len()));
         match count.filter(|&count| count <= MOST_VALUES) {
-            Some(points) => Ok(Sweep { parameters, points }),
+            Some(points) => Ok(Sweep { of, parameters, points }),
             None => {
                 let error = InputError::new(format!("has more than {MOST_VALUES} points"));
                 Err(error.help("a point is a combination of one value each"))
@@ -48,7 +50,15 @@ impl Sweep {
 
     /// The columns of its table: the parameters, then the results.
     pub fn columns(&self) -> Vec<Column<'static>> {
-        self.parameters.iter().map(|parameter| parameter.column).chain(COLUMNS).collect()
+        self.parameters.iter().map(|parameter| parameter.column).chain(self.results().iter().copied()).collect()
+    }
+
+    /// What its table tells of a point, behind the parameters.
+    pub fn results(&self) -> &'static [Column<'static>] {
+        match self.of {
+            Points::Arrays => &point::COLUMNS,
+            Points::Farms => &farm_point::COLUMNS,
+        }
     }
 
     /// How many points it has.

@@ -8,14 +8,14 @@ use super::cell::Cell;
 use super::cursor::Halt;
 use super::fifo::Fifo;
 use super::link::Link;
-use super::observers::{Observed, Observers};
+use super::observers::Observers;
 use super::prices::Prices;
 use super::probe::Probe;
 use super::recorder::Recorder;
 use super::states::{blocked, states, waiting};
 use super::stuck::{self, Stuck};
 use crate::machine::MachineSpec;
-use crate::measure::{Actor, FifoInfo, LinkStats, Measured, SoFar, StateTimes, Topology};
+use crate::measure::{Actor, FifoInfo, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology};
 use crate::quantities::{Cycles, Words};
 use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 
@@ -338,7 +338,7 @@ impl Array {
             jobs: self.jobs,
             stations: self.cells.iter().map(|at| at.cell.times(cycles)).collect(),
             fifos: self.fifos().map(|(link, channel)| self.links[link].fifo(channel).stats(cycles)).collect(),
-            links: links.map(|(link, into)| LinkStats { into, busy: Cycles(link.busy()) }).collect(),
+            links: links.map(|(link, into)| LinkStats { into: Some(into), busy: Cycles(link.busy()) }).collect(),
         }
     }
 
@@ -366,7 +366,13 @@ impl Array {
         let at_z = |times: &StateTimes| times.of(waiting(Channel::Z)) + times.of(blocked(Channel::Z)) > Cycles(0);
         let uses_z = self.fifos().any(|(_, channel)| channel == Channel::Z)
             || self.cells.iter().any(|station| at_z(&station.cell.times));
-        Topology { stations: self.cells.len(), fifos: fifos.collect(), states: states(&self.vocabulary, uses_z) }
+        Topology {
+            shape: Shape::Line,
+            stations: self.cells.len(),
+            fifos: fifos.collect(),
+            states: states(&self.vocabulary, uses_z),
+            names: Names::default(),
+        }
     }
 
     /// Who writes to a channel of a link, and who reads from it.

@@ -8,17 +8,8 @@ use super::link::Link;
 use super::prices::Prices;
 use super::probe::Probe;
 use super::recorder::Recorder;
-use crate::measure::{Profile, Recording, Topology};
+use crate::measure::{Observed, Topology};
 use crate::seam::{Op, OpStream};
-
-/// What was seen of a run.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Observed {
-    /// The run over time, if the array was [probed](super::Array::probed).
-    pub profile: Option<Profile>,
-    /// A window of it cycle by cycle, if the array was [recorded](super::Array::recorded).
-    pub recording: Option<Recording>,
-}
 
 /// Those that watch an array.
 #[derive(Debug, Default)]

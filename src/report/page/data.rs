@@ -22,6 +22,9 @@ pub struct Data<'a> {
     states: Vec<State<'a>>,
     cells: Vec<Cell<'a>>,
     fifos: Vec<Fifo<'a>>,
+    /// For each bus the share of the run in which it carries messages, in percent.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    buses: Vec<f64>,
     /// Rays done in each bin, per unit of time.
     rays: Numbers,
     colors: Colors,
@@ -51,6 +54,7 @@ struct State<'a> {
 
 #[derive(Serialize)]
 struct Cell<'a> {
+    /// What it runs, as far as that is known, or its own name.
     name: &'a str,
     /// Share of the run in which it computes or moves words, in percent.
     works: f64,
@@ -76,7 +80,7 @@ struct Fifo<'a> {
 impl<'a> Data<'a> {
     pub fn new(page: &Page<'a>) -> Data<'a> {
         let Page { clock, stats, profile, .. } = *page;
-        let all = &stats.topology.states;
+        let (all, names) = (&stats.topology.states, &stats.topology.names.stations);
         let unit = TimeUnit::of(clock.seconds(profile.cycles));
         let cycle = clock.seconds(Cycles(1)) / unit.seconds;
         let lengths: Vec<u64> = (0..profile.jobs.len() as u64)
@@ -85,11 +89,12 @@ impl<'a> Data<'a> {
         let occurs = |state: &&CellState| stats.stations.iter().any(|times| times.of(state.id) > Cycles(0));
         let states: Vec<&CellState> = all.all().iter().filter(occurs).collect();
         let cells = profile.stations.iter().zip(&stats.stations).enumerate().map(|(index, (bins, whole))| Cell {
-            name: page.cell_names.get(index).map_or("", String::as_str),
+            name: page.cell_names.get(index).or(names.get(index)).map_or("", String::as_str),
             works: percent(all.works(whole), stats.cycles),
             states: states.iter().map(|state| Shares::new(bins, &lengths, |bin| bin.of(state.id))).collect(),
         });
         let fifos = stats.topology.fifos.iter().zip(profile.fifos.iter().zip(&stats.fifos));
+        let buses = stats.links.iter().filter(|link| link.into.is_none());
         let rate = |(&rays, &cycles): (&u64, &u64)| rays as f64 / (cycles as f64 * cycle);
         let Rgb(red, green, blue) = palette::AMOUNT;
         Data {
@@ -103,6 +108,7 @@ impl<'a> Data<'a> {
                 .collect(),
             cells: cells.collect(),
             fifos: fifos.map(|(info, (fifo, whole))| Fifo::new(info, fifo, (whole, stats.cycles), &lengths)).collect(),
+            buses: buses.map(|bus| percent(bus.busy, stats.cycles)).collect(),
             rays: Numbers::new(profile.jobs.iter().zip(&lengths).map(rate)),
             colors: Colors {
                 amount: palette::AMOUNT.to_string(),

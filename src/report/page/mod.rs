@@ -10,7 +10,7 @@ use super::palette;
 use super::plot::Caption;
 use super::stats::Configuration;
 use super::summary::{self, Rows};
-use crate::measure::{Clock, Measured, Profile};
+use crate::measure::{Clock, Measured, Profile, Shape};
 
 /// What a page shows.
 #[derive(Debug)]
@@ -36,6 +36,10 @@ pub struct Page<'a> {
 #[error("the page cannot be made: {0}")]
 pub struct PageError(String);
 
+/// What draws it: templates, as they name what the machine is made of.
+const SCRIPTS: [&str; 4] =
+    [include_str!("array.js"), include_str!("charts.js"), include_str!("overview.js"), include_str!("page.js")];
+
 /// The page as HTML.
 pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     let mut environment = Environment::new();
@@ -44,6 +48,17 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     let json = |value: serde_json::Result<String>| value.map_err(|error| PageError(error.to_string()));
     let data = json(serde_json::to_string(&data::Data::new(page)))?;
     let configuration = json(serde_json::to_string_pretty(page.configuration))?;
+    let topology = &*page.stats.topology;
+    let called = context! {
+        is_line => topology.shape == Shape::Line,
+        machine_name => topology.names.machine.as_str(),
+        station => topology.names.station.as_str(),
+        job => topology.names.job.as_str(),
+    };
+    // The engine leaves a last end of line out.
+    let script = |text: &str| environment.render_str(text, &called).map(|script| script + "\n");
+    let scripts: Result<Vec<String>, _> = SCRIPTS.iter().map(|text| script(text)).collect();
+    let scripts = scripts.map_err(|error| PageError(error.to_string()))?;
     let template = environment.get_template("page.html").map_err(|error| PageError(error.to_string()))?;
     let rendered = template.render(context! {
         title => page.caption.title.as_str(),
@@ -60,13 +75,9 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         chart_style => include_str!("../../../assets/uplot.min.css"),
         chart_script => include_str!("../../../assets/uplot.min.js"),
         style => include_str!("page.css"),
-        scripts => [
-            include_str!("array.js"),
-            include_str!("charts.js"),
-            include_str!("overview.js"),
-            include_str!("page.js"),
-        ],
+        scripts,
         version => env!("CARGO_PKG_VERSION"),
+        ..called.clone()
     });
     rendered.map_err(|error| PageError(error.to_string()))
 }

@@ -9,7 +9,7 @@ use super::Caption;
 use super::chart::{self, FOOT, HEAD, LEFT, RIGHT, SMALL, TimeScale, WIDTH, font, rgb};
 use super::render::{Drawn, Figure};
 use super::{cells, fifos};
-use crate::measure::{FifoBin, FifoInfo, FifoProfile, State, StateTimes, States};
+use crate::measure::{FifoBin, FifoInfo, FifoProfile, State, StateTimes, Topology};
 use crate::quantities::Cycles;
 use crate::report::palette::{self, Rgb};
 
@@ -92,16 +92,21 @@ pub struct Bands<'a> {
     caption: &'a Caption,
     scale: TimeScale,
     rows: Vec<Row<StateTimes>>,
-    states: &'a States,
+    topology: &'a Topology,
     occurring: Vec<&'a State>,
     together: usize,
 }
 
 impl<'a> Bands<'a> {
-    pub fn new(caption: &'a Caption, scale: TimeScale, states: &'a States, all: &'a [Vec<StateTimes>]) -> Bands<'a> {
+    pub fn new(
+        caption: &'a Caption,
+        scale: TimeScale,
+        topology: &'a Topology,
+        all: &'a [Vec<StateTimes>],
+    ) -> Bands<'a> {
         let together = all.len().div_ceil(MOST_ROWS).max(1);
-        let rows = rows(all, |index| format!("cell {index}"), Vec::as_slice, StateTimes::sum);
-        Bands { caption, scale, rows, states, occurring: cells::occurring(states, all.iter()), together }
+        let rows = rows(all, |index| topology.station(index), Vec::as_slice, StateTimes::sum);
+        Bands { caption, scale, rows, topology, occurring: cells::occurring(&topology.states, all.iter()), together }
     }
 }
 
@@ -111,12 +116,10 @@ impl Figure for Bands<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        chart::head(
-            area,
-            self.caption,
-            &together(cells::WHAT, "cells", self.together),
-            &cells::legend(self.states, &self.occurring),
-        )?;
+        let Topology { states, names, .. } = self.topology;
+        let stations = format!("{}s", names.station);
+        let what = together(&cells::what(self.topology), &stations, self.together);
+        chart::head(area, self.caption, &what, &cells::legend(states, &self.occurring))?;
         let names = self.rows.iter().map(|row| row.name.as_str());
         let mut chart = frame(area, names, 0.0..self.scale.end(), &self.scale.label())?;
         let count = self.rows.len();
@@ -125,8 +128,7 @@ impl Figure for Bands<'_> {
             let ground = (count - index) as f64 - FILLED;
             for (state, edge) in cells::bands(&row.bins, &self.occurring, self.scale, grain) {
                 let up = |(x, share): (f64, f64)| (x, ground + FILLED * share / 100.0 / row.members);
-                let band =
-                    AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(self.states, state)));
+                let band = AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(states, state)));
                 chart.draw_series(band)?;
             }
         }

@@ -3,25 +3,18 @@
 mod cell;
 mod fifo;
 mod jobs;
-mod timeline;
 
 use std::sync::Arc;
 
 use super::fifo::Fifo;
 use super::link::Link;
+use crate::machine::timeline::bins_for;
 use crate::measure::{FifoProfile, Profile, Topology};
 use crate::quantities::Cycles;
 use crate::seam::{Channel, OpStream};
 use cell::CellLane;
 use fifo::FifoLane;
 use jobs::JobLane;
-
-/// Bins of a run on few cells. A run that outgrows them has half as many, twice as wide.
-const MOST_BINS: usize = 1024;
-/// Bins of all cells together; cells of a large array have fewer each.
-const ALL_BINS: usize = 1 << 15;
-/// Bins of each cell in the largest arrays: fewer would tell nothing of a run's course.
-const LEAST_BINS: usize = 16;
 
 /// Follows all cells and FIFOs of an array, and its jobs.
 #[derive(Debug)]
@@ -35,7 +28,7 @@ pub(super) struct Probe {
 impl Probe {
     /// A probe for an array of `cells` cells, all of its links like one.
     pub fn new(cells: usize, like: &Link) -> Probe {
-        let bins = (ALL_BINS / cells.next_power_of_two()).clamp(LEAST_BINS, MOST_BINS);
+        let bins = bins_for(cells);
         let lane = |exists: bool, fifo: &Fifo| exists.then(|| FifoLane::new(fifo.capacity(), bins));
         Probe {
             cells: (0..cells).map(|_| CellLane::new(bins)).collect(),

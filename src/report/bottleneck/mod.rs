@@ -1,6 +1,8 @@
 //! One sentence on what limits the machine.
 
-use crate::measure::{Actor, Measured, StateKind, StateTimes, Toward};
+pub(crate) mod farm;
+
+use crate::measure::{Actor, Measured, Shape, StateKind, StateTimes, Toward};
 use crate::quantities::Cycles;
 
 /// What works for more than this share of the run is what the rest waits for.
@@ -12,8 +14,15 @@ const NOTABLE: f64 = 0.10;
 /// What a first cell waits for the host longer than limits the rest.
 const STARVED: f64 = 0.5;
 
-/// Names what limits the array, and why.
+/// Names what limits a machine, and why.
 pub fn sentence(run: &Measured) -> String {
+    match run.topology.shape {
+        Shape::Line => of_line(run),
+        Shape::Farm => farm::sentence(run),
+    }
+}
+
+fn of_line(run: &Measured) -> String {
     let Some(index) = run.busiest() else { return "There are no cells.".to_owned() };
     let states = &run.topology.states;
     let busiest = &run.stations[index];
@@ -85,8 +94,8 @@ fn link_limits(run: &Measured) -> Option<String> {
     // The first of several that are as busy.
     let link = run.links.iter().rev().max_by_key(|link| link.busy)?;
     let leads_to = match link.into {
-        Actor::Host => "back to the host".to_owned(),
-        Actor::Station(cell) => format!("into cell {cell}"),
+        None | Some(Actor::Host) => "back to the host".to_owned(),
+        Some(Actor::Station(cell)) => format!("into cell {cell}"),
     };
     (run.share(link.busy) > SATURATED).then(|| {
         format!(
