@@ -3,6 +3,7 @@
 A parameter that is new to the simulator is taken at once; for type checkers to know it, run this.
 """
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import pcs_sim
@@ -47,25 +48,22 @@ def group(name: str, base: str, about: str, rows: list[tuple[str, str, str]]) ->
 def text() -> str:
     """The whole file."""
     table = pcs_sim.parameters().to_dict()
-    rows = list(zip(table["name"], table["kind"], table["label"], table["of"]))
+    rows = dict(zip(table["name"], zip(table["name"], table["kind"], table["label"])))
 
-    def of(*groups: str) -> list[tuple[str, str, str]]:
-        return [row[:3] for row in rows if row[3] in groups and row[0] != "scene"]
+    def of(call: str, *, without: Iterable[str] = ()) -> list[tuple[str, str, str]]:
+        taken = {name for name, is_taken in zip(table["name"], table[call]) if is_taken}
+        return [row for name, row in rows.items() if name in taken and name not in {"scene", *without}]
 
-    machine = [row for row in of("machine") if row[0] == "machine"]
-    changes = [row for row in of("machine") if row[0] != "machine"]
+    machine = [row[0] for row in of("replay")]
+    base = "MachineParameters, total=False"
     return (
         HEADING
-        + group("MachineChanges", "TypedDict, total=False", "Changes to a machine.", changes)
-        + group("MachineParameters", "MachineChanges, total=False", "A machine, and changes to it.", machine)
-        + group("ModelParameters", "MachineParameters, total=False", "Parameters of a prediction.", of("run", "rays"))
-        + group("RunParameters", "ModelParameters, total=False", "Parameters of a run of primary rays.", of("cells"))
-        + group(
-            "ImageParameters",
-            "MachineParameters, total=False",
-            "Parameters of a whole image.",
-            of("run", "cells", "image"),
-        )
+        + group("MachineChanges", "TypedDict, total=False", "Changes to a machine.", of("replay", without=["machine"]))
+        + group("MachineParameters", "MachineChanges, total=False", "A machine, and changes to it.", [rows["machine"]])
+        + group("RunParameters", base, "Parameters of a run of primary rays.", of("run", without=machine))
+        + group("ImageParameters", base, "Parameters of a whole image.", of("image", without=machine))
+        + group("ModelParameters", base, "Parameters of a prediction.", of("model", without=machine))
+        + group("FarmParameters", "TypedDict, total=False", "Parameters of a farm.", of("farm"))
     )
 
 

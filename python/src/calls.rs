@@ -1,17 +1,18 @@
 //! The calls that make runs.
 
+use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
 use pcs_sim::error;
-use pcs_sim::run::{Replay, RunSpec, Setup, Switch, Watching, moot};
+use pcs_sim::run::{FarmSetup, FarmSpec, Replay, RunSpec, Setup, Switch, Watching, moot};
 use pcs_sim::seam::activity_trace::Form;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::doing::{Ops, render, time, trace};
 use crate::outputs;
-use crate::request::{Of, Request, replay_configuration};
+use crate::request::{Of, Request, farm_request, replay_configuration};
 use crate::run::{Made, Run};
 use crate::trouble::wrong;
 use crate::work::{Crew, work};
@@ -110,6 +111,40 @@ pub fn replay(
         let mut replay = Replay::new(ops.as_deref(), &options, base.as_ref(), machine)?;
         let (stats, _) = time(&mut replay, &Watching::default(), task)?;
         Ok(Made::Replay { replay: Mutex::new(replay), stats })
+    })?;
+    Ok(Run::new(made, crew))
+}
+
+/// Runs a farm: a master and workers that share an image, on CAPITAN.
+///
+/// Takes the parameters of farms, by the names of the flags of `pcs-sim farm`; `tasks` is a number of workers (`sweep` makes
+/// tables of many). `config` is a farm to be repeated.
+#[pyfunction]
+#[pyo3(signature = (scene=None, *, config=None, threads=None, progress=None, **parameters))]
+pub fn farm(
+    py: Python<'_>,
+    scene: Option<&Bound<'_, PyAny>>,
+    config: Option<&Bound<'_, PyAny>>,
+    threads: Option<i64>,
+    progress: Option<bool>,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Run> {
+    let crew = crew(py, threads, progress)?;
+    let (options, base) = farm_request(py, scene, config, parameters)?;
+    let made = work(py, crew, "samples", |task| {
+        let spec = FarmSpec::new(&options, base)?;
+        moot::check_farm(&options, &spec)?;
+        if options.farm.tasks.is_some_and(|range| range.first < range.last) {
+            let error = error::InputError::new("statistics and views are of one number of workers, not of a range");
+            return Err(error.help("ask for one number of tasks; a sweep makes tables of many").into());
+        }
+        let samples = spec.samples() as u64;
+        let setup = FarmSetup::new(spec, &task.workers, |done| {
+            task.set(done as u64, samples);
+            Ok::<_, Infallible>(())
+        })?;
+        let outcome = setup.run(setup.spec.tasks, &Watching::default(), &task.workers.cancel)?;
+        Ok(Made::Farm { setup: Box::new(setup), outcome: Box::new(outcome) })
     })?;
     Ok(Run::new(made, crew))
 }

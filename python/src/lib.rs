@@ -3,6 +3,7 @@
 
 mod arrays;
 mod calls;
+mod cells;
 mod doing;
 mod machine;
 mod model;
@@ -22,7 +23,9 @@ mod _native {
     #[pymodule_export]
     use super::arrays::Scene;
     #[pymodule_export]
-    use super::calls::{image, replay, run};
+    use super::calls::{farm, image, replay, run};
+    #[pymodule_export]
+    use super::cells::{CellProgram, assemble};
     #[pymodule_export]
     use super::machine::{Machine, Program};
     #[pymodule_export]

@@ -7,7 +7,10 @@ use pcs_sim::error;
 use pcs_sim::geometry::Ray;
 use pcs_sim::machine::MachineOptions;
 use pcs_sim::parameters::{Kind, ParameterInfo, named};
-use pcs_sim::run::{CellsOptions, Layers, MachineFileOptions, PlannedRun, RayOptions, ReplaySpec, RunOptions, RunSpec};
+use pcs_sim::run::{
+    CellsOptions, FarmRunOptions, FarmSpec, Layers, MachineFileOptions, PlannedRun, RayOptions, ReplaySpec, RunOptions,
+    RunSpec,
+};
 use pcs_sim::scene::{Scene as SceneData, builtin};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyInt, PySequence, PyString};
@@ -15,7 +18,7 @@ use pyo3::types::{PyDict, PyFloat, PyInt, PySequence, PyString};
 use crate::arrays::{self, Scene};
 use crate::machine::{Machine, Program};
 use crate::run::Run;
-use crate::table::{Table, text, whole};
+use crate::table::{Table, text, truth, whole};
 use crate::trouble::{Trouble, wrong};
 
 /// What the parameters are of.
@@ -29,6 +32,8 @@ pub enum Of {
     Model,
     /// A replay.
     Replay,
+    /// A farm.
+    Farm,
 }
 
 impl Of {
@@ -41,6 +46,7 @@ impl Of {
             Of::Rays => RunOptions::parameters().collect(),
             Of::Image => without(RayOptions::PARAMETERS).chain(RunOptions::image_parameters()).collect(),
             Of::Model => without(CellsOptions::PARAMETERS).collect(),
+            Of::Farm => FarmRunOptions::parameters().collect(),
             Of::Replay => MachineFileOptions::PARAMETERS.iter().chain(MachineOptions::PARAMETERS).collect(),
         }
     }
@@ -164,6 +170,35 @@ pub fn replay_configuration(py: Python<'_>, config: &Bound<'_, PyAny>) -> PyResu
     read.map_err(|error| Trouble::from(error).raise(py))
 }
 
+/// What is asked of a farm, and what that is laid over.
+pub fn farm_request(
+    py: Python<'_>,
+    scene: Option<&Bound<'_, PyAny>>,
+    config: Option<&Bound<'_, PyAny>>,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<(FarmRunOptions, Option<FarmSpec>)> {
+    let raise = |error: error::InputError| Trouble::from(error).raise(py);
+    let read = |config: &Bound<'_, PyAny>| match config.cast::<Run>() {
+        Ok(run) => FarmSpec::from_json(run.get().configuration(py)?).map_err(raise),
+        Err(_) if is_path(config) => FarmSpec::read(&config.extract::<PathBuf>()?).map_err(raise),
+        Err(_) => FarmSpec::from_json(json(py, config)?).map_err(raise),
+    };
+    let base = config.map(read).transpose()?;
+    let mut options = FarmRunOptions::default();
+    let given = PyDict::new(py);
+    given.set_item("scene", scene)?;
+    if let Some(parameters) = parameters {
+        given.update(parameters.as_mapping())?;
+    }
+    for (name, value) in given {
+        let known = named(Of::Farm.parameters(), &name.extract::<String>()?).map_err(raise)?;
+        if !value.is_none() {
+            options.set(known.name, &text_of(py, known, &value)?).map_err(raise)?;
+        }
+    }
+    Ok((options, base))
+}
+
 /// Whether a value names a file: a text, or a path.
 pub fn is_path(value: &Bound<'_, PyAny>) -> bool {
     value.is_instance_of::<PyString>() || value.hasattr("__fspath__").unwrap_or(false)
@@ -217,19 +252,16 @@ fn text_of(py: Python<'_>, known: &ParameterInfo, value: &Bound<'_, PyAny>) -> P
     Err(wrong(py, format!("invalid value {} for {}: expected {expected}", value.repr()?, known.name)))
 }
 
-/// The parameters of runs: `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), and
-/// what has it (`of`): a `machine`, and so all that runs on one; every `run`; the `cells` of runs and images; runs with
-/// `rays` of their own; an `image`.
+/// The parameters: `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), and for each call
+/// whether it takes it (`run`, `image`, `replay`, `model`, `farm`).
 #[pyfunction]
 pub fn parameters() -> PyResult<Table> {
-    let has = |group: &[ParameterInfo], known: &ParameterInfo| group.iter().any(|other| other.name == known.name);
-    let of = |known: &ParameterInfo| match known {
-        _ if has(MachineFileOptions::PARAMETERS, known) || has(MachineOptions::PARAMETERS, known) => "machine",
-        _ if has(CellsOptions::PARAMETERS, known) => "cells",
-        _ if has(RayOptions::PARAMETERS, known) => "rays",
-        _ if RunOptions::image_parameters().any(|other| other.name == known.name) => "image",
-        _ => "run",
-    };
+    let mut all: Vec<&ParameterInfo> = Vec::new();
+    for known in [Of::Rays, Of::Image, Of::Farm].into_iter().flat_map(Of::parameters) {
+        if all.iter().all(|other| other.name != known.name) {
+            all.push(known);
+        }
+    }
     let kind = |kind: Kind| match kind {
         Kind::Text => "text",
         Kind::Size => "size",
@@ -237,14 +269,19 @@ pub fn parameters() -> PyResult<Table> {
         Kind::Whole => "whole",
         Kind::Number => "number",
     };
-    let all: Vec<&ParameterInfo> = RunOptions::parameters().chain(RunOptions::image_parameters()).collect();
-    let column =
-        |of: &dyn Fn(&ParameterInfo) -> &'static str| all.iter().map(|known| of(known).to_owned()).collect::<Vec<_>>();
+    let taken = |of: Of| {
+        let taken = of.parameters();
+        all.iter().map(move |known| taken.iter().any(|other| other.name == known.name)).collect::<Vec<_>>()
+    };
     Table::new(vec![
-        text("name", column(&|known| known.name)),
-        text("kind", column(&|known| kind(known.kind))),
-        text("label", column(&|known| known.label)),
-        text("of", column(&of)),
+        text("name", all.iter().map(|known| known.name.to_owned())),
+        text("kind", all.iter().map(|known| kind(known.kind).to_owned())),
+        text("label", all.iter().map(|known| known.label.to_owned())),
+        truth("run", taken(Of::Rays)),
+        truth("image", taken(Of::Image)),
+        truth("replay", taken(Of::Replay)),
+        truth("model", taken(Of::Model)),
+        truth("farm", taken(Of::Farm)),
     ])
 }
 

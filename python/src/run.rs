@@ -9,7 +9,7 @@ use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pcs_sim::error;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::image;
-use pcs_sim::machine::Observed;
+use pcs_sim::machine::{Capitan, Observed};
 use pcs_sim::measure::{Clock, Measured, Profile, StateKind};
 use pcs_sim::program::Counts;
 use pcs_sim::quantities::Cycles;
@@ -17,8 +17,8 @@ use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::trace::{Format, Trace};
-use pcs_sim::report::{account, bottleneck, hits};
-use pcs_sim::run::{Outcome, Outputs, Rendered, Replay, Setup, Timing, Watching};
+use pcs_sim::report::{account, bottleneck, farm, hits};
+use pcs_sim::run::{FarmOutcome, FarmSetup, Outcome, Outputs, Rendered, Replay, Setup, Timing, Watching};
 use pyo3::exceptions::{PyAttributeError, PyKeyError, PyRuntimeWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -30,7 +30,7 @@ use crate::trouble::{Trouble, output, wrong};
 use crate::view::Picture;
 use crate::work::{Crew, briefly, work};
 
-/// A run that is over: of primary rays, of a whole image, or of a recorded trace.
+/// A run that is over: of primary rays, of a whole image, of a recorded trace, or of a farm.
 ///
 /// What a run over time looked like (`timelines`, `plot`, `page`) is found out when it is first asked for: by running it
 /// again under a probe, which changes nothing.
@@ -51,6 +51,8 @@ pub enum Made {
     Image { setup: Setup, rendered: Box<Rendered>, hits: Vec<Hit> },
     /// A recorded trace.
     Replay { replay: Mutex<Replay>, stats: Measured },
+    /// A farm of workers.
+    Farm { setup: Box<FarmSetup>, outcome: Box<FarmOutcome> },
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -79,6 +81,7 @@ impl Run {
             Made::Rays { outcome, .. } => Ok(&outcome.stats),
             Made::Image { rendered, .. } => Ok(&Run::timing(rendered)?.stats),
             Made::Replay { stats, .. } => Ok(stats),
+            Made::Farm { outcome, .. } => Ok(&outcome.stats),
         }
     }
 
@@ -86,6 +89,7 @@ impl Run {
         match &self.made {
             Made::Rays { setup, .. } | Made::Image { setup, .. } => Ok(setup),
             Made::Replay { .. } => Err(has_none("a replay", what)),
+            Made::Farm { .. } => Err(has_none("a farm", what)),
         }
     }
 
@@ -93,6 +97,7 @@ impl Run {
         match &self.made {
             Made::Rays { setup, .. } | Made::Image { setup, .. } => setup.machine.spec.clock(),
             Made::Replay { replay, .. } => locked(replay).machine.spec.clock(),
+            Made::Farm { .. } => Capitan::CLOCK,
         }
     }
 
@@ -100,7 +105,7 @@ impl Run {
         match &self.made {
             Made::Rays { setup, outcome } => Ok((setup, &outcome.hits)),
             Made::Image { setup, rendered, hits } => Run::timing(rendered).map(|_| (setup, hits.as_slice())),
-            Made::Replay { .. } => Err(has_none("a replay", "hits")),
+            Made::Replay { .. } | Made::Farm { .. } => self.setup("hits").map(|setup| (setup, &[][..])),
         }
     }
 
@@ -109,6 +114,7 @@ impl Run {
             Made::Rays { outcome, .. } => Ok(&outcome.counts),
             Made::Image { rendered, .. } => Ok(&rendered.counts),
             Made::Replay { .. } => Err(has_none("a replay", "counts")),
+            Made::Farm { .. } => Err(has_none("a farm", "counts of its own")),
         }
     }
 
@@ -118,6 +124,7 @@ impl Run {
             Made::Rays { setup, outcome } => account::stats_json(setup, outcome),
             Made::Image { setup, rendered, .. } => account::image_stats_json(setup, rendered, Run::timing(rendered)?),
             Made::Replay { replay, stats } => account::replay_stats_json(&locked(replay), stats),
+            Made::Farm { setup, outcome } => farm::to_json(outcome, &setup.scene, &self.described().configuration),
         };
         json.map_err(|error| PyAttributeError::new_err(error.to_string()))
     }
@@ -127,6 +134,7 @@ impl Run {
         let json = match &self.made {
             Made::Rays { setup, .. } | Made::Image { setup, .. } => serde_json::to_value(&setup.spec),
             Made::Replay { replay, .. } => serde_json::to_value(&locked(replay).spec),
+            Made::Farm { setup, .. } => serde_json::to_value(&setup.spec),
         };
         json.map_err(|error| wrong(py, error.to_string()))
     }
@@ -145,6 +153,10 @@ impl Run {
                 account::cell_names(&setup.workload),
                 Configuration::new(&setup.spec, &setup.workload),
             ),
+            Made::Farm { setup, outcome } => {
+                let configuration = Configuration::Farm(Box::new(setup.spec.clone()));
+                return Described { caption: farm::caption(setup, outcome), names: Vec::new(), configuration };
+            }
             Made::Replay { replay, .. } => {
                 let replay = locked(replay);
                 let caption = Caption {
@@ -170,6 +182,7 @@ impl Run {
                 Ok(render(setup, watching, None, task)?.0.timing.map(|timing| timing.observed).unwrap_or_default())
             }
             Made::Replay { replay, .. } => Ok(time(&mut locked(replay), watching, task)?.1),
+            Made::Farm { setup, .. } => Ok(setup.run(setup.spec.tasks, watching, &task.workers.cancel)?.observed),
         })
     }
 
@@ -260,7 +273,10 @@ impl Run {
     /// How many rays the host sent.
     #[getter]
     fn rays(&self) -> PyResult<u64> {
-        Ok(self.measured()?.jobs)
+        match &self.made {
+            Made::Farm { .. } => Err(has_none("a farm", "count of rays")),
+            _ => Ok(self.measured()?.jobs),
+        }
     }
 
     /// Rays a second of simulated time.
@@ -292,7 +308,10 @@ impl Run {
     #[getter]
     fn cells(&self) -> PyResult<Table> {
         let stats = self.measured()?;
-        let Described { names, .. } = self.described();
+        let names = match &self.made {
+            Made::Farm { .. } => (0..stats.stations.len()).map(|task| stats.topology.station(task)).collect(),
+            _ => self.described().names,
+        };
         let all = 0..stats.stations.len();
         let states = stats.topology.states.all().iter().filter(|state| state.used || state.kind == StateKind::Works);
         let mut columns = vec![
@@ -399,6 +418,7 @@ impl Run {
         match &self.made {
             Made::Rays { setup, .. } | Made::Image { setup, .. } => setup.notes().map(str::to_owned).collect(),
             Made::Replay { replay, .. } => locked(replay).machine.notes.clone(),
+            Made::Farm { setup, .. } => setup.notes().map(str::to_owned).collect(),
         }
     }
 
@@ -484,6 +504,7 @@ impl Run {
             Made::Rays { setup, outcome } => account::text(setup, outcome),
             Made::Image { setup, rendered, .. } => account::image_text(setup, rendered),
             Made::Replay { replay, stats } => account::replay_text(&locked(replay), stats),
+            Made::Farm { setup, outcome } => farm::text(setup, outcome),
         }
     }
 

@@ -39,6 +39,11 @@ pub fn number(name: impl Into<String>, values: impl IntoIterator<Item = Option<f
     (name.into(), Arc::new(Float64Array::from_iter(values)))
 }
 
+/// A column of truths.
+pub fn truth(name: impl Into<String>, values: Vec<bool>) -> Filled {
+    (name.into(), Arc::new(BooleanArray::from(values)))
+}
+
 /// A column of words.
 pub fn text(name: impl Into<String>, values: impl IntoIterator<Item = String>) -> Filled {
     (name.into(), Arc::new(StringArray::from_iter_values(values)))

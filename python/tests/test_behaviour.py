@@ -145,17 +145,21 @@ def test_progress(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[
 def test_every_flag_is_a_parameter(folder: Path) -> None:
     """Every parameter is a flag of the command, and every flag that is about the run a parameter."""
     known = pcs_sim.parameters().to_dict()
-    for arguments, groups in [
-        ([], {"machine", "run", "cells", "rays"}),
-        (["image"], {"machine", "run", "cells", "image"}),
-    ]:
-        told = command(folder, *arguments, "--help").out
-        flags = {word.strip(",").removeprefix("--") for word in told.split() if word.startswith("--")}
-        names = {name.replace("_", "-") for name, of in zip(known["name"], known["of"]) if of in groups}
-        results = set("config stats force watch plot page trace trace-window image hits ops ops-form threads".split())
-        here = {flag for flag in flags - results if f"--{flag} " in told or f"--{flag}\n" in told}
-        assert names - {"scene"} <= flags
-        assert here - names <= {"help", "version", "output", "size", "groups", "mode", "program", "scene"} | results
+    results = set("config stats force watch plot page trace trace-window image hits ops ops-form threads".split())
+    others = {"help", "version", "output", "predict-only"} | results
+    for call in ["run", "image", "model", "replay", "farm"]:
+        told = command(folder, *([] if call == "run" else [call]), "--help").out
+        # A flag stands first in its line.
+        flags = {words[-2 if words[-1].startswith("<") else -1] for words in flag_lines(told)}
+        names = {"--" + name.replace("_", "-") for name, taken in zip(known["name"], known[call]) if taken}
+        assert names - {"--scene"} <= flags, call
+        assert flags - names <= {f"--{other}" for other in others}, call
+
+
+def flag_lines(told: str) -> list[list[str]]:
+    """The lines of a help that begin with a flag, up to its value."""
+    lines = [line.strip().split("  ")[0].split(" [")[0].split() for line in told.splitlines()]
+    return [words[: 3 if words[0].endswith(",") else 2] for words in lines if words and words[0].startswith("-")]
 
 
 def test_the_stubs_are_up_to_date() -> None:

@@ -133,6 +133,36 @@ def test_models(two: Path) -> None:
     assert ended.out == str(alone)
 
 
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"size": "32x32", "tasks": 3},
+        {"scene": "room", "size": "16x12", "tasks": 2, "items": "tiles", "tile": 4, "samples": 2},
+    ],
+)
+def test_farms(two: Path, parameters: dict[str, Any]) -> None:
+    run = pcs_sim.farm(**parameters)
+    run.save(stats="stats.json", page="page.html", plot="plots", trace="trace.pftrace")
+    arguments = [parameters.get("scene", "rectangles"), *flags({**parameters, "scene": None})]
+    del arguments[arguments.index("--scene") : arguments.index("--scene") + 2]
+    results = "--stats stats.json --page page.html --plot plots --trace trace.pftrace"
+    ended = command(two / "theirs", "farm", *arguments, *results.split())
+    assert ended.status == 0, ended.err
+    same(two, ["stats.json", "page.html", "plots/cells.svg", "trace.pftrace"])
+    assert ended.out.startswith(str(run))
+    assert run.stats["workers"] == parameters["tasks"]
+    assert pcs_sim.farm(config=run).stats == run.stats
+    assert [name for name in run.cells["runs"]][0] == run.stats["tasks"][0]["name"]
+    for name in ["hits", "counts", "image", "rays", "rays_per_second"]:
+        assert not hasattr(run, name)
+
+
+def test_sweeps_of_farms() -> None:
+    table = pcs_sim.sweep({"size": 16, "tasks": [1, 2, 4], "items": "lines"})
+    assert list(table["tasks"]) == [1, 2, 4]
+    assert list(table["seconds"]) == [pcs_sim.farm(size=16, tasks=tasks, items="lines").seconds for tasks in [1, 2, 4]]
+
+
 SWEEP: dict[str, Any] = {
     "scene": "room",
     "size": [8, "16x12"],

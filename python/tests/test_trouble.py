@@ -101,6 +101,11 @@ ELSEWHERE: list[tuple[Callable[[], object], str]] = [
     (lambda: pcs_sim.replay("loop.ops", cells=5), "unknown parameter `cells`"),  # type: ignore[call-arg]
     (lambda: pcs_sim.replay(), "a replay needs a trace"),
     (lambda: pcs_sim.replay(config={"ops": 5}), "describes no replay"),
+    (lambda: pcs_sim.farm(tasks="1..4"), "of one number of workers, not of a range"),
+    (lambda: pcs_sim.farm(tasks=0), "there must be at least 1 worker"),
+    (lambda: pcs_sim.farm(tile=4), "--tile is about tiles"),
+    (lambda: pcs_sim.farm(fifo_words=4), "unknown parameter `fifo_words`"),  # type: ignore[call-arg]
+    (lambda: pcs_sim.farm(config="image.json"), "describes no farm"),
     (lambda: pcs_sim.model("room", mailbox=True), "the cost model knows no mailbox"),
     (lambda: pcs_sim.model("room", predict_only=True, threads=2), "--threads is about the simulation"),
     (lambda: pcs_sim.model("room", predict_only=True, fifo_words=2), "--fifo-words is about the simulation"),
@@ -220,15 +225,17 @@ def test_a_fault_of_a_cells_program() -> None:
 JUNK: list[Any] = [-1, 0, 2**70, -0.5, 1e300, float("nan"), "", "x", "\0", b"x", [], {}, object(), (1, 2), "é", True]
 
 
-@pytest.mark.parametrize("name", pcs_sim.parameters()["name"])
-def test_no_value_brings_the_module_down(name: str) -> None:
+PARAMETERS = pcs_sim.parameters().to_dict()
+
+
+@pytest.mark.parametrize(("name", "of_run", "of_image"), zip(*(PARAMETERS[key] for key in ["name", "run", "image"])))
+def test_no_value_brings_the_module_down(name: str, of_run: bool, of_image: bool) -> None:
     """Whatever a parameter is, the run ends, or says in the module's own exceptions why not."""
+    call: Callable[..., object] = pcs_sim.run if of_run else pcs_sim.image if of_image else pcs_sim.farm
+    scene = "room" if of_run or of_image else "rectangles"
     for value in JUNK:
-        given = {"scene": "room", "size": 1, name: value}
+        given = {"scene": scene, "size": 1, "threads": 1, name: value}
         if name == "rays":
             del given["size"]
         with contextlib.suppress(pcs_sim.InputError, pcs_sim.Deadlock, pcs_sim.CellFault):
-            pcs_sim.image(**given, threads=1) if name in IMAGE_ONLY else pcs_sim.run(**given, threads=1)
-
-
-IMAGE_ONLY = {name for name, of in zip(pcs_sim.parameters()["name"], pcs_sim.parameters()["of"]) if of == "image"}
+            call(**given)

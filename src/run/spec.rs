@@ -103,7 +103,7 @@ pub(super) fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -
 }
 
 /// What a configuration describes, or the one in statistics.
-fn configuration<T: DeserializeOwned>(mut value: serde_json::Value) -> serde_json::Result<T> {
+pub(super) fn configuration<T: DeserializeOwned>(mut value: serde_json::Value) -> serde_json::Result<T> {
     let configuration = match value.get_mut("configuration") {
         Some(configuration) => configuration,
         None => &mut value,

@@ -8,6 +8,7 @@ True
 
 from ._native import (
     CellFault,
+    CellProgram,
     Deadlock,
     InputError,
     Machine,
@@ -18,6 +19,8 @@ from ._native import (
     Scene,
     Table,
     __version__,
+    assemble,
+    farm,
     image,
     model,
     parameters,
@@ -29,6 +32,7 @@ from ._native import (
 
 __all__ = [
     "CellFault",
+    "CellProgram",
     "Deadlock",
     "InputError",
     "Machine",
@@ -39,6 +43,8 @@ __all__ = [
     "Scene",
     "Table",
     "__version__",
+    "assemble",
+    "farm",
     "image",
     "model",
     "parameters",

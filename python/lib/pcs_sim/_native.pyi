@@ -1,6 +1,6 @@
 """The simulator itself."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, final
@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from ._parameters import ImageParameters, MachineChanges, MachineParameters, ModelParameters, RunParameters
-from ._types import Counts, Timelines, Wait
+from ._parameters import FarmParameters, ImageParameters, MachineChanges, MachineParameters, ModelParameters, RunParameters
+from ._types import CellState, Counts, Timelines, Wait
 
 _Path = str | PathLike[str]
 _Point = tuple[float, float, float]
@@ -141,7 +141,7 @@ class Scene:
 
 @final
 class Run:
-    """A run that is over: of primary rays, of a whole image, or of a recorded trace.
+    """A run that is over: of primary rays, of a whole image, of a recorded trace, or of a farm.
 
     What a run over time looked like (`timelines`, `plot`, `page`) is found out when it is first asked for: by running
     it again under a probe, which changes nothing.
@@ -247,6 +247,40 @@ class Model:
         """Writes the statistics."""
     def _repr_html_(self) -> str: ...
 
+@final
+class CellProgram:
+    """A cell's program, assembled."""
+
+    @property
+    def object(self) -> str:
+        """The object file's text."""
+    @property
+    def listing(self) -> str:
+        """Addresses, words, source lines, and cycles of instructions and loops."""
+    @property
+    def disassembly(self) -> str:
+        """Source text that assembles to the same words."""
+    def save(self, *, object: _Path | None = None, listing: _Path | None = None, force: bool = False) -> list[Path]:
+        """Writes the object file, the listing."""
+    def step(
+        self,
+        x: _Path | Iterable[float] | None = None,
+        y: _Path | Iterable[float] | None = None,
+        *,
+        instructions: int | None = None,
+        instruction_limit: int | None = None,
+    ) -> CellState:
+        """Runs the program on words that come on X and Y.
+
+        Words are integers, floating-point numbers, or a file as `pcs-sim step` takes it. It goes on from message to
+        message until it halts, wants a word where no more come, or has executed so many `instructions`.
+        """
+
+def assemble(
+    file: _Path, *, machine: _Path | Mapping[str, Any] | Machine | None = None
+) -> CellProgram:
+    """Assembles a cell's program: source text, or an object file. `machine` says what instructions cost."""
+
 def run(
     scene: _Path | Scene | None = None,
     *,
@@ -280,6 +314,20 @@ def image(
     """Makes a whole image: the host shades the hits and sends shadow, reflected and refracted rays.
 
     Takes the parameters of `run`, but for `rays`, and those of light and host (`samples`, `depth`, `timing`, ...).
+    """
+
+def farm(
+    scene: _Path | None = None,
+    *,
+    config: _Path | Mapping[str, Any] | Run | None = None,
+    threads: int | None = None,
+    progress: bool | None = None,
+    **parameters: Unpack[FarmParameters],
+) -> Run:
+    """Runs a farm: a master and workers that share an image, on CAPITAN.
+
+    Takes the parameters of farms, by the names of the flags of `pcs-sim farm`; `tasks` is a number of workers (`sweep`
+    makes tables of many). `config` is a farm to be repeated.
     """
 
 def replay(
@@ -327,11 +375,10 @@ def sweep(
     """
 
 def parameters() -> Table:
-    """The parameters of runs.
+    """The parameters.
 
-    `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), and what has it (`of`): a
-    `machine`, and so all that runs on one; every `run`; the `cells` of runs and images; runs with `rays` of their own;
-    an `image`.
+    `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), and for each call whether it
+    takes it (`run`, `image`, `replay`, `model`, `farm`).
     """
 
 def scenes() -> Table:

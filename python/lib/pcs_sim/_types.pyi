@@ -60,3 +60,29 @@ class Timelines(TypedDict):
     """What every FIFO held."""
     rays: NDArray[np.uint64]
     """How many answers came back in each bin."""
+
+class CellState(TypedDict):
+    """A cell that has run a program."""
+
+    stopped: str | None
+    """Why it stands still: "halted", or "x" or "y" for a word from there; None if it does not."""
+    messages: int
+    """Messages that are done."""
+    executed: int
+    """Instructions that it executed."""
+    cycles: int
+    """Cycles that the last message took, if no word was waited for."""
+    address: int
+    """The next instruction."""
+    x_read: int
+    """How many words of X it read."""
+    y_read: int
+    """How many words of Y it read."""
+    x_out: NDArray[np.uint32]
+    """What it wrote to the right neighbour's X."""
+    y_out: NDArray[np.uint32]
+    """What it wrote to the right neighbour's Y."""
+    registers: dict[str, int]
+    """The registers that are not 0."""
+    data: NDArray[np.uint32]
+    """Its data memory."""
