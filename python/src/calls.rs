@@ -11,9 +11,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::doing::{Ops, render, time, trace};
+use crate::made::Made;
 use crate::outputs;
 use crate::request::{Of, Request, farm_request, replay_configuration};
-use crate::run::{Made, Run};
+use crate::run::Run;
 use crate::trouble::wrong;
 use crate::work::{Crew, work};
 

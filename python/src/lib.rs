@@ -6,6 +6,7 @@ mod calls;
 mod cells;
 mod doing;
 mod machine;
+mod made;
 mod model;
 mod outputs;
 mod request;

@@ -3,30 +3,24 @@
 use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
-use pcs_sim::error;
 use pcs_sim::geometry::Hit;
-use pcs_sim::host::image;
-use pcs_sim::machine::{Capitan, Observed};
-use pcs_sim::measure::{Clock, Measured, Profile, StateKind};
+use pcs_sim::measure::{Observed, Profile, StateKind};
 use pcs_sim::program::Counts;
 use pcs_sim::quantities::Cycles;
-use pcs_sim::report::page::{self, Page};
-use pcs_sim::report::plot::{self, Caption};
-use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::trace::{Format, Trace};
-use pcs_sim::report::{account, bottleneck, farm, hits};
-use pcs_sim::run::{FarmOutcome, FarmSetup, Outcome, Outputs, Rendered, Replay, Setup, Timing, Watching};
-use pyo3::exceptions::{PyAttributeError, PyKeyError, PyRuntimeWarning};
+use pcs_sim::report::{bottleneck, hits};
+use pcs_sim::run::Watching;
+use pyo3::exceptions::{PyKeyError, PyRuntimeWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::doing::{render, time, trace};
+use crate::made::{Described, Made, has_none, locked, save_plots};
 use crate::outputs;
 use crate::table::{Table, number, text, whole};
-use crate::trouble::{Trouble, output, wrong};
+use crate::trouble::{Trouble, wrong};
 use crate::view::Picture;
 use crate::work::{Crew, briefly, work};
 
@@ -42,148 +36,21 @@ pub struct Run {
     profile: Mutex<Option<Arc<Profile>>>,
 }
 
-/// What was run, and what came of it.
-#[derive(Debug)]
-pub enum Made {
-    /// Primary rays.
-    Rays { setup: Setup, outcome: Box<Outcome> },
-    /// A whole image, with the hits in the order in which the rays were sent.
-    Image { setup: Setup, rendered: Box<Rendered>, hits: Vec<Hit> },
-    /// A recorded trace.
-    Replay { replay: Mutex<Replay>, stats: Measured },
-    /// A farm of workers.
-    Farm { setup: Box<FarmSetup>, outcome: Box<FarmOutcome> },
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// What a run is not asked for, as it is of another sort.
-fn has_none(sort: &str, what: &str) -> PyErr {
-    PyAttributeError::new_err(format!("{sort} has no {what}"))
-}
-
-const UNTIMED: &str = "an image without timing";
-
 impl Run {
     /// A run that is over; who did it does it again where that is asked for.
     pub fn new(made: Made, crew: Crew) -> Run {
         Run { made, crew, profile: Mutex::default() }
     }
 
-    fn timing(rendered: &Rendered) -> PyResult<&Timing> {
-        rendered.timing.as_ref().ok_or_else(|| has_none(UNTIMED, "statistics"))
-    }
-
-    fn measured(&self) -> PyResult<&Measured> {
-        match &self.made {
-            Made::Rays { outcome, .. } => Ok(&outcome.stats),
-            Made::Image { rendered, .. } => Ok(&Run::timing(rendered)?.stats),
-            Made::Replay { stats, .. } => Ok(stats),
-            Made::Farm { outcome, .. } => Ok(&outcome.stats),
-        }
-    }
-
-    fn setup(&self, what: &str) -> PyResult<&Setup> {
-        match &self.made {
-            Made::Rays { setup, .. } | Made::Image { setup, .. } => Ok(setup),
-            Made::Replay { .. } => Err(has_none("a replay", what)),
-            Made::Farm { .. } => Err(has_none("a farm", what)),
-        }
-    }
-
-    fn clock(&self) -> Clock {
-        match &self.made {
-            Made::Rays { setup, .. } | Made::Image { setup, .. } => setup.machine.spec.clock(),
-            Made::Replay { replay, .. } => locked(replay).machine.spec.clock(),
-            Made::Farm { .. } => Capitan::CLOCK,
-        }
-    }
-
-    fn found(&self) -> PyResult<(&Setup, &[Hit])> {
-        match &self.made {
-            Made::Rays { setup, outcome } => Ok((setup, &outcome.hits)),
-            Made::Image { setup, rendered, hits } => Run::timing(rendered).map(|_| (setup, hits.as_slice())),
-            Made::Replay { .. } | Made::Farm { .. } => self.setup("hits").map(|setup| (setup, &[][..])),
-        }
-    }
-
-    fn tallied(&self) -> PyResult<&Counts> {
-        match &self.made {
-            Made::Rays { outcome, .. } => Ok(&outcome.counts),
-            Made::Image { rendered, .. } => Ok(&rendered.counts),
-            Made::Replay { .. } => Err(has_none("a replay", "counts")),
-            Made::Farm { .. } => Err(has_none("a farm", "counts of its own")),
-        }
-    }
-
-    /// The statistics as the command writes them.
-    fn json(&self) -> PyResult<String> {
-        let json = match &self.made {
-            Made::Rays { setup, outcome } => account::stats_json(setup, outcome),
-            Made::Image { setup, rendered, .. } => account::image_stats_json(setup, rendered, Run::timing(rendered)?),
-            Made::Replay { replay, stats } => account::replay_stats_json(&locked(replay), stats),
-            Made::Farm { setup, outcome } => farm::to_json(outcome, &setup.scene, &self.described().configuration),
-        };
-        json.map_err(|error| PyAttributeError::new_err(error.to_string()))
+    /// Runs it once more, watched.
+    fn watch(&self, py: Python<'_>, watching: &Watching) -> PyResult<Observed> {
+        self.made.measured()?;
+        work(py, self.crew, "rays", |task| self.made.again(watching, task))
     }
 
     /// What was run, as JSON.
     pub fn configuration(&self, py: Python<'_>) -> PyResult<serde_json::Value> {
-        let json = match &self.made {
-            Made::Rays { setup, .. } | Made::Image { setup, .. } => serde_json::to_value(&setup.spec),
-            Made::Replay { replay, .. } => serde_json::to_value(&locked(replay).spec),
-            Made::Farm { setup, .. } => serde_json::to_value(&setup.spec),
-        };
-        json.map_err(|error| wrong(py, error.to_string()))
-    }
-
-    fn described(&self) -> Described {
-        let (title, machine, names, configuration) = match &self.made {
-            Made::Rays { setup, .. } => (
-                account::title(setup),
-                &setup.machine,
-                account::cell_names(&setup.workload),
-                Configuration::new(&setup.spec, &setup.workload),
-            ),
-            Made::Image { setup, rendered, .. } => (
-                account::image_title(setup, rendered),
-                &setup.machine,
-                account::cell_names(&setup.workload),
-                Configuration::new(&setup.spec, &setup.workload),
-            ),
-            Made::Farm { setup, outcome } => {
-                let configuration = Configuration::Farm(Box::new(setup.spec.clone()));
-                return Described { caption: farm::caption(setup, outcome), names: Vec::new(), configuration };
-            }
-            Made::Replay { replay, .. } => {
-                let replay = locked(replay);
-                let caption = Caption {
-                    title: account::replay_title(&replay),
-                    machine: account::machine_line(&replay.machine.spec),
-                };
-                return Described {
-                    caption,
-                    names: Vec::new(),
-                    configuration: Configuration::Replay(Box::new(replay.spec.clone())),
-                };
-            }
-        };
-        Described { caption: Caption { title, machine: account::machine_line(&machine.spec) }, names, configuration }
-    }
-
-    /// Runs it once more, watched.
-    fn watch(&self, py: Python<'_>, watching: &Watching) -> PyResult<Observed> {
-        self.measured()?;
-        work(py, self.crew, "rays", |task| match &self.made {
-            Made::Rays { setup, .. } => Ok(trace(setup, watching, None, task)?.0.observed),
-            Made::Image { setup, .. } => {
-                Ok(render(setup, watching, None, task)?.0.timing.map(|timing| timing.observed).unwrap_or_default())
-            }
-            Made::Replay { replay, .. } => Ok(time(&mut locked(replay), watching, task)?.1),
-            Made::Farm { setup, .. } => Ok(setup.run(setup.spec.tasks, watching, &task.workers.cancel)?.observed),
-        })
+        self.made.configuration().map_err(|error| wrong(py, error.to_string()))
     }
 
     /// The run over time.
@@ -197,63 +64,6 @@ impl Run {
         *locked(&self.profile) = Some(profile.clone());
         Ok(profile)
     }
-
-    /// The pixels, in linear light; `None` without a picture.
-    fn pixels(&self) -> Option<Vec<f32>> {
-        match &self.made {
-            Made::Rays { setup, outcome } if setup.spec.rays.is_none() => {
-                let pixels =
-                    image::preview(&setup.scene, setup.workload.polygons(), &setup.prepared.rays, &outcome.hits);
-                Some(pixels.iter().flat_map(|pixel| pixel.to_array()).collect())
-            }
-            Made::Image { rendered, .. } => Some(rendered.pixels.iter().flat_map(|pixel| pixel.to_array()).collect()),
-            _ => None,
-        }
-    }
-
-    /// Writes the picture, if there is one.
-    fn write_picture(&self, file: &mut impl Write, as_pfm: bool) -> Result<(), Trouble> {
-        let (setup, pixels) = match &self.made {
-            Made::Rays { setup, outcome } if setup.spec.rays.is_none() => {
-                let (polygons, rays) = (setup.workload.polygons(), &setup.prepared.rays);
-                (setup, image::preview(&setup.scene, polygons, rays, &outcome.hits))
-            }
-            Made::Image { setup, rendered, .. } => (setup, rendered.pixels.clone()),
-            _ => return Err(error::InputError::new("the rays are none of a picture").into()),
-        };
-        match as_pfm {
-            true => image::write_pfm(file, setup.spec.size, &pixels).map_err(output),
-            false => image::write_png(file, setup.spec.size, &pixels).map_err(output),
-        }
-    }
-
-    /// The same as PNG for a page.
-    fn png(&self) -> Result<Option<Vec<u8>>, Trouble> {
-        let mut png = Vec::new();
-        match self.pixels() {
-            Some(_) => self.write_picture(&mut png, false).map(|()| Some(png)),
-            None => Ok(None),
-        }
-    }
-
-    fn html(&self, stats: &Measured, profile: &Profile) -> Result<String, Trouble> {
-        let Described { caption, names, configuration } = &self.described();
-        let (clock, image) = (self.clock(), self.png()?);
-        page::html(&Page { caption, clock, stats, profile, cell_names: names, configuration, image: image.as_deref() })
-            .map_err(output)
-    }
-
-    fn drawn(&self, profile: &Profile) -> Result<Vec<plot::Picture>, Trouble> {
-        let Described { caption, names, .. } = &self.described();
-        plot::pictures(profile, self.clock(), caption, names).map_err(output)
-    }
-}
-
-/// What a run was, in words and as data.
-struct Described {
-    caption: Caption,
-    names: Vec<String>,
-    configuration: Configuration,
 }
 
 #[pymethods]
@@ -261,13 +71,13 @@ impl Run {
     /// Simulated time, in cycles.
     #[getter]
     fn cycles(&self) -> PyResult<u64> {
-        Ok(self.measured()?.cycles.0)
+        Ok(self.made.measured()?.cycles.0)
     }
 
     /// Simulated time, in seconds.
     #[getter]
     fn seconds(&self) -> PyResult<f64> {
-        Ok(self.clock().seconds(self.measured()?.cycles))
+        Ok(self.made.clock().seconds(self.made.measured()?.cycles))
     }
 
     /// How many rays the host sent.
@@ -275,7 +85,7 @@ impl Run {
     fn rays(&self) -> PyResult<u64> {
         match &self.made {
             Made::Farm { .. } => Err(has_none("a farm", "count of rays")),
-            _ => Ok(self.measured()?.jobs),
+            _ => Ok(self.made.measured()?.jobs),
         }
     }
 
@@ -289,13 +99,13 @@ impl Run {
     /// One sentence on what limits the machine.
     #[getter]
     fn bottleneck(&self) -> PyResult<String> {
-        Ok(bottleneck::sentence(self.measured()?))
+        Ok(bottleneck::sentence(self.made.measured()?))
     }
 
     /// How often the kernels did their work: `voxels`, `slab_tests`, `intersection_tests`, `hits`.
     #[getter]
     fn counts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let Counts { voxels, slab_tests, intersection_tests, hits } = *self.tallied()?;
+        let Counts { voxels, slab_tests, intersection_tests, hits } = *self.made.tallied()?;
         let counts = PyDict::new(py);
         counts.set_item("voxels", voxels)?;
         counts.set_item("slab_tests", slab_tests)?;
@@ -307,10 +117,10 @@ impl Run {
     /// Where every cell's cycles went: a row a cell, a column a state. The states of a cell sum to the run's cycles.
     #[getter]
     fn cells(&self) -> PyResult<Table> {
-        let stats = self.measured()?;
+        let stats = self.made.measured()?;
         let names = match &self.made {
             Made::Farm { .. } => (0..stats.stations.len()).map(|task| stats.topology.station(task)).collect(),
-            _ => self.described().names,
+            _ => self.made.described().names,
         };
         let all = 0..stats.stations.len();
         let states = stats.topology.states.all().iter().filter(|state| state.used || state.kind == StateKind::Works);
@@ -326,7 +136,7 @@ impl Run {
     /// `empty` are shares of the run.
     #[getter]
     fn fifos(&self) -> PyResult<Table> {
-        let stats = self.measured()?;
+        let stats = self.made.measured()?;
         let infos = || stats.topology.fifos.iter();
         let fifos = || stats.fifos.iter();
         Table::new(vec![
@@ -347,7 +157,7 @@ impl Run {
     /// `polygon` (the number of the scene's face, -1 on a miss), `alpha` and `beta`.
     #[getter]
     fn hits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let (setup, hits) = self.found()?;
+        let (setup, hits) = self.made.found()?;
         let polygons = setup.workload.polygons();
         let face = |hit: &Hit| if hit.is_hit() { i64::from(polygons.face(hit.polygon)) } else { -1 };
         let kinds = [("t", "f4"), ("polygon", "i8"), ("alpha", "f4"), ("beta", "f4")];
@@ -362,8 +172,8 @@ impl Run {
     /// The picture: height x width x 3, linear light, line by line from the top left. None if the rays are no camera's.
     #[getter]
     fn image<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
-        let size = self.setup("image")?.spec.size;
-        let Some(pixels) = self.pixels() else { return Ok(None) };
+        let size = self.made.setup("image")?.spec.size;
+        let Some(pixels) = self.made.pixels() else { return Ok(None) };
         let array = PyArray1::from_vec(py, pixels);
         Ok(Some(array.reshape([size.height as usize, size.width as usize, 3])?))
     }
@@ -403,7 +213,7 @@ impl Run {
     /// All statistics: what `--stats` writes.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("json")?.getattr("loads")?.call1((self.json()?,))
+        py.import("json")?.getattr("loads")?.call1((self.made.json()?,))
     }
 
     /// What was run, with every default filled in: `config=` repeats it.
@@ -415,18 +225,14 @@ impl Run {
     /// What the user should know: what had to be rounded, cut or assumed.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        match &self.made {
-            Made::Rays { setup, .. } | Made::Image { setup, .. } => setup.notes().map(str::to_owned).collect(),
-            Made::Replay { replay, .. } => locked(replay).machine.notes.clone(),
-            Made::Farm { setup, .. } => setup.notes().map(str::to_owned).collect(),
-        }
+        self.made.notes()
     }
 
     /// All pictures of the run over time, by name.
     fn plots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let profile = self.probed(py)?;
         let pictures = PyDict::new(py);
-        for picture in briefly(py, |_| self.drawn(&profile))? {
+        for picture in briefly(py, |_| self.made.drawn(&profile))? {
             let name = picture.name.clone();
             pictures.set_item(name, Py::new(py, Picture { picture })?)?;
         }
@@ -445,8 +251,8 @@ impl Run {
 
     /// The page that shows the run in a browser, as HTML.
     fn page(&self, py: Python<'_>) -> PyResult<String> {
-        let (profile, stats) = (self.probed(py)?, self.measured()?);
-        briefly(py, |_| self.html(stats, &profile))
+        let (profile, stats) = (self.probed(py)?, self.made.measured()?);
+        briefly(py, |_| self.made.html(stats, &profile))
     }
 
     /// Writes results as the command does, all or none of each: statistics, hits, the picture, the page, a folder of plots, a
@@ -469,28 +275,28 @@ impl Run {
     ) -> PyResult<Vec<PathBuf>> {
         let mut written = Vec::new();
         if let Some(path) = stats {
-            let json = self.json()?;
+            let json = self.made.json()?;
             written.push(briefly(py, |_| outputs::write(&path, force, |file| file.write_all(json.as_bytes())))?);
         }
         if let Some(path) = hits {
-            let (setup, found) = self.found()?;
+            let (setup, found) = self.made.found()?;
             let polygons = setup.workload.polygons();
             written.push(briefly(py, |_| outputs::write(&path, force, |file| hits::write(file, polygons, found)))?);
         }
         if let Some(path) = image {
-            self.setup("image")?;
-            written.push(briefly(py, |_| self.save_picture(&path, force))?);
+            self.made.setup("image")?;
+            written.push(briefly(py, |_| self.made.save_picture(&path, force))?);
         }
         if let Some(path) = page {
-            let (profile, stats) = (self.probed(py)?, self.measured()?);
+            let (profile, stats) = (self.probed(py)?, self.made.measured()?);
             written.push(briefly(py, |_| {
-                let html = self.html(stats, &profile)?;
+                let html = self.made.html(stats, &profile)?;
                 outputs::write(&path, force, |file| file.write_all(html.as_bytes()))
             })?);
         }
         if let Some(folder) = plot {
             let profile = self.probed(py)?;
-            written.extend(briefly(py, |_| save_plots(&folder, force, self.drawn(&profile)?))?);
+            written.extend(briefly(py, |_| save_plots(&folder, force, self.made.drawn(&profile)?))?);
         }
         if let Some(path) = trace {
             let window = trace_window.map_or(Cycles(0)..Cycles(u64::MAX), |(from, until)| Cycles(from)..Cycles(until));
@@ -500,23 +306,18 @@ impl Run {
     }
 
     fn __str__(&self) -> String {
-        match &self.made {
-            Made::Rays { setup, outcome } => account::text(setup, outcome),
-            Made::Image { setup, rendered, .. } => account::image_text(setup, rendered),
-            Made::Replay { replay, stats } => account::replay_text(&locked(replay), stats),
-            Made::Farm { setup, outcome } => farm::text(setup, outcome),
-        }
+        self.made.text()
     }
 
     fn __repr__(&self) -> String {
-        format!("<pcs_sim.Run: {}>", self.described().caption.title)
+        format!("<pcs_sim.Run: {}>", self.made.described().caption.title)
     }
 
     fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
-        let picture = match self.measured() {
+        let picture = match self.made.measured() {
             Ok(_) => {
                 let profile = self.probed(py)?;
-                let pictures = briefly(py, |_| self.drawn(&profile))?;
+                let pictures = briefly(py, |_| self.made.drawn(&profile))?;
                 pictures.into_iter().find(|picture| picture.name == "cells").map(|picture| picture.rendered.svg)
             }
             Err(_) => None,
@@ -527,21 +328,6 @@ impl Run {
 }
 
 impl Run {
-    fn save_picture(&self, path: &Path, force: bool) -> Result<PathBuf, Trouble> {
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        let as_pfm = match (extension.as_deref(), &self.made) {
-            (Some("pfm"), Made::Image { .. }) => true,
-            (Some("png"), _) => false,
-            _ => {
-                let error = error::InputError::in_file(path, "is no name of an image");
-                return Err(error.help("images end in .png or .pfm").into());
-            }
-        };
-        let mut file = outputs::open(path, force)?;
-        self.write_picture(&mut file, as_pfm)?;
-        outputs::finish(file)
-    }
-
     fn save_trace(&self, py: Python<'_>, path: &Path, window: Range<Cycles>, force: bool) -> PyResult<PathBuf> {
         let format = Format::of(path).map_err(|error| Trouble::from(error).raise(py))?;
         if window.is_empty() {
@@ -549,8 +335,8 @@ impl Run {
         }
         let observed = self.watch(py, &Watching { profile: false, recording: Some(window) })?;
         let recording = observed.recording.ok_or_else(|| has_none("a run that was not recorded", "trace"))?;
-        let Described { caption, names, .. } = &self.described();
-        let trace = Trace { caption, clock: self.clock(), cell_names: names, recording: &recording };
+        let Described { caption, names, .. } = &self.made.described();
+        let trace = Trace { caption, clock: self.made.clock(), cell_names: names, recording: &recording };
         let written = briefly(py, |_| outputs::write(path, force, |file| trace.write(format, file)))?;
         for note in trace.notes(format) {
             let note = std::ffi::CString::new(note).unwrap_or_default();
@@ -558,18 +344,4 @@ impl Run {
         }
         Ok(written)
     }
-}
-
-fn save_plots(folder: &Path, force: bool, pictures: Vec<plot::Picture>) -> Result<Vec<PathBuf>, Trouble> {
-    let unfit =
-        |error: std::io::Error| error::InputError::in_file(folder, format!("cannot be written: {}", error.kind()));
-    let prepared = Outputs::default().folder(folder).map_err(unfit)?;
-    let mut written = Vec::new();
-    for picture in pictures {
-        for (ending, bytes) in [("svg", picture.rendered.svg.as_bytes()), ("png", &picture.rendered.png)] {
-            let path = prepared.path().join(format!("{}.{ending}", picture.name));
-            written.push(outputs::write(&path, force, |file| file.write_all(bytes))?);
-        }
-    }
-    Ok(written)
 }
