@@ -6,6 +6,8 @@ export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 venv="$CARGO_TARGET_DIR/python-tests"
 [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
 export PATH="$venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1
+cargo fmt --package pcs-sim-python --check
+cargo clippy --package pcs-sim-python -- -D warnings
 pip install --quiet --require-virtualenv -r python/tests/requirements.txt
 cargo build --release --bin pcs-sim
 pip install --quiet --no-build-isolation --no-deps --force-reinstall ./python

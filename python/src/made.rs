@@ -15,7 +15,6 @@ use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{account, farm};
 use pcs_sim::run::{FarmOutcome, FarmSetup, Outcome, Outputs, Rendered, Replay, Setup, Timing, Watching};
-use pyo3::PyErr;
 use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 
@@ -38,6 +37,7 @@ pub enum Made {
 }
 
 /// What a run was, in words and as data.
+#[derive(Debug)]
 pub struct Described {
     /// Title and machine.
     pub caption: Caption,
