@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from ._parameters import FarmParameters, ImageParameters, MachineChanges, MachineParameters, ModelParameters, RunParameters
+from ._parameters import (
+    FarmParameters,
+    ImageParameters,
+    MachineChanges,
+    MachineParameters,
+    ModelParameters,
+    RunParameters,
+)
 from ._types import CellState, Counts, Timelines, Wait
 
 _Path = str | PathLike[str]
@@ -276,9 +283,7 @@ class CellProgram:
         message until it halts, wants a word where no more come, or has executed so many `instructions`.
         """
 
-def assemble(
-    file: _Path, *, machine: _Path | Mapping[str, Any] | Machine | None = None
-) -> CellProgram:
+def assemble(file: _Path, *, machine: _Path | Mapping[str, Any] | Machine | None = None) -> CellProgram:
     """Assembles a cell's program: source text, or an object file. `machine` says what instructions cost."""
 
 def run(

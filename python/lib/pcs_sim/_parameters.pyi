@@ -71,8 +71,8 @@ class MachineParameters(MachineChanges, total=False):
     machine: str | PathLike[str] | Mapping[str, Any] | Machine | None
     """Machine."""
 
-class ModelParameters(MachineParameters, total=False):
-    """Parameters of a prediction."""
+class RunParameters(MachineParameters, total=False):
+    """Parameters of a run of primary rays."""
 
     size_factor: int | None
     """Size factor of the scene."""
@@ -112,9 +112,6 @@ class ModelParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
-
-class RunParameters(ModelParameters, total=False):
-    """Parameters of a run of primary rays."""
 
     cells_run: str | None
     """What the cells run."""
@@ -196,3 +193,150 @@ class ImageParameters(MachineParameters, total=False):
 
     open_samples: int | None
     """Samples under way at the most."""
+
+class ModelParameters(MachineParameters, total=False):
+    """Parameters of a prediction."""
+
+    size_factor: int | None
+    """Size factor of the scene."""
+
+    resolution: int | None
+    """Slices of spheres and cones."""
+
+    size: str | int | tuple[int, int] | None
+    """Size of the image (pixels)."""
+
+    rays: str | PathLike[str] | ArrayLike | None
+    """Rays."""
+
+    mode: str | None
+    """Mode."""
+
+    program: str | PathLike[str] | Mapping[str, Any] | Program | None
+    """Array program."""
+
+    cells: int | None
+    """Cells."""
+
+    groups: int | None
+    """Groups of cells."""
+
+    partition: str | None
+    """Partition of the scene."""
+
+    grid_coefficient: float | None
+    """Grid coefficient (voxels a polygon)."""
+
+    mailbox: bool | None
+    """Mailbox in the grid."""
+
+    stop_words: int | None
+    """Voxels ahead of the stop words."""
+
+    forward_ahead: int | None
+    """Rays passed on ahead."""
+
+class FarmParameters(TypedDict, total=False):
+    """Parameters of a farm."""
+
+    size_factor: int | None
+    """Size factor of the scene."""
+
+    resolution: int | None
+    """Slices of spheres and cones."""
+
+    size: str | int | tuple[int, int] | None
+    """Size of the image (pixels)."""
+
+    grid_coefficient: float | None
+    """Grid coefficient (voxels a polygon)."""
+
+    machine: str | PathLike[str] | Mapping[str, Any] | Machine | None
+    """Machine."""
+
+    grid_start: float | None
+    """Grid: start of a ray (µs)."""
+
+    grid_voxel: float | None
+    """Grid: step to a voxel (µs)."""
+
+    slabs_start: float | None
+    """Slabs: start of a ray (µs)."""
+
+    slabs_polygon: float | None
+    """Slabs: test of a polygon (µs)."""
+
+    intersection_start: float | None
+    """Intersection: start of a ray (µs)."""
+
+    intersection_polygon: float | None
+    """Intersection: test of a polygon (µs)."""
+
+    samples: int | None
+    """Samples along a side of a pixel."""
+
+    adaptive: bool | None
+    """Samples only where they tell."""
+
+    depth: int | None
+    """Reflections and refractions at the most."""
+
+    min_contribution: float | None
+    """Least share of a pixel that is followed."""
+
+    tasks: int | None
+    """Workers."""
+
+    items: str | None
+    """Work items."""
+
+    tile: int | None
+    """Side of a tile (pixels)."""
+
+    hand_out: str | None
+    """Handing out."""
+
+    scene_by: str | None
+    """The scene comes by."""
+
+    rectangles: int | None
+    """Rectangles of the made-up scene."""
+
+    seed: int | None
+    """Seed of the made-up scene."""
+
+    processors: int | None
+    """Processors."""
+
+    memory_kbyte: int | None
+    """Memory of a processor (kbyte)."""
+
+    buses: int | None
+    """Buses."""
+
+    bus_mb_s: float | None
+    """Rate of a bus (Mbyte/s)."""
+
+    header_bytes: int | None
+    """Header of a message (bytes)."""
+
+    fixed_ms: float | None
+    """Spent once (ms)."""
+
+    per_cap_ms: float | None
+    """Copy of the scene to one processor (ms)."""
+
+    message_ms: float | None
+    """Sending a message (ms)."""
+
+    segment_ms: float | None
+    """Set-up of a work item (ms)."""
+
+    pixel_ms: float | None
+    """Pixel of the made-up scene (ms)."""
+
+    color_ms: float | None
+    """Taking a colour (ms)."""
+
+    shade_hit: float | None
+    """Shading a hit (µs)."""
