@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import statistics
 import subprocess
@@ -159,7 +160,7 @@ def test_every_flag_is_a_parameter(folder: Path) -> None:
 def flag_lines(told: str) -> list[list[str]]:
     """The lines of a help that begin with a flag, up to its value."""
     lines = [line.strip().split("  ")[0].split(" [")[0].split() for line in told.splitlines()]
-    return [words[: 3 if words[0].endswith(",") else 2] for words in lines if words and words[0].startswith("-")]
+    return [words for words in lines if words and (words[0].startswith("--") or re.fullmatch("-[a-zA-Z],", words[0]))]
 
 
 def test_the_stubs_are_up_to_date() -> None:

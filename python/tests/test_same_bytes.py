@@ -152,7 +152,7 @@ def test_farms(two: Path, parameters: dict[str, Any]) -> None:
     assert ended.out.startswith(str(run))
     assert run.stats["workers"] == parameters["tasks"]
     assert pcs_sim.farm(config=run).stats == run.stats
-    assert [name for name in run.cells["runs"]][0] == run.stats["tasks"][0]["name"]
+    assert list(run.cells["runs"]) == [task["name"] for task in run.stats["tasks"]]
     for name in ["hits", "counts", "image", "rays", "rays_per_second"]:
         assert not hasattr(run, name)
 

@@ -101,7 +101,7 @@ ELSEWHERE: list[tuple[Callable[[], object], str]] = [
     (lambda: pcs_sim.replay("loop.ops", cells=5), "unknown parameter `cells`"),  # type: ignore[call-arg]
     (lambda: pcs_sim.replay(), "a replay needs a trace"),
     (lambda: pcs_sim.replay(config={"ops": 5}), "describes no replay"),
-    (lambda: pcs_sim.farm(tasks="1..4"), "of one number of workers, not of a range"),
+    (lambda: pcs_sim.farm(tasks="1..4"), "of one number of workers, not of a range"),  # type: ignore[arg-type]
     (lambda: pcs_sim.farm(tasks=0), "there must be at least 1 worker"),
     (lambda: pcs_sim.farm(tile=4), "--tile is about tiles"),
     (lambda: pcs_sim.farm(fifo_words=4), "unknown parameter `fifo_words`"),  # type: ignore[call-arg]
@@ -228,7 +228,9 @@ JUNK: list[Any] = [-1, 0, 2**70, -0.5, 1e300, float("nan"), "", "x", "\0", b"x",
 PARAMETERS = pcs_sim.parameters().to_dict()
 
 
-@pytest.mark.parametrize(("name", "of_run", "of_image"), zip(*(PARAMETERS[key] for key in ["name", "run", "image"])))
+@pytest.mark.parametrize(
+    ("name", "of_run", "of_image"), list(zip(*(PARAMETERS[key] for key in ["name", "run", "image"])))
+)
 def test_no_value_brings_the_module_down(name: str, of_run: bool, of_image: bool) -> None:
     """Whatever a parameter is, the run ends, or says in the module's own exceptions why not."""
     call: Callable[..., object] = pcs_sim.run if of_run else pcs_sim.image if of_image else pcs_sim.farm
