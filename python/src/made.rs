@@ -187,6 +187,11 @@ impl Made {
         }
     }
 
+    /// The name of the picture that shows it best: what each cell, or task, did when.
+    pub fn first_picture(&self) -> &'static str {
+        if matches!(self, Made::Farm { .. }) { "tasks" } else { "cells" }
+    }
+
     /// What people read of it.
     pub fn text(&self) -> String {
         match self {

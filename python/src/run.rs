@@ -239,11 +239,11 @@ impl Run {
         Ok(pictures)
     }
 
-    /// A picture of the run over time: `cells`, `fifos`, `fifo-histograms`, `rays` or `latency`. (Of many FIFOs there is one
-    /// for each channel: `fifos-x`, ...)
-    #[pyo3(signature = (name="cells"))]
-    fn plot<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let pictures = self.plots(py)?;
+    /// A picture of the run over time: `cells` (of a farm `tasks`, and the first if none is named), `fifos`,
+    /// `fifo-histograms`, `rays` or `latency`. (Of many FIFOs there is one for each channel: `fifos-x`, ...)
+    #[pyo3(signature = (name=None))]
+    fn plot<'py>(&self, py: Python<'py>, name: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
+        let (pictures, name) = (self.plots(py)?, name.unwrap_or(self.made.first_picture()));
         let names = pictures.keys();
         let picture = pictures.get_item(name)?;
         picture.ok_or_else(|| PyKeyError::new_err(format!("there is no picture '{name}', there are {names}")))
@@ -318,7 +318,8 @@ impl Run {
             Ok(_) => {
                 let profile = self.probed(py)?;
                 let pictures = briefly(py, |_| self.made.drawn(&profile))?;
-                pictures.into_iter().find(|picture| picture.name == "cells").map(|picture| picture.rendered.svg)
+                let first = self.made.first_picture();
+                pictures.into_iter().find(|picture| picture.name == first).map(|picture| picture.rendered.svg)
             }
             Err(_) => None,
         };

@@ -148,8 +148,10 @@ def test_farms(two: Path, parameters: dict[str, Any]) -> None:
     results = "--stats stats.json --page page.html --plot plots --trace trace.pftrace"
     ended = command(two / "theirs", "farm", *arguments, *results.split())
     assert ended.status == 0, ended.err
-    same(two, ["stats.json", "page.html", "plots/cells.svg", "trace.pftrace"])
+    same(two, ["stats.json", "page.html", "plots/tasks.svg", "plots/latency.svg", "trace.pftrace"])
     assert ended.out.startswith(str(run))
+    assert run.plot().name == "tasks"
+    assert "<svg" in run._repr_html_()
     assert run.stats["workers"] == parameters["tasks"]
     assert pcs_sim.farm(config=run).stats == run.stats
     assert list(run.cells["runs"]) == [task["name"] for task in run.stats["tasks"]]

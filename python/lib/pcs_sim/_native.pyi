@@ -208,10 +208,10 @@ class Run:
         """What the user should know: what had to be rounded, cut or assumed."""
     def plots(self) -> dict[str, Picture]:
         """All pictures of the run over time, by name."""
-    def plot(self, name: str = "cells") -> Picture:
+    def plot(self, name: str | None = None) -> Picture:
         """A picture of the run over time: `cells`, `fifos`, `fifo-histograms`, `rays` or `latency`.
 
-        Of many FIFOs there is one for each channel: `fifos-x`, ...
+        The first, or of a farm `tasks`, if none is named. Of many FIFOs there is one for each channel: `fifos-x`, ...
         """
     def page(self) -> str:
         """The page that shows the run in a browser, as HTML."""
