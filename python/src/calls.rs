@@ -45,9 +45,9 @@ pub fn run(
         let (run, mut layers) = request.planned(RunSpec::of_rays, moot::check_run)?;
         let file = ops.as_ref().map(|ops| outputs::open(&ops.path, ops.force)).transpose()?;
         let setup = Setup::new(run, &mut layers, &task.workers.cancel)?;
-        let (outcome, file) = trace(&setup, &Watching::default(), ops.as_ref().zip(file), task)?;
+        let (outcome, losses, file) = trace(&setup, &Watching::default(), ops.as_ref().zip(file), task)?;
         file.map(outputs::finish).transpose()?;
-        Ok(Made::Rays { setup, outcome: Box::new(outcome) })
+        Ok(Made::Rays { setup, outcome: Box::new(outcome), losses })
     })?;
     Ok(Run::new(made, crew))
 }
@@ -80,9 +80,9 @@ pub fn image(
         }
         let file = ops.as_ref().map(|ops| outputs::open(&ops.path, ops.force)).transpose()?;
         let setup = Setup::new(run, &mut layers, &task.workers.cancel)?;
-        let (rendered, hits, file) = render(&setup, &Watching::default(), ops.as_ref().zip(file), task)?;
+        let (rendered, losses, hits, file) = render(&setup, &Watching::default(), ops.as_ref().zip(file), task)?;
         file.map(outputs::finish).transpose()?;
-        Ok(Made::Image { setup, rendered: Box::new(rendered), hits })
+        Ok(Made::Image { setup, rendered: Box::new(rendered), losses, hits })
     })?;
     Ok(Run::new(made, crew))
 }
@@ -110,8 +110,8 @@ pub fn replay(
         moot::check_replay(&options)?;
         let machine = machine.map(|base| base.machine);
         let mut replay = Replay::new(ops.as_deref(), &options, base.as_ref(), machine)?;
-        let (stats, _) = time(&mut replay, &Watching::default(), task)?;
-        Ok(Made::Replay { replay: Mutex::new(replay), stats })
+        let (stats, losses, _) = time(&mut replay, &Watching::default(), task)?;
+        Ok(Made::Replay { replay: Mutex::new(replay), stats, losses })
     })?;
     Ok(Run::new(made, crew))
 }

@@ -10,6 +10,7 @@ use pcs_sim::host::image;
 use pcs_sim::machine::Capitan;
 use pcs_sim::measure::{Clock, Measured, Observed, Profile};
 use pcs_sim::program::Counts;
+use pcs_sim::report::losses::Losses;
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
@@ -18,7 +19,7 @@ use pcs_sim::run::{FarmOutcome, FarmSetup, Outcome, Outputs, Rendered, Replay, S
 use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 
-use crate::doing::{render, time, trace};
+use crate::doing::{Lost, render, time, trace};
 use crate::outputs;
 use crate::trouble::{Trouble, output};
 use crate::work::Task;
@@ -27,11 +28,11 @@ use crate::work::Task;
 #[derive(Debug)]
 pub enum Made {
     /// Primary rays.
-    Rays { setup: Setup, outcome: Box<Outcome> },
+    Rays { setup: Setup, outcome: Box<Outcome>, losses: Lost },
     /// A whole image, with the hits in the order in which the rays were sent.
-    Image { setup: Setup, rendered: Box<Rendered>, hits: Vec<Hit> },
+    Image { setup: Setup, rendered: Box<Rendered>, losses: Lost, hits: Vec<Hit> },
     /// A recorded trace.
-    Replay { replay: Mutex<Replay>, stats: Measured },
+    Replay { replay: Mutex<Replay>, stats: Measured, losses: Lost },
     /// A farm of workers.
     Farm { setup: Box<FarmSetup>, outcome: Box<FarmOutcome> },
 }
@@ -92,12 +93,12 @@ impl Made {
         }
     }
 
-    /// The hits of the rays, in the order in which they were sent.
-    pub fn found(&self) -> PyResult<(&Setup, &[Hit])> {
+    /// The hits of the rays, in the order of their numbers; of an image, in the order in which they were sent.
+    pub fn found(&self) -> PyResult<(&Setup, Vec<Hit>)> {
         match self {
-            Made::Rays { setup, outcome } => Ok((setup, &outcome.hits)),
-            Made::Image { setup, rendered, hits } => Made::timing(rendered).map(|_| (setup, hits.as_slice())),
-            Made::Replay { .. } | Made::Farm { .. } => self.setup("hits").map(|setup| (setup, &[][..])),
+            Made::Rays { setup, outcome, .. } => Ok((setup, setup.by_number(&outcome.hits))),
+            Made::Image { setup, rendered, hits, .. } => Made::timing(rendered).map(|_| (setup, hits.clone())),
+            Made::Replay { .. } | Made::Farm { .. } => self.setup("hits").map(|setup| (setup, Vec::new())),
         }
     }
 
@@ -114,9 +115,13 @@ impl Made {
     /// The statistics as the command writes them.
     pub fn json(&self) -> PyResult<String> {
         let json = match self {
-            Made::Rays { setup, outcome } => account::stats_json(setup, outcome),
-            Made::Image { setup, rendered, .. } => account::image_stats_json(setup, rendered, Made::timing(rendered)?),
-            Made::Replay { replay, stats } => account::replay_stats_json(&locked(replay), stats),
+            Made::Rays { setup, outcome, losses } => account::stats_json(setup, outcome, losses.as_ref()),
+            Made::Image { setup, rendered, losses, .. } => {
+                account::image_stats_json(setup, rendered, Made::timing(rendered)?, losses.as_ref())
+            }
+            Made::Replay { replay, stats, losses } => {
+                account::replay_stats_json(&locked(replay), stats, losses.as_ref())
+            }
             Made::Farm { setup, outcome } => farm::to_json(outcome, &setup.scene, &self.described().configuration),
         };
         json.map_err(|error| PyAttributeError::new_err(error.to_string()))
@@ -173,7 +178,7 @@ impl Made {
             Made::Image { setup, .. } => {
                 Ok(render(setup, watching, None, task)?.0.timing.map(|timing| timing.observed).unwrap_or_default())
             }
-            Made::Replay { replay, .. } => Ok(time(&mut locked(replay), watching, task)?.1),
+            Made::Replay { replay, .. } => Ok(time(&mut locked(replay), watching, task)?.2),
             Made::Farm { setup, .. } => Ok(setup.run(setup.spec.tasks, watching, &task.workers.cancel)?.observed),
         }
     }
@@ -195,9 +200,9 @@ impl Made {
     /// What people read of it.
     pub fn text(&self) -> String {
         match self {
-            Made::Rays { setup, outcome } => account::text(setup, outcome),
-            Made::Image { setup, rendered, .. } => account::image_text(setup, rendered),
-            Made::Replay { replay, stats } => account::replay_text(&locked(replay), stats),
+            Made::Rays { setup, outcome, losses } => account::text(setup, outcome, losses.as_ref()),
+            Made::Image { setup, rendered, losses, .. } => account::image_text(setup, rendered, losses.as_ref()),
+            Made::Replay { replay, stats, losses } => account::replay_text(&locked(replay), stats, losses.as_ref()),
             Made::Farm { setup, outcome } => farm::text(setup, outcome),
         }
     }
@@ -205,9 +210,8 @@ impl Made {
     /// The pixels, in linear light; `None` without a picture.
     pub fn pixels(&self) -> Option<Vec<f32>> {
         match self {
-            Made::Rays { setup, outcome } if setup.spec.rays.is_none() => {
-                let pixels =
-                    image::preview(&setup.scene, setup.workload.polygons(), &setup.prepared.rays, &outcome.hits);
+            Made::Rays { setup, outcome, .. } if setup.spec.rays.is_none() => {
+                let pixels = setup.preview(&outcome.hits);
                 Some(pixels.iter().flat_map(|pixel| pixel.to_array()).collect())
             }
             Made::Image { rendered, .. } => Some(rendered.pixels.iter().flat_map(|pixel| pixel.to_array()).collect()),
@@ -218,10 +222,7 @@ impl Made {
     /// Writes the picture, if there is one.
     fn write_picture(&self, file: &mut impl Write, as_pfm: bool) -> Result<(), Trouble> {
         let (setup, pixels) = match self {
-            Made::Rays { setup, outcome } if setup.spec.rays.is_none() => {
-                let (polygons, rays) = (setup.workload.polygons(), &setup.prepared.rays);
-                (setup, image::preview(&setup.scene, polygons, rays, &outcome.hits))
-            }
+            Made::Rays { setup, outcome, .. } if setup.spec.rays.is_none() => (setup, setup.preview(&outcome.hits)),
             Made::Image { setup, rendered, .. } => (setup, rendered.pixels.clone()),
             _ => return Err(error::InputError::new("the rays are none of a picture").into()),
         };
@@ -240,12 +241,29 @@ impl Made {
         }
     }
 
+    fn losses(&self) -> Option<&Losses> {
+        match self {
+            Made::Rays { losses, .. } | Made::Image { losses, .. } | Made::Replay { losses, .. } => losses.as_ref(),
+            Made::Farm { .. } => None,
+        }
+    }
+
     /// The page.
     pub fn html(&self, stats: &Measured, profile: &Profile) -> Result<String, Trouble> {
         let Described { caption, names, configuration } = &self.described();
         let (clock, image) = (self.clock(), self.png()?);
-        page::html(&Page { caption, clock, stats, profile, cell_names: names, configuration, image: image.as_deref() })
-            .map_err(output)
+        let losses = self.losses();
+        page::html(&Page {
+            caption,
+            clock,
+            stats,
+            losses,
+            profile,
+            cell_names: names,
+            configuration,
+            image: image.as_deref(),
+        })
+        .map_err(output)
     }
 
     /// The pictures.

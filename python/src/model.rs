@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use pcs_sim::report::prediction::{self, Row};
 use pcs_sim::report::{account, bottleneck};
-use pcs_sim::run::{self, Layers, PlannedRun, RunSpec, moot};
+use pcs_sim::run::{self, Layers, PlannedRun, RunSpec, Shuffled, moot};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -61,22 +61,28 @@ fn predict(run: &PlannedRun, mut layers: Layers, predict_only: bool, task: &Task
         false => {
             let (workload, prepared) = (layers.workload(run, &workers.cancel)?, layers.prepared(run)?);
             task.set(0, prepared.rays.len() as u64);
+            let mut shuffled = Shuffled::new(workload.cells());
             let outcome = run::run(&workload, &run.machine.spec, &prepared.rays, workers, |batch| {
                 task.add(batch.hits.len() as u64);
+                shuffled.take(&batch.ops);
                 Ok::<_, Infallible>(())
-            });
-            Some((workload, outcome?))
+            })?;
+            let spec = &run.machine.spec;
+            let timed = || shuffled.time(spec, workload.costs(), &workers.cancel);
+            let losses = bottleneck::losses(&outcome.stats, timed);
+            Some((workload, outcome, losses))
         }
     };
-    let measured = outcome.as_ref().map(|(workload, outcome)| prediction::Run {
+    let measured = outcome.as_ref().map(|(workload, outcome, _)| prediction::Run {
         workload,
         counts: &outcome.counts,
         stats: &outcome.stats,
     });
     let rows = prediction::rows(&forecast.predicted, &forecast.array, measured);
     let mut text = account::model_text((&scene, &run.spec, &run.machine), &forecast, &rows);
-    if let Some((_, outcome)) = &outcome {
-        text.push_str(&format!("Measured: {}\n", bottleneck::sentence(&outcome.stats)));
+    if let Some((_, outcome, losses)) = &outcome {
+        let verdict = account::verdict(&outcome.stats, losses.as_ref(), run.machine.spec.clock());
+        text.push_str(&format!("Measured: {verdict}\n"));
     }
     let (predicted, best, array) = (&forecast.predicted, &forecast.best, &forecast.array);
     let json = prediction::to_json((&scene.name, &run.spec), &rows, predicted, best, array).map_err(output)?;

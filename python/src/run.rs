@@ -153,7 +153,8 @@ impl Run {
         ])
     }
 
-    /// Each ray's first hit, in the order in which the host sent them: a structured array of `t` (inf on a miss),
+    /// Each ray's first hit, of a run in the order of the rays' numbers (of pixels, line by line), of an image in the order
+    /// in which the host sent them: a structured array of `t` (inf on a miss),
     /// `polygon` (the number of the scene's face, -1 on a miss), `alpha` and `beta`.
     #[getter]
     fn hits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -281,7 +282,7 @@ impl Run {
         if let Some(path) = hits {
             let (setup, found) = self.made.found()?;
             let polygons = setup.workload.polygons();
-            written.push(briefly(py, |_| outputs::write(&path, force, |file| hits::write(file, polygons, found)))?);
+            written.push(briefly(py, |_| outputs::write(&path, force, |file| hits::write(file, polygons, &found)))?);
         }
         if let Some(path) = image {
             self.made.setup("image")?;

@@ -7,8 +7,8 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueEnum};
 use pcs_sim::machine::{CapitanOptions, Cycles, MachineOptions};
 use pcs_sim::run::{
-    CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions,
-    RayOptions, RunOptions, SceneOptions, ShapeOptions,
+    CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions,
+    ProgramOptions, RayOptions, RunOptions, SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
 
@@ -34,6 +34,8 @@ pub enum Command {
     Farm(Box<FarmArgs>),
     /// Times a recorded activity trace again, under any machine, without its scene.
     Replay(Box<ReplayArgs>),
+    /// Finds the fewest words that the FIFOs need, each by itself, for 90 to 100 % of the speed that they could give.
+    SizeFifos(Box<SizeArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
     Sweep(SweepArgs),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
@@ -69,6 +71,8 @@ pub struct RunArgs {
     #[command(flatten)]
     pub rays: RayOptions,
     #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
@@ -93,6 +97,7 @@ impl RunArgs {
             scene: self.scene.clone(),
             shape: self.shape.clone(),
             rays: self.rays.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -110,6 +115,7 @@ impl ImageArgs {
         let mut options = RunOptions {
             scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -130,7 +136,27 @@ impl ModelArgs {
             scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
             rays: self.rays.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
+            machine_file: self.machine_file.clone(),
+            machine: self.machine.clone(),
+            ..RunOptions::default()
+        };
+        options.retain(|name| typed.has(name));
+        options
+    }
+}
+
+impl SizeArgs {
+    /// What is asked of the run.
+    pub fn options(&self, typed: &Typed) -> RunOptions {
+        let mut options = RunOptions {
+            scene: self.scene.clone(),
+            shape: self.shape.clone(),
+            rays: self.rays.clone(),
+            order: self.order.clone(),
+            program: self.program.clone(),
+            cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
             machine: self.machine.clone(),
             ..RunOptions::default()
@@ -172,6 +198,8 @@ pub struct ImageArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
     #[command(flatten)]
     pub light: LightOptions,
     #[command(flatten)]
@@ -240,7 +268,8 @@ impl FarmArgs {
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
 #[derive(Clone, Debug, Args)]
 pub struct TracingArgs {
-    /// Write the hits as CSV, in the order in which the host sends the rays: ray, t, polygon, alpha, beta.
+    /// Write the hits as CSV: ray, t, polygon, alpha, beta. Primary rays are numbered as their pixels are, a whole image's as the
+    /// host sends them.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub hits: Option<PathBuf>,
     /// Write what the host and every cell did for every ray, for `pcs-sim replay`.
@@ -304,6 +333,45 @@ pub struct ReplayArgs {
     pub views: ViewArgs,
 }
 
+/// `pcs-sim size-fifos`.
+#[derive(Debug, Args)]
+pub struct SizeArgs {
+    /// A recorded trace, as --ops wrote it, in place of a run.
+    #[arg(long, value_name = "FILE", conflicts_with = "config")]
+    pub ops: Option<PathBuf>,
+    /// The run that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Write a table of what was found: FILE.csv, and the same as FILE.parquet.
+    #[arg(short = 'o', long, value_name = "FILE", help_heading = "Results")]
+    pub table: Option<PathBuf>,
+    /// Draw it, as SVG and PNG beside the table: speed over words, and the depths of the FIFOs.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub plot: bool,
+    /// Write the machine of each speed, as FILE-99.ron, ... beside the table.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub machines: bool,
+    /// Replace result files that exist.
+    #[arg(long, help_heading = "Results")]
+    pub force: bool,
+    #[command(flatten)]
+    pub program: ProgramOptions,
+    #[command(flatten)]
+    pub cells: CellsOptions,
+    #[command(flatten)]
+    pub scene: SceneOptions,
+    #[command(flatten)]
+    pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub rays: RayOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
+    pub machine_file: MachineFileOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+}
+
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Views of the run over time")]
 pub struct ViewArgs {
@@ -362,6 +430,8 @@ pub struct ModelArgs {
     pub shape: ShapeOptions,
     #[command(flatten)]
     pub rays: RayOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
     #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]

@@ -81,6 +81,7 @@ fn write_outputs(
         stats: &outcome.stats,
         observed: &outcome.observed,
         cell_names: &[],
+        losses: None,
         configuration: &configuration,
         image: None,
     };

@@ -8,10 +8,13 @@ use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::image;
 use pcs_sim::report::account::{self, cell_names};
-use pcs_sim::report::hits;
+use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
-use pcs_sim::run::{self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Switch, Timed, moot};
+use pcs_sim::report::{bottleneck, hits};
+use pcs_sim::run::{
+    self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Shuffled, Switch, Timed, Timing, moot,
+};
 use pcs_sim::seam::activity_trace::TraceWriter;
 
 use super::args::{ImageArgs, Typed};
@@ -50,9 +53,9 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     spinner.finish_and_clear();
     notes(&setup);
     let mut found = Vec::new();
-    let rendered = render(args, &setup, &mut files, &mut found)?;
-    print(&account::image_text(&setup, &rendered))?;
-    let written = write_outputs(format, &setup, &rendered, &found, files)?;
+    let (rendered, losses) = render(args, &setup, &mut files, &mut found)?;
+    print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
+    let written = write_outputs(format, &setup, (&rendered, losses.as_ref()), &found, files)?;
     print(&outputs::list(&written))
 }
 
@@ -106,12 +109,17 @@ fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError>
     })
 }
 
-fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<Hit>) -> Result<Rendered, Failure> {
+fn render(
+    args: &ImageArgs,
+    setup: &Setup,
+    files: &mut Outputs,
+    found: &mut Vec<Hit>,
+) -> Result<(Rendered, Option<Losses>), Failure> {
     let (picture, image) = (setup.picture(), setup.image());
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
-        rules: image.rules(),
+        rules: image.rules(setup.spec.order),
         watching: files.views.watching(),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
@@ -121,25 +129,32 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
     let keeps_hits = files.hits.is_some();
     let watch = || Watch::new(setup.machine.spec.clock(), cell_names(&setup.workload));
     let mut live = Live::new(progress::samples(), args.results.watch.then(watch));
-    let result = run::render(&picture, timed, &workers(args.tracing.threads), |seen| match seen {
+    let mut shuffled = Shuffled::new(cells);
+    let workers = workers(args.tracing.threads);
+    let result = run::render(&picture, timed, &workers, |seen| match seen {
         Seen::Samples { done, of, array } => {
             live.set(done as u64, of as u64);
             array.into_iter().for_each(|array| live.show(array));
             Ok(())
         }
         Seen::Sent(ops, hit) => {
+            shuffled.take(ops);
             found.extend(keeps_hits.then_some(*hit));
             writer.as_mut().map_or(Ok(()), |writer| writer.write(ops)).map_err(unwritable)
         }
     });
     live.finish();
-    Ok(result?)
+    let rendered = result?;
+    let spec = &setup.machine.spec;
+    let losses = |timing: &Timing| bottleneck::losses(&timing.stats, || shuffled.time(spec, costs, &workers.cancel));
+    let losses = rendered.timing.as_ref().and_then(losses);
+    Ok((rendered, losses))
 }
 
 fn write_outputs(
     format: Format,
     setup: &Setup,
-    rendered: &Rendered,
+    (rendered, losses): (&Rendered, Option<&Losses>),
     found: &[Hit],
     files: Outputs,
 ) -> Result<Vec<PathBuf>, Failure> {
@@ -152,7 +167,7 @@ fn write_outputs(
     if let Some(timing) = &rendered.timing {
         let configuration = Configuration::new(&setup.spec, &setup.workload);
         outputs::finish(files.stats, &mut written, |file| {
-            file.write_all(account::image_stats_json(setup, rendered, timing)?.as_bytes())
+            file.write_all(account::image_stats_json(setup, rendered, timing, losses)?.as_bytes())
         })?;
         let spec = &setup.machine.spec;
         let mut png = Vec::new();
@@ -164,6 +179,7 @@ fn write_outputs(
             caption: &Caption { title: account::image_title(setup, rendered), machine: account::machine_line(spec) },
             clock: spec.clock(),
             stats: &timing.stats,
+            losses,
             observed: &timing.observed,
             cell_names: &cell_names(&setup.workload),
             configuration: &configuration,

@@ -18,6 +18,7 @@ mod progress;
 mod replay;
 mod run;
 mod scenes;
+mod size_fifos;
 mod step;
 mod sweep;
 mod views;
@@ -118,6 +119,7 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
         Some(Command::Image(args)) => image::image(args, typed),
         Some(Command::Farm(args)) => farm::farm(args, typed),
         Some(Command::Replay(args)) => replay::replay(args),
+        Some(Command::SizeFifos(args)) => size_fifos::size_fifos(args, typed),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Model(args)) => model::model(args, typed),
         Some(Command::Plot(args)) => plot::plot(args),

@@ -7,8 +7,9 @@ use std::path::Path;
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::program::Workload;
+use pcs_sim::report::losses::Losses;
 use pcs_sim::report::{account, bottleneck, prediction};
-use pcs_sim::run::{self, Layers, Outcome, PlannedRun, RunSpec, moot};
+use pcs_sim::run::{self, Layers, Outcome, PlannedRun, RunSpec, Shuffled, moot};
 
 use super::args::{ModelArgs, Typed};
 use super::run::workers;
@@ -33,15 +34,16 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
         eprintln!("note: {note}");
     }
     let outcome = if args.predict_only { None } else { Some(simulate(&mut layers, &run, args.threads)?) };
-    let run = outcome.as_ref().map(|(workload, outcome)| prediction::Run {
+    let run = outcome.as_ref().map(|(workload, outcome, _)| prediction::Run {
         workload,
         counts: &outcome.counts,
         stats: &outcome.stats,
     });
     let rows = prediction::rows(&forecast.predicted, &forecast.array, run);
     print(&account::model_text((&scene, spec, machine), &forecast, &rows))?;
-    if let Some((_, outcome)) = &outcome {
-        print(&format!("Measured: {}\n", bottleneck::sentence(&outcome.stats)))?;
+    if let Some((_, outcome, losses)) = &outcome {
+        let verdict = account::verdict(&outcome.stats, losses.as_ref(), machine.spec.clock());
+        print(&format!("Measured: {verdict}\n"))?;
     }
     let mut written = Vec::new();
     outputs::finish(stats, &mut written, |file| {
@@ -72,14 +74,22 @@ fn check_outputs(args: &ModelArgs, spec: &RunSpec) -> Result<(), InputError> {
 }
 
 /// The run that the model is held against.
-fn simulate(layers: &mut Layers, run: &PlannedRun, threads: Option<u16>) -> Result<(Workload, Outcome), Failure> {
+fn simulate(
+    layers: &mut Layers,
+    run: &PlannedRun,
+    threads: Option<u16>,
+) -> Result<(Workload, Outcome, Option<Losses>), Failure> {
     let workers = workers(threads);
     let (workload, prepared) = (layers.workload(run, &workers.cancel)?, layers.prepared(run)?);
     let bar = progress::rays(prepared.rays.len() as u64);
+    let mut shuffled = Shuffled::new(workload.cells());
     let outcome = run::run(&workload, &run.machine.spec, &prepared.rays, &workers, |batch| {
+        shuffled.take(&batch.ops);
         bar.inc(batch.hits.len() as u64);
         Ok::<_, Infallible>(())
     });
     bar.finish_and_clear();
-    Ok((workload, outcome?))
+    let (outcome, spec) = (outcome?, &run.machine.spec);
+    let losses = bottleneck::losses(&outcome.stats, || shuffled.time(spec, workload.costs(), &workers.cancel));
+    Ok((workload, outcome, losses))
 }

@@ -3,9 +3,9 @@
 use std::io::Write;
 
 use pcs_sim::cancel::Cancel;
-use pcs_sim::report::account;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
+use pcs_sim::report::{account, bottleneck};
 use pcs_sim::run::{self, Replay, ReplaySpec, moot};
 
 use super::args::ReplayArgs;
@@ -31,13 +31,16 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let clock = replay.machine.spec.clock();
     spinner.set_message("timing the trace");
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(clock, Vec::new())));
-    let (result, observed) = replay.time(&views.watching(), &Cancel::default(), |array| live.show(array))?;
+    let cancel = Cancel::default();
+    let (result, observed, shuffled) = replay.time(&views.watching(), &cancel, |array| live.show(array))?;
+    let losses = bottleneck::losses(&result, || shuffled.time(&replay.machine.spec, &replay.costs, &cancel));
+    let losses = losses.as_ref();
     live.finish();
     replay.machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    print(&account::replay_text(&replay, &result))?;
+    print(&account::replay_text(&replay, &result, losses))?;
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {
-        file.write_all(account::replay_stats_json(&replay, &result)?.as_bytes())
+        file.write_all(account::replay_stats_json(&replay, &result, losses)?.as_bytes())
     })?;
     let seen = Seen {
         caption: &Caption {
@@ -46,6 +49,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         },
         clock,
         stats: &result,
+        losses,
         observed: &observed,
         cell_names: &[],
         configuration: &Configuration::Replay(Box::new(replay.spec.clone())),

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::host::image;
 use pcs_sim::report::account::{self, cell_names};
-use pcs_sim::report::hits;
+use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
-use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, RunSpec, Setup, Workers, moot};
+use pcs_sim::report::{bottleneck, hits};
+use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, RunSpec, Setup, Shuffled, Workers, moot};
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
 use super::args::{RunArgs, Typed};
@@ -38,9 +39,9 @@ pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
     let setup = Setup::new(run, &mut Layers::default(), &workers.cancel)?;
     spinner.finish_and_clear();
     notes(&setup);
-    let outcome = simulate(&setup, (workers, args.results.watch, form), &mut files)?;
-    print(&account::text(&setup, &outcome))?;
-    let written = write_outputs(&setup, &outcome, files)?;
+    let (outcome, losses) = simulate(&setup, (workers, args.results.watch, form), &mut files)?;
+    print(&account::text(&setup, &outcome, losses.as_ref()))?;
+    let written = write_outputs(&setup, &outcome, losses.as_ref(), files)?;
     print(&outputs::list(&written))
 }
 
@@ -85,7 +86,7 @@ fn simulate(
     setup: &Setup,
     (workers, watch, form): (Workers, bool, Form),
     files: &mut Outputs,
-) -> Result<Outcome, Failure> {
+) -> Result<(Outcome, Option<Losses>), Failure> {
     let spec = &setup.machine.spec;
     let mut live = Live::new(
         progress::rays(setup.prepared.rays.len() as u64),
@@ -97,33 +98,43 @@ fn simulate(
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
     let watched = (spec, &views.watching());
+    let mut shuffled = Shuffled::new(cells);
     let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
+        shuffled.take(&batch.ops);
         live.inc(batch.hits.len() as u64);
         live.show(array);
         writer.as_mut().map_or(Ok(()), |writer| writer.write(&batch.ops)).map_err(failed)
     });
     live.finish();
-    Ok(outcome?)
+    let outcome = outcome?;
+    let losses = bottleneck::losses(&outcome.stats, || shuffled.time(spec, costs, &workers.cancel));
+    Ok((outcome, losses))
 }
 
-fn write_outputs(setup: &Setup, outcome: &Outcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
+fn write_outputs(
+    setup: &Setup,
+    outcome: &Outcome,
+    losses: Option<&Losses>,
+    files: Outputs,
+) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let polygons = setup.workload.polygons();
     let configuration = Configuration::new(&setup.spec, &setup.workload);
-    outputs::finish(files.stats, &mut written, |file| file.write_all(account::stats_json(setup, outcome)?.as_bytes()))?;
-    outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;
+    outputs::finish(files.stats, &mut written, |file| {
+        file.write_all(account::stats_json(setup, outcome, losses)?.as_bytes())
+    })?;
+    outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &setup.by_number(&outcome.hits)))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
     outputs::finish(files.image, &mut written, |file| {
-        let pixels = image::preview(&setup.scene, polygons, &setup.prepared.rays, &outcome.hits);
-        image::write_png(file, setup.spec.size, &pixels)
+        image::write_png(file, setup.spec.size, &setup.preview(&outcome.hits))
     })?;
-    write_views(setup, outcome, &configuration, files.views, &mut written)?;
+    write_views(setup, (outcome, losses), &configuration, files.views, &mut written)?;
     Ok(written)
 }
 
 fn write_views(
     setup: &Setup,
-    outcome: &Outcome,
+    (outcome, losses): (&Outcome, Option<&Losses>),
     configuration: &Configuration,
     views: Views,
     written: &mut Vec<PathBuf>,
@@ -136,6 +147,7 @@ fn write_views(
         caption,
         clock: spec.clock(),
         stats: &outcome.stats,
+        losses,
         observed: &outcome.observed,
         cell_names,
         configuration,
@@ -149,9 +161,8 @@ fn page_image(setup: &Setup, outcome: &Outcome, views: &Views) -> Result<Option<
     if !views.show_image() || setup.spec.rays.is_some() {
         return Ok(None);
     }
-    let (polygons, mut png) = (setup.workload.polygons(), Vec::new());
-    let pixels = image::preview(&setup.scene, polygons, &setup.prepared.rays, &outcome.hits);
-    image::write_png(&mut png, setup.spec.size, &pixels)
+    let mut png = Vec::new();
+    image::write_png(&mut png, setup.spec.size, &setup.preview(&outcome.hits))
         .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
     Ok(Some(png))
 }

@@ -2,33 +2,42 @@
 
 use super::bottleneck;
 use super::kinds::{self, RaysByKind};
+use super::losses::Losses;
 use super::prediction::{self, Row};
 use super::stats::{self, Configuration};
 use super::summary::{self, grouped};
+use crate::host::order::Order;
 use crate::machine::{Machine, MachineSpec};
-use crate::measure::Measured;
+use crate::measure::{Clock, Measured};
 use crate::program::{Kernel, Workload};
 use crate::run::{Forecast, Outcome, Rendered, Replay, RunSpec, Setup, Timing};
 use crate::scene::Scene;
 
 /// What runs, in one line: a run of primary rays.
 pub fn title(setup: &Setup) -> String {
-    let Setup { spec: RunSpec { program, .. }, scene, prepared, workload, .. } = setup;
+    let Setup { spec, scene, prepared, workload, .. } = setup;
+    run_title(spec, scene, workload, prepared.rays.len())
+}
+
+/// The same of a run that is described, laid out, and has so many rays.
+pub fn run_title(spec: &RunSpec, scene: &Scene, workload: &Workload, rays: usize) -> String {
+    let RunSpec { program, order, .. } = spec;
     format!(
-        "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays",
+        "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays{}",
         program.name,
         workload.cells(),
         plural(workload.groups(), "group"),
         program.stages.len(),
         scene.name,
         grouped(workload.polygons().len() as u64),
-        grouped(prepared.rays.len() as u64),
+        grouped(rays as u64),
+        in_order(*order),
     )
 }
 
 /// What runs, in one line: a whole image.
 pub fn image_title(setup: &Setup, rendered: &Rendered) -> String {
-    let Setup { spec: RunSpec { program, .. }, scene, workload, .. } = setup;
+    let Setup { spec: RunSpec { program, order, .. }, scene, workload, .. } = setup;
     let rays: u64 = rendered.kinds.iter().map(|kind| kind.rays).sum();
     let polygons = grouped(workload.polygons().len() as u64);
     let per_pixel = rays as f64 / rendered.pixels.len().max(1) as f64;
@@ -37,7 +46,8 @@ pub fn image_title(setup: &Setup, rendered: &Rendered) -> String {
         return format!("image without timing: {what}");
     }
     let groups = plural(workload.groups(), "group");
-    format!("{} on {} cells in {groups} of {}: {what}", program.name, workload.cells(), program.stages.len())
+    let (name, cells, order) = (&program.name, workload.cells(), in_order(*order));
+    format!("{name} on {cells} cells in {groups} of {}: {what}{order}", program.stages.len())
 }
 
 /// What runs, in one line: a replay.
@@ -47,7 +57,7 @@ pub fn replay_title(replay: &Replay) -> String {
 }
 
 /// What people read of a run of primary rays.
-pub fn text(setup: &Setup, outcome: &Outcome) -> String {
+pub fn text(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
     let Setup { machine, prepared, workload, .. } = setup;
     let (spec, rays) = (&machine.spec, prepared.rays.len());
     let hits = outcome.counts.hits;
@@ -71,12 +81,12 @@ pub fn text(setup: &Setup, outcome: &Outcome) -> String {
         lines.join("\n"),
         summary::cells(&outcome.stats, &names),
         summary::fifos(&outcome.stats),
-        bottleneck::sentence(&outcome.stats),
+        verdict(&outcome.stats, losses, spec.clock()),
     )
 }
 
 /// What people read of a whole image.
-pub fn image_text(setup: &Setup, rendered: &Rendered) -> String {
+pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String {
     let title = image_title(setup, rendered);
     let Some(timing) = &rendered.timing else {
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
@@ -90,13 +100,13 @@ pub fn image_text(setup: &Setup, rendered: &Rendered) -> String {
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n", bottleneck::sentence(stats)),
+        format!("{}\n", verdict(stats, losses, spec.clock())),
     ]
     .join("\n")
 }
 
 /// What people read of a replay.
-pub fn replay_text(replay: &Replay, stats: &Measured) -> String {
+pub fn replay_text(replay: &Replay, stats: &Measured, losses: Option<&Losses>) -> String {
     let spec = &replay.machine.spec;
     format!(
         "{}\n{}\n{}\n\n{}\n{}\n{}\n",
@@ -105,7 +115,7 @@ pub fn replay_text(replay: &Replay, stats: &Measured) -> String {
         summary::speed(stats, spec.clock()),
         summary::cells(stats, &[]),
         summary::fifos(stats),
-        bottleneck::sentence(stats),
+        verdict(stats, losses, spec.clock()),
     )
 }
 
@@ -114,7 +124,7 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
     let Forecast { array, predicted, best, polygons, rays } = forecast;
     let program = &spec.program;
     let title = format!(
-        "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays",
+        "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays{}",
         program.name,
         program.cells(),
         plural(program.groups, "group"),
@@ -123,6 +133,7 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
         scene.name,
         grouped(*polygons as u64),
         grouped(*rays as u64),
+        in_order(spec.order),
     );
     format!(
         "{title}\n{}\n\n{}\n{}",
@@ -133,28 +144,48 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
 }
 
 /// The statistics of a run of primary rays, as JSON.
-pub fn stats_json(setup: &Setup, outcome: &Outcome) -> serde_json::Result<String> {
+pub fn stats_json(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> serde_json::Result<String> {
     let configuration = Configuration::new(&setup.spec, &setup.workload);
-    stats::to_json(&outcome.stats, setup.machine.spec.clock(), Some(&outcome.counts), &configuration)
+    stats::to_json(&outcome.stats, setup.machine.spec.clock(), losses, Some(&outcome.counts), &configuration)
 }
 
 /// The statistics of a whole image that was timed, as JSON.
-pub fn image_stats_json(setup: &Setup, rendered: &Rendered, timing: &Timing) -> serde_json::Result<String> {
+pub fn image_stats_json(
+    setup: &Setup,
+    rendered: &Rendered,
+    timing: &Timing,
+    losses: Option<&Losses>,
+) -> serde_json::Result<String> {
     let configuration = Configuration::new(&setup.spec, &setup.workload);
     let kinds = RaysByKind::new(&rendered.kinds, timing);
-    stats::image_to_json(&timing.stats, setup.machine.spec.clock(), &rendered.counts, &kinds, &configuration)
+    stats::image_to_json(&timing.stats, setup.machine.spec.clock(), losses, (&rendered.counts, &kinds), &configuration)
 }
 
 /// The statistics of a replay, as JSON.
-pub fn replay_stats_json(replay: &Replay, stats: &Measured) -> serde_json::Result<String> {
+pub fn replay_stats_json(replay: &Replay, stats: &Measured, losses: Option<&Losses>) -> serde_json::Result<String> {
     let configuration = Configuration::Replay(Box::new(replay.spec.clone()));
-    stats::to_json(stats, replay.machine.spec.clock(), None, &configuration)
+    stats::to_json(stats, replay.machine.spec.clock(), losses, None, &configuration)
+}
+
+/// What limits the machine, and where it is worth a word, to what it loses its time.
+pub fn verdict(stats: &Measured, losses: Option<&Losses>, clock: Clock) -> String {
+    let lost = losses.map(|losses| format!("\n{}", losses.sentence(stats, clock))).unwrap_or_default();
+    format!("{}{lost}", bottleneck::sentence(stats))
+}
+
+/// Names the order of the rays in a title, if it is not the usual one.
+fn in_order(order: Order) -> String {
+    if order == Order::Raster { String::new() } else { format!(", in the order {order}") }
 }
 
 /// The machine in one line.
 pub fn machine_line(spec: &MachineSpec) -> String {
+    let own = match spec.own_words.len() {
+        0 => String::new(),
+        count => format!(" ({count} with depths of their own)"),
+    };
     format!(
-        "machine: {} ns a cycle, {}-word FIFOs, {} Mbyte/s links ({}), latency {}",
+        "machine: {} ns a cycle, {}-word FIFOs{own}, {} Mbyte/s links ({}), latency {}",
         spec.clock_ns,
         spec.fifo_words.0,
         spec.link_mb_s,

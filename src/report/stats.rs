@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::bottleneck;
 use super::kinds::RaysByKind;
+use super::losses::Losses;
 use crate::measure::{Clock, FifoInfo, FifoStats, Measured, State, StateKind, StateTimes};
 use crate::program::{CellMemory, Counts, Workload};
 use crate::run::{FarmSpec, ReplaySpec, RunSpec};
@@ -78,6 +79,8 @@ struct Report<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     rays_by_kind: Option<&'a RaysByKind>,
     bottleneck: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    losses: Option<&'a Losses>,
     configuration: &'a Configuration,
 }
 
@@ -130,28 +133,29 @@ impl<'a> Fifo<'a> {
 pub fn to_json(
     run: &Measured,
     clock: Clock,
+    losses: Option<&Losses>,
     counts: Option<&Counts>,
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
-    json(run, clock, counts, None, configuration)
+    json(run, clock, losses, (counts, None), configuration)
 }
 
 /// The same for an image, with its rays by kind.
 pub fn image_to_json(
     run: &Measured,
     clock: Clock,
-    counts: &Counts,
-    kinds: &RaysByKind,
+    losses: Option<&Losses>,
+    (counts, kinds): (&Counts, &RaysByKind),
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
-    json(run, clock, Some(counts), Some(kinds), configuration)
+    json(run, clock, losses, (Some(counts), Some(kinds)), configuration)
 }
 
 fn json(
     run: &Measured,
     clock: Clock,
-    counts: Option<&Counts>,
-    rays_by_kind: Option<&RaysByKind>,
+    losses: Option<&Losses>,
+    (counts, rays_by_kind): (Option<&Counts>, Option<&RaysByKind>),
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
     let seconds = clock.seconds(run.cycles);
@@ -171,6 +175,7 @@ fn json(
         }),
         rays_by_kind,
         bottleneck: bottleneck::sentence(run),
+        losses,
         configuration,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")

@@ -9,6 +9,7 @@ use super::farm::{FarmRunOptions, FarmSpec};
 use super::options::{CellsRun, RunOptions, Switch};
 use super::spec::{RunSpec, is_builtin};
 use crate::error::InputError;
+use crate::machine::MachineOptions;
 use crate::program::ArrayProgram;
 use crate::program::farm::ItemKind;
 use crate::scene::builtin;
@@ -37,7 +38,7 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
     }
     if image.timing == Switch::Off {
         let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
-        let names = [&["policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
+        let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
     check_resolution(&spec.scene, spec.resolution)?;
@@ -59,7 +60,8 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
     }
     if predict_only {
         let (why, help) = (WITHOUT_RUN, "leave out one of the two");
-        let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
+        let names =
+            ["order", "fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
         refuse(typed, &names, why, help)?;
     }
     check_rays(typed)?;
@@ -71,6 +73,21 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
 /// Refuses the flags that a replay would not look at.
 pub fn check_replay(typed: &RunOptions) -> Result<(), InputError> {
     refuse(typed, &["memory_words"], "is held against a scene, which a trace has not", "leave it out")
+}
+
+/// Refuses what sizing the FIFOs finds out.
+pub fn check_size_fifos(typed: &RunOptions) -> Result<(), InputError> {
+    let depths = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"];
+    refuse(typed, &depths, "is what is sought here", "leave it out")
+}
+
+/// Refuses what a trace has recorded already.
+pub fn check_size_fifos_of_trace(typed: &RunOptions) -> Result<(), InputError> {
+    let of_machine = |name: &str| MachineOptions::PARAMETERS.iter().any(|known| known.name == name);
+    let others =
+        RunOptions::parameters().map(|known| known.name).filter(|name| *name != "machine" && !of_machine(name));
+    let others: Vec<&str> = others.chain(["memory_words"]).collect();
+    refuse(typed, &others, "is about what the trace has recorded", "leave it out, or --ops")
 }
 
 /// Refuses the flags that a replay of a trace in cycles would not look at.

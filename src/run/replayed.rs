@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::moot;
 use super::options::RunOptions;
+use super::shuffled::Shuffled;
 use super::spec::{ReplaySpec, machine_file};
 use super::timed::{RunError, Watching, replay_watched};
 use crate::cancel::Cancel;
@@ -26,7 +27,8 @@ pub struct Replay {
     pub machine: Machine,
     /// The trace.
     pub trace: ActivityTrace,
-    costs: Costs,
+    /// What its units of work cost.
+    pub costs: Costs,
 }
 
 impl Replay {
@@ -60,7 +62,7 @@ impl Replay {
         Ok(Replay { spec, machine, trace, costs })
     }
 
-    /// Times the trace. `observe` sees the array after each batch.
+    /// Times the trace, and keeps what another order of its rays is timed by. `observe` sees the array after each batch.
     ///
     /// # Errors
     ///
@@ -71,13 +73,19 @@ impl Replay {
         watching: &Watching,
         cancel: &Cancel,
         observe: impl FnMut(&Array),
-    ) -> Result<(Measured, Observed), RunError<Infallible>> {
+    ) -> Result<(Measured, Observed, Shuffled), RunError<Infallible>> {
         let Replay { machine, trace, costs, .. } = self;
         let cells = trace.cells();
+        let mut shuffled = Shuffled::new(cells);
         let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
-            trace.for_each_batch(|batch| take(batch).map(drop))
+            shuffled = Shuffled::new(cells);
+            trace.for_each_batch(|batch| {
+                shuffled.take(&batch);
+                take(batch).map(drop)
+            })
         };
-        replay_watched((&machine.spec, watching), (costs, cells), cancel, feed, observe)
+        let (stats, observed) = replay_watched((&machine.spec, watching), (costs, cells), cancel, feed, observe)?;
+        Ok((stats, observed, shuffled))
     }
 }
 

@@ -2,10 +2,14 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use super::layers::{Layers, PlannedRun, Prepared};
 use super::render::Picture;
 use super::spec::{ImageSpec, RunSpec};
 use crate::cancel::Cancel;
+use crate::geometry::Hit;
+use crate::host::image;
 use crate::machine::Machine;
 use crate::program::{NotLaidOut, Workload};
 use crate::scene::Scene;
@@ -47,6 +51,16 @@ impl Setup {
     /// How the image is made, if it is one.
     pub fn image(&self) -> ImageSpec {
         self.spec.image.clone().unwrap_or_default()
+    }
+
+    /// What there is of each ray in the order in which the host sends them, in the order of the rays' numbers: of pixels line by line.
+    pub fn by_number<T: Copy>(&self, items: &[T]) -> Vec<T> {
+        self.spec.sequence(items.len()).by_number(items)
+    }
+
+    /// The picture of the primary rays' hits: its pixels, line by line.
+    pub fn preview(&self, hits: &[Hit]) -> Vec<Vec3> {
+        self.by_number(&image::preview(&self.scene, self.workload.polygons(), &self.prepared.rays, hits))
     }
 
     /// What is to be seen of an image.

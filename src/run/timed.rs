@@ -169,7 +169,8 @@ fn run_in<E>(
 ///
 /// # Errors
 ///
-/// If the ops are none of such an array's, or never come to an end; if `feed` fails.
+/// If the ops are none of such an array's, or never come to an end; if the machine has depths for FIFOs that are none of the array's; if
+/// `feed` fails.
 pub fn replay<E>(
     spec: &MachineSpec,
     costs: &Costs,
@@ -188,6 +189,7 @@ pub fn replay_watched<E>(
     mut feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<E>>) -> Result<(), RunError<E>>,
     mut observe: impl FnMut(&Array),
 ) -> Result<(Measured, Observed), RunError<E>> {
+    spec.check_fifos(cells)?;
     let mut attempt = |limit: Cycles| {
         let mut array = watching.array(spec, costs, cells, limit);
         feed(&mut |batch| {

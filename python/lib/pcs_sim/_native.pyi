@@ -183,9 +183,9 @@ class Run:
         """
     @property
     def hits(self) -> NDArray[np.void]:
-        """Each ray's first hit, in the order in which the host sent them.
+        """Each ray's first hit, in the order of the rays' numbers (of pixels, line by line).
 
-        A structured array of `t` (inf on a miss), `polygon` (the number of the scene's face, -1 on a miss), `alpha` and
+        Those of an image are in the order in which the host sent the rays. A structured array of `t` (inf on a miss), `polygon` (the number of the scene's face, -1 on a miss), `alpha` and
         `beta`. A replay has none.
         """
     @property

@@ -6,6 +6,7 @@ use base64::Engine;
 use minijinja::{Environment, Value, context};
 
 use super::bottleneck;
+use super::losses::Losses;
 use super::palette;
 use super::plot::Caption;
 use super::stats::Configuration;
@@ -21,6 +22,8 @@ pub struct Page<'a> {
     pub clock: Clock,
     /// The whole run.
     pub stats: &'a Measured,
+    /// What is lost against the busiest cell's work, if that is worth a word.
+    pub losses: Option<&'a Losses>,
     /// The run over time.
     pub profile: &'a Profile,
     /// What each cell runs, as far as that is known.
@@ -65,6 +68,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         machine => page.caption.machine.as_str(),
         speed => summary::speed(page.stats, page.clock),
         bottleneck => bottleneck::sentence(page.stats),
+        losses => page.losses.map(|losses| losses.sentence(page.stats, page.clock)).unwrap_or_default(),
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
         state_colors => state_colors(page.stats),

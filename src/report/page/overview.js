@@ -62,7 +62,7 @@ function addOverviews() {
   }, (row, bin) => `{% if is_line %}cell ${row}{% else %}${run.cells[row].name}{% endif %}: ${describeCell(run.cells[row], bin)}`);
 {% if is_line %}  const [amount, range, full] = [run.colors.amount, run.colors.range, run.colors.full].map(rgb);
   for (const [channel, fifos, first] of [["X", run.fifos.slice(0, count), 0], ["Y", run.fifos.slice(count, 2 * count), 1]]) {
-    const shown = levelShown(Math.max(...fifos.map((fifo) => fifo.most)), fifos[0].capacity);
+    const shown = levelShown(...["most", "capacity"].map((what) => Math.max(...fifos.map((fifo) => fifo[what]))));
     addOverview(`all FIFOs on ${channel}, each from 0 to ${shown} words`, count, first, (row, bin) => {
       const levels = fifos[row].levels();
       const mean = levels.mean[bin] / shown;

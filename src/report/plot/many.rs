@@ -149,7 +149,7 @@ pub struct Levels<'a> {
 impl<'a> Levels<'a> {
     pub fn new(caption: &'a Caption, scale: TimeScale, all: &'a [(&'a FifoInfo, &'a FifoProfile)]) -> Levels<'a> {
         let highest = all.iter().map(|(_, fifo)| fifos::highest(fifo)).max().unwrap_or(0);
-        let capacity = all.first().map_or(0, |(info, _)| info.capacity.0);
+        let capacity = all.iter().map(|(info, _)| info.capacity.0).max().unwrap_or(0);
         Levels {
             caption,
             scale,
@@ -211,15 +211,25 @@ const SHADES: [(&str, f64, Rgb); 5] = [
     ("over 10 % of the time", 10.0, Rgb(24, 28, 45)),
 ];
 
+/// A histogram whose entries are for `step` occupancies each; steps are powers of two.
+fn shared(fifo: &FifoProfile, step: u64, sum: impl Fn(&[Cycles]) -> Cycles) -> Vec<Cycles> {
+    fifo.histogram.chunks((step / fifo.step.0.max(1)).max(1) as usize).map(sum).collect()
+}
+
 impl<'a> Histograms<'a> {
     pub fn new(caption: &'a Caption, all: &'a [(&'a FifoInfo, &'a FifoProfile)], cycles: Cycles) -> Histograms<'a> {
         let together = all.len().div_ceil(MOST_ROWS).max(1);
         let sum = |entries: &[Cycles]| entries.iter().copied().sum();
+        // FIFOs of several depths: as the deepest have them.
+        let step = all.iter().map(|(_, fifo)| fifo.step.0).max().unwrap_or(1);
+        let mut histograms: Vec<Vec<Cycles>> = all.iter().map(|(_, fifo)| shared(fifo, step, sum)).collect();
+        let longest = histograms.iter().map(Vec::len).max().unwrap_or(0);
+        histograms.iter_mut().for_each(|histogram| histogram.resize(longest, Cycles(0)));
         Histograms {
             caption,
-            rows: rows(all, |index| all[index].0.name.clone(), |(_, fifo)| &fifo.histogram, sum),
+            rows: rows(&histograms, |index| all[index].0.name.clone(), |histogram| histogram, sum),
             cycles: cycles.0.max(1) as f64,
-            step: all.first().map_or(1, |(_, fifo)| fifo.step.0) as f64,
+            step: step as f64,
             together,
         }
     }
