@@ -185,8 +185,8 @@ class Run:
     def hits(self) -> NDArray[np.void]:
         """Each ray's first hit, in the order of the rays' numbers (of pixels, line by line).
 
-        Those of an image are in the order in which the host sent the rays. A structured array of `t` (inf on a miss), `polygon` (the number of the scene's face, -1 on a miss), `alpha` and
-        `beta`. A replay has none.
+        Those of an image are in the order in which the host sent the rays. A structured array of `t` (inf on a miss),
+        `polygon` (the number of the scene's face, -1 on a miss), `alpha` and `beta`. A replay has none.
         """
     @property
     def image(self) -> NDArray[np.float32] | None:

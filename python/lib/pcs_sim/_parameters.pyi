@@ -86,6 +86,9 @@ class RunParameters(MachineParameters, total=False):
     rays: str | PathLike[str] | ArrayLike | None
     """Rays."""
 
+    order: str | None
+    """Order of the rays."""
+
     mode: str | None
     """Mode."""
 
@@ -133,6 +136,9 @@ class ImageParameters(MachineParameters, total=False):
 
     size: str | int | tuple[int, int] | None
     """Size of the image (pixels)."""
+
+    order: str | None
+    """Order of the rays."""
 
     mode: str | None
     """Mode."""
@@ -208,6 +214,9 @@ class ModelParameters(MachineParameters, total=False):
 
     rays: str | PathLike[str] | ArrayLike | None
     """Rays."""
+
+    order: str | None
+    """Order of the rays."""
 
     mode: str | None
     """Mode."""
