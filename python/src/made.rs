@@ -120,7 +120,7 @@ impl Made {
                 account::image_stats_json(setup, rendered, Made::timing(rendered)?, losses.as_ref())
             }
             Made::Replay { replay, stats, losses } => {
-                account::replay_stats_json(&locked(replay), stats, losses.as_ref())
+                account::replay_stats_json(&locked(replay), (stats, None), losses.as_ref())
             }
             Made::Farm { setup, outcome } => farm::to_json(outcome, &setup.scene, &self.described().configuration),
         };
@@ -202,7 +202,9 @@ impl Made {
         match self {
             Made::Rays { setup, outcome, losses } => account::text(setup, outcome, losses.as_ref()),
             Made::Image { setup, rendered, losses, .. } => account::image_text(setup, rendered, losses.as_ref()),
-            Made::Replay { replay, stats, losses } => account::replay_text(&locked(replay), stats, losses.as_ref()),
+            Made::Replay { replay, stats, losses } => {
+                account::replay_text(&locked(replay), (stats, None), losses.as_ref())
+            }
             Made::Farm { setup, outcome } => farm::text(setup, outcome),
         }
     }
@@ -259,6 +261,7 @@ impl Made {
             stats,
             losses,
             profile,
+            path: None,
             cell_names: names,
             configuration,
             image: image.as_deref(),
@@ -269,7 +272,7 @@ impl Made {
     /// The pictures.
     pub fn drawn(&self, profile: &Profile) -> Result<Vec<plot::Picture>, Trouble> {
         let Described { caption, names, .. } = &self.described();
-        plot::pictures(profile, self.clock(), caption, names).map_err(output)
+        plot::pictures(profile, None, self.clock(), caption, names).map_err(output)
     }
 
     /// Writes the picture under a name that says as what.

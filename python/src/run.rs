@@ -335,7 +335,7 @@ impl Run {
         if window.is_empty() {
             return Err(wrong(py, "trace_window has no cycle: its end must be larger than its start"));
         }
-        let observed = self.watch(py, &Watching { profile: false, recording: Some(window) })?;
+        let observed = self.watch(py, &Watching { recording: Some(window), ..Watching::default() })?;
         let recording = observed.recording.ok_or_else(|| has_none("a run that was not recorded", "trace"))?;
         let Described { caption, names, .. } = &self.made.described();
         let trace = Trace { caption, clock: self.made.clock(), cell_names: names, recording: &recording };

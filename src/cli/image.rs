@@ -49,7 +49,7 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     moot::check_image(&options, &run.spec)?;
     let mut files = open_outputs(args, &run.spec)?;
     let spinner = progress::waiting("preparing the scene");
-    let setup = Setup::new(run, &mut Layers::default(), &Cancel::default())?;
+    let setup = outputs::reading(&named(args), || Setup::new(run, &mut Layers::default(), &Cancel::default()))?;
     spinner.finish_and_clear();
     notes(&setup);
     let mut found = Vec::new();
@@ -77,6 +77,7 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
         ("--plot", args.views.plot.is_some()),
         ("--page", args.views.page.is_some()),
         ("--trace", args.views.trace.is_some()),
+        ("--why", args.views.why),
     ];
     let untimed = spec.image.as_ref().is_some_and(|image| image.timing == Switch::Off);
     match files.iter().find(|(_, typed)| *typed && untimed) {
@@ -87,6 +88,18 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
     }
 }
 
+/// The results that are asked for.
+fn named(args: &ImageArgs) -> [Option<&PathBuf>; 6] {
+    [
+        Some(&args.output),
+        args.results.stats.as_ref(),
+        args.tracing.hits.as_ref(),
+        args.tracing.ops.as_ref(),
+        args.views.page.as_ref(),
+        args.views.trace.as_ref(),
+    ]
+}
+
 fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
     let (stats, hits, ops) = (args.results.stats.as_ref(), args.tracing.hits.as_ref(), args.tracing.ops.as_ref());
     let inputs = [
@@ -95,10 +108,7 @@ fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError>
         args.machine_file.machine.as_deref(),
         args.config.as_deref(),
     ];
-    outputs::check_distinct(
-        &[Some(&args.output), stats, hits, ops, args.views.page.as_ref(), args.views.trace.as_ref()],
-        &inputs,
-    )?;
+    outputs::check_distinct(&named(args), &inputs)?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
     Ok(Outputs {
         image: open(Some(&args.output))?,

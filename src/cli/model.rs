@@ -27,7 +27,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     let stats = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let spinner = progress::waiting("surveying the scene");
     let mut layers = Layers::default();
-    let forecast = layers.forecast(&run, &Cancel::default())?;
+    let forecast = outputs::reading(&[args.results.stats.as_ref()], || layers.forecast(&run, &Cancel::default()))?;
     let scene = layers.scene(&run)?;
     spinner.finish_and_clear();
     for note in machine.notes.iter().chain(&scene.notes) {

@@ -6,15 +6,16 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{account, bottleneck};
-use pcs_sim::run::{self, Replay, ReplaySpec, moot};
+use pcs_sim::run::{self, Replay, ReplaySpec, Watching, moot};
 
 use super::args::ReplayArgs;
+use super::run::report;
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress};
+use super::{Failure, Told, outputs, print, progress};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
-pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
+pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
     let options = args.options();
     moot::check_replay(&options)?;
     let base = args.config.as_deref().map(ReplaySpec::read).transpose()?;
@@ -31,16 +32,18 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let clock = replay.machine.spec.clock();
     spinner.set_message("timing the trace");
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(clock, Vec::new())));
-    let cancel = Cancel::default();
-    let (result, observed, shuffled) = replay.time(&views.watching(), &cancel, |array| live.show(array))?;
+    let (moment, cancel) = (told.moment(clock)?, Cancel::default());
+    let (result, observed, shuffled) =
+        replay.time(&Watching { moment, ..views.watching() }, &cancel, |array| live.show(array))?;
     let losses = bottleneck::losses(&result, || shuffled.time(&replay.machine.spec, &replay.costs, &cancel));
     let losses = losses.as_ref();
     live.finish();
     replay.machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    print(&account::replay_text(&replay, &result, losses))?;
+    let head = account::replay_head(&replay, &result);
+    print(&report(head, told, (&result, losses, &[]), (&observed, clock))?)?;
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {
-        file.write_all(account::replay_stats_json(&replay, &result, losses)?.as_bytes())
+        file.write_all(account::replay_stats_json(&replay, (&result, observed.path.as_ref()), losses)?.as_bytes())
     })?;
     let seen = Seen {
         caption: &Caption {

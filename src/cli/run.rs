@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::host::image;
+use pcs_sim::measure::{Actor, Clock, Measured, Observed, When};
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
-use pcs_sim::report::{bottleneck, hits};
-use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, RunSpec, Setup, Shuffled, Workers, moot};
+use pcs_sim::report::{bottleneck, hits, moment, why};
+use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, RunSpec, Setup, Shuffled, Watching, Workers, moot};
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
 use super::args::{RunArgs, Typed};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress};
+use super::{Failure, Told, outputs, print, progress};
 
 /// The files that a run writes.
 struct Outputs {
@@ -28,7 +29,7 @@ struct Outputs {
 }
 
 /// `pcs-sim [--mode ...] [...]`
-pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
+pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
     let options = args.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     let run = PlannedRun::new(RunSpec::of_rays(&options, base)?)?;
@@ -36,12 +37,15 @@ pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
     let mut files = open_outputs(args, &run.spec)?;
     let (workers, form) = (workers(args.tracing.threads), args.tracing.ops_form.into());
     let spinner = progress::waiting("preparing the scene");
-    let setup = Setup::new(run, &mut Layers::default(), &workers.cancel)?;
+    let setup = outputs::reading(&named(args), || Setup::new(run, &mut Layers::default(), &workers.cancel))?;
     spinner.finish_and_clear();
     notes(&setup);
-    let (outcome, losses) = simulate(&setup, (workers, args.results.watch, form), &mut files)?;
-    print(&account::text(&setup, &outcome, losses.as_ref()))?;
-    let written = write_outputs(&setup, &outcome, losses.as_ref(), files)?;
+    let moment = told.moment(setup.machine.spec.clock())?;
+    let (outcome, losses) = simulate(&setup, (workers, args.results.watch, form), moment, &mut files)?;
+    let (names, losses) = (cell_names(&setup.workload), losses.as_ref());
+    let seen = (&outcome.observed, setup.machine.spec.clock());
+    print(&report(account::head(&setup, &outcome), told, (&outcome.stats, losses, &names), seen)?)?;
+    let written = write_outputs(&setup, &outcome, losses, files)?;
     print(&outputs::list(&written))
 }
 
@@ -50,15 +54,19 @@ pub fn workers(count: Option<u16>) -> Workers {
     count.map_or_else(Workers::on_all_cores, |count| Workers::new(count.into()))
 }
 
-fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
-    let named = [
+/// The results that are asked for.
+fn named(args: &RunArgs) -> [Option<&PathBuf>; 6] {
+    [
         args.results.stats.as_ref(),
         args.tracing.hits.as_ref(),
         args.tracing.ops.as_ref(),
         args.image.as_ref(),
         args.views.page.as_ref(),
         args.views.trace.as_ref(),
-    ];
+    ]
+}
+
+fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
     let inputs = [
         Some(Path::new(&spec.scene)),
         spec.rays.as_deref(),
@@ -66,7 +74,7 @@ fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
         args.machine_file.machine.as_deref(),
         args.config.as_deref(),
     ];
-    outputs::check_distinct(&named, &inputs)?;
+    outputs::check_distinct(&named(args), &inputs)?;
     let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
     Ok(Outputs {
         stats: open(&args.results.stats)?,
@@ -85,6 +93,7 @@ pub fn notes(setup: &Setup) {
 fn simulate(
     setup: &Setup,
     (workers, watch, form): (Workers, bool, Form),
+    moment: Option<When>,
     files: &mut Outputs,
 ) -> Result<(Outcome, Option<Losses>), Failure> {
     let spec = &setup.machine.spec;
@@ -97,7 +106,7 @@ fn simulate(
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
-    let watched = (spec, &views.watching());
+    let watched = (spec, &Watching { moment, ..views.watching() });
     let mut shuffled = Shuffled::new(cells);
     let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
         shuffled.take(&batch.ops);
@@ -109,6 +118,42 @@ fn simulate(
     let outcome = outcome?;
     let losses = bottleneck::losses(&outcome.stats, || shuffled.time(spec, costs, &workers.cancel));
     Ok((outcome, losses))
+}
+
+/// What people read of a run: what ran, as `head` has it, and what is to be told of where its time went.
+pub fn report(
+    head: String,
+    told: Told,
+    (stats, losses, names): (&Measured, Option<&Losses>, &[String]),
+    (observed, clock): (&Observed, Clock),
+) -> Result<String, InputError> {
+    let path = observed.path.as_ref();
+    let why = |by_cell: bool| path.map(|path| format!("\n{}", why::text(path, by_cell))).unwrap_or_default();
+    match told {
+        Told::Moment(actor, _) => Ok(head + "\n" + &moment(stats, (observed, clock), actor)?),
+        Told::Why { by_cell } => Ok(head + &why(by_cell)),
+        Told::All => Ok(head + "\n" + &account::body((stats, path), losses, names, clock)),
+    }
+}
+
+/// What somebody did in the moment that was looked for.
+fn moment(stats: &Measured, (observed, clock): (&Observed, Clock), actor: Actor) -> Result<String, InputError> {
+    let cells = stats.stations.len();
+    if let Actor::Station(cell) = actor
+        && cell >= cells
+    {
+        let error = InputError::new(format!("there is no cell {cell}: the array has {cells}"));
+        return Err(error.help("cells are counted from 0, from left to right"));
+    }
+    let (Some(path), Some(snapshot)) = (&observed.path, &observed.snapshot) else {
+        let error = InputError::new(format!("{actor} does nothing for that ray"));
+        return Err(error.help(format!("rays are counted from 0; this run has {}", stats.jobs)));
+    };
+    if snapshot.at >= stats.cycles {
+        let error = InputError::new(format!("the run is over before cycle {}", snapshot.at.0));
+        return Err(error.help(format!("its last cycle is {}", stats.cycles.0.saturating_sub(1))));
+    }
+    Ok(moment::text(path, snapshot, actor, clock))
 }
 
 fn write_outputs(

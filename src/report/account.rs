@@ -6,9 +6,10 @@ use super::losses::Losses;
 use super::prediction::{self, Row};
 use super::stats::{self, Configuration};
 use super::summary::{self, grouped};
+use super::why;
 use crate::host::order::Order;
 use crate::machine::{Machine, MachineSpec};
-use crate::measure::{Clock, Measured};
+use crate::measure::{Clock, CriticalPath, Measured};
 use crate::program::{Kernel, Workload};
 use crate::run::{Forecast, Outcome, Rendered, Replay, RunSpec, Setup, Timing};
 use crate::scene::Scene;
@@ -58,10 +59,16 @@ pub fn replay_title(replay: &Replay) -> String {
 
 /// What people read of a run of primary rays.
 pub fn text(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
+    let (names, clock) = (cell_names(&setup.workload), setup.machine.spec.clock());
+    let path = outcome.observed.path.as_ref();
+    format!("{}\n{}", head(setup, outcome), body((&outcome.stats, path), losses, &names, clock))
+}
+
+/// What ran, and how fast.
+pub fn head(setup: &Setup, outcome: &Outcome) -> String {
     let Setup { machine, prepared, workload, .. } = setup;
     let (spec, rays) = (&machine.spec, prepared.rays.len());
     let hits = outcome.counts.hits;
-    let names = cell_names(workload);
     let mut lines = vec![
         title(setup),
         machine_line(spec),
@@ -75,14 +82,19 @@ pub fn text(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String
             per_ray(outcome.counts.intersection_tests, rays),
         ),
     ];
-    lines.push(memory_line(workload));
-    format!(
-        "{}\n\n{}\n{}\n{}\n",
-        lines.join("\n"),
-        summary::cells(&outcome.stats, &names),
-        summary::fifos(&outcome.stats),
-        verdict(&outcome.stats, losses, spec.clock()),
-    )
+    lines.push(memory_line(workload) + "\n");
+    lines.join("\n")
+}
+
+/// Where the cycles of the cells went, what the FIFOs held, what limits the machine, and why it took as long if that is known.
+pub fn body(
+    (stats, path): (&Measured, Option<&CriticalPath>),
+    losses: Option<&Losses>,
+    names: &[String],
+    clock: Clock,
+) -> String {
+    let why = path.map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
+    format!("{}\n{}\n{}\n{why}", summary::cells(stats, names), summary::fifos(stats), verdict(stats, losses, clock),)
 }
 
 /// What people read of a whole image.
@@ -92,6 +104,8 @@ pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
     };
     let (spec, stats) = (&setup.machine.spec, &timing.stats);
+    let path = timing.observed.path.as_ref();
+    let why = path.map(|path| format!("\n{}{}", why::text(path, false), why::OF_AN_IMAGE)).unwrap_or_default();
     [
         title,
         machine_line(spec),
@@ -100,23 +114,20 @@ pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n", verdict(stats, losses, spec.clock())),
+        format!("{}\n{why}", verdict(stats, losses, spec.clock())),
     ]
     .join("\n")
 }
 
 /// What people read of a replay.
-pub fn replay_text(replay: &Replay, stats: &Measured, losses: Option<&Losses>) -> String {
+pub fn replay_text(replay: &Replay, seen: (&Measured, Option<&CriticalPath>), losses: Option<&Losses>) -> String {
+    format!("{}\n{}", replay_head(replay, seen.0), body(seen, losses, &[], replay.machine.spec.clock()))
+}
+
+/// What was replayed, and how fast.
+pub fn replay_head(replay: &Replay, stats: &Measured) -> String {
     let spec = &replay.machine.spec;
-    format!(
-        "{}\n{}\n{}\n\n{}\n{}\n{}\n",
-        replay_title(replay),
-        machine_line(spec),
-        summary::speed(stats, spec.clock()),
-        summary::cells(stats, &[]),
-        summary::fifos(stats),
-        verdict(stats, losses, spec.clock()),
-    )
+    format!("{}\n{}\n{}\n", replay_title(replay), machine_line(spec), summary::speed(stats, spec.clock()))
 }
 
 /// What people read of a prediction: `rows` are its quantities, with those of the run or without.
@@ -146,7 +157,8 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
 /// The statistics of a run of primary rays, as JSON.
 pub fn stats_json(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> serde_json::Result<String> {
     let configuration = Configuration::new(&setup.spec, &setup.workload);
-    stats::to_json(&outcome.stats, setup.machine.spec.clock(), losses, Some(&outcome.counts), &configuration)
+    let seen = (&outcome.stats, outcome.observed.path.as_ref());
+    stats::to_json(seen, setup.machine.spec.clock(), losses, Some(&outcome.counts), &configuration)
 }
 
 /// The statistics of a whole image that was timed, as JSON.
@@ -158,13 +170,18 @@ pub fn image_stats_json(
 ) -> serde_json::Result<String> {
     let configuration = Configuration::new(&setup.spec, &setup.workload);
     let kinds = RaysByKind::new(&rendered.kinds, timing);
-    stats::image_to_json(&timing.stats, setup.machine.spec.clock(), losses, (&rendered.counts, &kinds), &configuration)
+    let seen = (&timing.stats, timing.observed.path.as_ref());
+    stats::image_to_json(seen, setup.machine.spec.clock(), losses, (&rendered.counts, &kinds), &configuration)
 }
 
 /// The statistics of a replay, as JSON.
-pub fn replay_stats_json(replay: &Replay, stats: &Measured, losses: Option<&Losses>) -> serde_json::Result<String> {
+pub fn replay_stats_json(
+    replay: &Replay,
+    seen: (&Measured, Option<&CriticalPath>),
+    losses: Option<&Losses>,
+) -> serde_json::Result<String> {
     let configuration = Configuration::Replay(Box::new(replay.spec.clone()));
-    stats::to_json(stats, replay.machine.spec.clock(), losses, None, &configuration)
+    stats::to_json(seen, replay.machine.spec.clock(), losses, None, &configuration)
 }
 
 /// What limits the machine, and where it is worth a word, to what it loses its time.

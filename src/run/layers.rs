@@ -13,7 +13,7 @@ use super::trace::{TracedBatch, trace};
 use super::{RunSpec, Workers};
 use crate::cancel::Cancel;
 use crate::error::InputError;
-use crate::geometry::{Hit, Partition, Ray};
+use crate::geometry::{Edges, Hit, Partition, Ray};
 use crate::machine::{Machine, Observed};
 use crate::measure::Measured;
 use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, work};
@@ -49,13 +49,13 @@ impl Keys {
     fn new(spec: &RunSpec, machine: &Machine) -> Keys {
         // All fields by name, so that a new one cannot be forgotten here.
         let RunSpec { version: _, scene, size_factor, resolution, size, rays, order, image, program, .. } = spec;
-        let RunSpec { cells_run, cell_programs, instruction_limit, machine: _, .. } = spec;
+        let RunSpec { edges, cells_run, cell_programs, instruction_limit, machine: _, .. } = spec;
         let ArrayProgram { name: _, stages, groups, partition, grid_coefficient, .. } = program;
         let ArrayProgram { mailbox, stop_words, forward_ahead, .. } = program;
         let Machine { spec: array, times, instructions, notes: _ } = machine;
 
         let scene = Key::of((scene, size_factor, resolution));
-        let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order));
+        let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order, edges));
         let sample = || (times.grid.each, times.slabs, times.intersection, program.placement().slabs.is_some());
         let cut = (*groups > 1).then(|| (partition, (*partition == Partition::Work).then(sample)));
         let laid_out = Key::of((&prepared, groups, cut, grid_coefficient));
@@ -107,8 +107,8 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    fn new(scene: &Scene, rays: Vec<Ray>) -> Prepared {
-        let surfaces = Arc::new(Surfaces::new(&scene.mesh, &rays));
+    fn new(scene: &Scene, rays: Vec<Ray>, edges: Edges) -> Prepared {
+        let surfaces = Arc::new(Surfaces::with_edges(&scene.mesh, &rays, edges));
         Prepared { rays, surfaces }
     }
 }
@@ -151,7 +151,7 @@ impl Layers {
         let scene = self.scene(run)?;
         let rays = run.spec.load_rays(&scene, Some(rays))?;
         (self.laid_out, self.traced) = (None, None);
-        self.prepared = Some((run.keys.prepared.clone(), Ok(Arc::new(Prepared::new(&scene, rays)))));
+        self.prepared = Some((run.keys.prepared.clone(), Ok(Arc::new(Prepared::new(&scene, rays, run.spec.edges)))));
         Ok(())
     }
 
@@ -174,7 +174,8 @@ impl Layers {
         }
         let scene = self.scene(run)?;
         (self.prepared, self.laid_out, self.traced) = (None, None, None);
-        let prepared = run.spec.load_rays(&scene, None).map(|rays| Arc::new(Prepared::new(&scene, rays)));
+        let prepared =
+            run.spec.load_rays(&scene, None).map(|rays| Arc::new(Prepared::new(&scene, rays, run.spec.edges)));
         self.prepared = Some((run.keys.prepared.clone(), prepared.clone()));
         prepared
     }

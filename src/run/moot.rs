@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use super::farm::{FarmRunOptions, FarmSpec};
-use super::options::{CellsRun, RunOptions, Switch};
+use super::options::{CellsRun, MachineFileOptions, RunOptions, Switch};
 use super::spec::{RunSpec, is_builtin};
 use crate::error::InputError;
 use crate::machine::MachineOptions;
@@ -88,6 +88,18 @@ pub fn check_size_fifos_of_trace(typed: &RunOptions) -> Result<(), InputError> {
         RunOptions::parameters().map(|known| known.name).filter(|name| *name != "machine" && !of_machine(name));
     let others: Vec<&str> = others.chain(["memory_words"]).collect();
     refuse(typed, &others, "is about what the trace has recorded", "leave it out, or --ops")
+}
+
+/// Why a trace that is timed again looks at nothing that is about a run.
+pub const WITHOUT_SCENE: &str = "is about tracing a scene, and a recorded trace goes without";
+
+/// Refuses the flags that only a run has, beside a trace that is timed again.
+pub fn check_why(typed: &RunOptions) -> Result<(), InputError> {
+    let of_machine = MachineFileOptions::PARAMETERS.iter().chain(MachineOptions::PARAMETERS);
+    let of_machine: Vec<&str> = of_machine.map(|parameter| parameter.name).collect();
+    let names: Vec<&str> = RunOptions::parameters().map(|parameter| parameter.name).collect();
+    let names: Vec<&str> = names.into_iter().filter(|name| !of_machine.contains(name)).collect();
+    refuse(typed, &names, WITHOUT_SCENE, "leave out one of the two")
 }
 
 /// Refuses the flags that a replay of a trace in cycles would not look at.

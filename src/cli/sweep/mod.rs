@@ -3,7 +3,7 @@
 mod latest;
 mod plots;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use pcs_sim::run::Workers;
 use pcs_sim::sweep::{Record, Sweep};
@@ -16,6 +16,10 @@ use plots::Plots;
 /// Runs the points that are not done yet; the table grows as they finish.
 pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let sweep = Sweep::read(&args.sweep)?;
+    let table = ["csv", "parquet", "journal"].map(|ending| args.table.with_extension(ending));
+    let inputs = sweep.files().iter().map(|file| Some(file.path.as_path()));
+    let inputs: Vec<Option<&Path>> = inputs.chain([Some(args.sweep.as_path())]).collect();
+    outputs::check_distinct(&table.each_ref().map(Some), &inputs)?;
     let plots = Plots::open(args, &sweep.columns())?;
     let mut record = Record::open(&sweep, &sweep.columns(), &args.table, args.force)?;
     let todo = sweep.points() - record.done();
