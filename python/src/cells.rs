@@ -153,7 +153,8 @@ fn words_of(py: Python<'_>, name: &str, given: Option<&Bound<'_, PyAny>>) -> PyR
     let Some(given) = given else { return Ok(Vec::new()) };
     if is_path(given) {
         let path: PathBuf = given.extract()?;
-        return words::read(&path).map_err(|error| Trouble::from(error).raise(py));
+        let read = words::read(&path).map_err(|error| Trouble::from(error).raise(py))?;
+        return Ok(read.words);
     }
     let given = if given.hasattr("tolist")? { given.call_method0("tolist")? } else { given.clone() };
     let misfit = |value: &Bound<'_, PyAny>| wrong(py, format!("{name}: expected words of 32 bits, not {value}"));
