@@ -146,7 +146,7 @@ def test_progress(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[
 def test_every_flag_is_a_parameter(folder: Path) -> None:
     """Every parameter is a flag of the command, and every flag that is about the run a parameter."""
     known = pcs_sim.parameters().to_dict()
-    results = set("config stats force watch plot page trace trace-window image hits ops ops-form threads".split())
+    results = set("config stats force watch plot page trace trace-window why image hits ops ops-form threads".split())
     others = {"help", "version", "output", "predict-only"} | results
     for call in ["run", "image", "model", "replay", "farm"]:
         told = command(folder, *([] if call == "run" else [call]), "--help").out

@@ -116,6 +116,9 @@ class RunParameters(MachineParameters, total=False):
     forward_ahead: int | None
     """Rays passed on ahead."""
 
+    edges: str | None
+    """Edges of polygons."""
+
     cells_run: str | None
     """What the cells run."""
 
@@ -166,6 +169,9 @@ class ImageParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    edges: str | None
+    """Edges of polygons."""
 
     cells_run: str | None
     """What the cells run."""
