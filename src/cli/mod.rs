@@ -12,7 +12,6 @@ mod figure7;
 mod image;
 mod interrupt;
 mod model;
-mod moot_flags;
 mod outputs;
 mod plot;
 mod progress;

@@ -11,4 +11,4 @@ mod record;
 
 pub use file::Sweep;
 pub use parameters::{Parameter, Points};
-pub use record::Record;
+pub use record::{Record, Unrecorded};

@@ -3,12 +3,15 @@
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::Sweep;
 use super::journal::{Heading, Journal};
+use crate::cancel::Cancelled;
 use crate::error::InputError;
 use crate::report::table::{self, Column, Table};
+use crate::run::Workers;
 
 /// The table of a sweep under way, and its files.
 ///
@@ -33,6 +36,17 @@ struct Places {
     journal: PathBuf,
 }
 
+/// Why the points of a sweep are not all in its record.
+#[derive(Debug, thiserror::Error)]
+pub enum Unrecorded {
+    /// It was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A file could not be written.
+    #[error("the table cannot be written: {0}")]
+    Unwritten(#[from] std::io::Error),
+}
+
 /// The table is written no more often.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(250);
 /// What must pass before the table is written again, as a multiple of the time that it took.
@@ -54,6 +68,39 @@ impl Record {
         let heading = Heading { identity, points: sweep.points(), columns: columns.len() };
         let journal = Journal::open(&places.journal, &heading, force)?;
         Ok(Record { places, columns: columns.to_vec(), journal, due: Instant::now() })
+    }
+
+    /// Runs the points that are not done, and enters each as it is; `seen` is told of its row. The table's files are up to
+    /// date in the end.
+    ///
+    /// # Errors
+    ///
+    /// If it is told to stop, and if a file cannot be written.
+    pub fn run(
+        &mut self,
+        sweep: &Sweep,
+        workers: &Workers,
+        mut seen: impl FnMut(&[String]) + Send,
+    ) -> Result<(), Unrecorded> {
+        let todo: Vec<usize> = (0..sweep.points()).filter(|&index| !self.has(index)).collect();
+        let state = Mutex::new((&mut *self, &mut seen, Ok(())));
+        let ended = sweep.run(&todo, workers, |index, results| {
+            let row = [sweep.point(index), results].concat();
+            let mut guard = state.lock().unwrap_or_else(PoisonError::into_inner);
+            let (record, seen, written) = &mut *guard;
+            seen(&row);
+            if written.is_ok() {
+                *written = record.enter(index, row);
+            }
+        });
+        let (_, _, written) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        ended?;
+        Ok(written.and_then(|()| self.write_table())?)
+    }
+
+    /// How many points are done.
+    pub fn done(&self) -> usize {
+        self.journal.rows().count()
     }
 
     /// Whether a point is done.

@@ -4,9 +4,7 @@ mod latest;
 mod plots;
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
-use pcs_sim::report::table::Column;
 use pcs_sim::run::Workers;
 use pcs_sim::sweep::{Record, Sweep};
 
@@ -22,35 +20,20 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let inputs = sweep.files().iter().map(|file| Some(file.path.as_path()));
     let inputs: Vec<Option<&Path>> = inputs.chain([Some(args.sweep.as_path())]).collect();
     outputs::check_distinct(&table.each_ref().map(Some), &inputs)?;
-    let plots = Plots::open(args, &columns(&sweep))?;
-    let mut record = Record::open(&sweep, &columns(&sweep), &args.table, args.force)?;
-    let failed = |error: std::io::Error| Failure::Output(format!("the table cannot be written: {error}"));
-    let todo: Vec<usize> = (0..sweep.points()).filter(|&index| !record.has(index)).collect();
+    let plots = Plots::open(args, &sweep.columns())?;
+    let mut record = Record::open(&sweep, &sweep.columns(), &args.table, args.force)?;
+    let todo = sweep.points() - record.done();
     let bar = progress::points(sweep.points() as u64);
-    bar.set_position((sweep.points() - todo.len()) as u64);
+    bar.set_position(record.done() as u64);
     bar.reset_eta();
-    let latest = Latest::new(&sweep, &bar, args.watch);
-    let state = Mutex::new((&mut record, latest, Ok(())));
-    let ended = sweep.run(&todo, &Workers::on_all_cores(), |index, results| {
-        let row = [sweep.point(index), results].concat();
-        let mut guard = state.lock().unwrap_or_else(PoisonError::into_inner);
-        let (record, latest, written) = &mut *guard;
-        latest.add(&row);
-        if written.is_ok() {
-            *written = record.enter(index, row);
-        }
+    let mut latest = Latest::new(&sweep, &bar, args.watch);
+    let ended = record.run(&sweep, &Workers::on_all_cores(), |row| {
+        latest.add(row);
         bar.inc(1);
     });
-    let (_, _, written) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
-    ended.map_err(|cancelled| Failure::Output(cancelled.to_string()))?;
-    written.and_then(|()| record.write_table()).map_err(failed)?;
+    ended.map_err(|unrecorded| Failure::Output(unrecorded.to_string()))?;
     bar.finish_and_clear();
     let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();
     plots.write(&sweep, &record.table(), &mut written)?;
-    print(&format!("{} points, {} of them done now\n{}", sweep.points(), todo.len(), outputs::list(&written)))
-}
-
-/// The columns of the table: the parameters, then the results.
-fn columns(sweep: &Sweep) -> Vec<Column<'static>> {
-    sweep.parameters.iter().map(|parameter| parameter.column).chain(sweep.results().iter().copied()).collect()
+    print(&format!("{} points, {} of them done now\n{}", sweep.points(), todo, outputs::list(&written)))
 }
