@@ -329,8 +329,11 @@ pub struct SweepArgs {
     pub sweep: PathBuf,
     /// The table: FILE.csv, and the same as FILE.parquet. It grows as points finish. A sweep that was stopped goes on
     /// where FILE.journal says; one that is done is not run again.
-    #[arg(short = 'o', long, value_name = "FILE")]
-    pub table: PathBuf,
+    #[arg(short = 'o', long, value_name = "FILE", required_unless_present = "count")]
+    pub table: Option<PathBuf>,
+    /// Tell how many points the sweep has, and run none.
+    #[arg(long, conflicts_with_all = ["table", "plot", "force", "watch", "accept_failures", "threads"])]
+    pub count: bool,
     /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode.
     ///
     /// The plot lies beside the table, as SVG and PNG. May be given several times, x= first.
@@ -339,9 +342,15 @@ pub struct SweepArgs {
     /// Replace plots that exist, and the table and journal of another sweep.
     #[arg(long)]
     pub force: bool,
+    /// Take a table in which points failed for a success: exit status 0.
+    #[arg(long)]
+    pub accept_failures: bool,
     /// Watch the points come in, on a terminal.
     #[arg(long)]
     pub watch: bool,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
 }
 
 /// `pcs-sim model`.

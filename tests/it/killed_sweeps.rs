@@ -91,8 +91,8 @@ fn check_end(folder: &Folder) {
     let parquet = |name: &str| std::fs::read(folder.path(name)).unwrap();
     assert!(parquet("t.parquet") == parquet("whole.parquet"));
     let journal = folder.read("t.journal");
-    let done = journal.lines().skip(1).map(|line| serde_json::from_str::<(usize, Vec<String>)>(line).unwrap().0);
-    let done: Vec<usize> = done.collect();
+    let done = journal.lines().skip(1).map(|line| serde_json::from_str::<(String, Vec<String>)>(line).unwrap().0);
+    let done: Vec<String> = done.collect();
     assert_eq!((done.len(), done.iter().collect::<HashSet<_>>().len()), (POINTS, POINTS), "each point once");
     assert!(!folder.names().iter().any(|name| name.ends_with(".part")), "{:?}", folder.names());
 }

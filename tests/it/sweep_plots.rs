@@ -42,7 +42,7 @@ fn a_finished_table_is_plotted_without_running_again() {
     folder.file("sweep.ron", SWEEP);
     folder.run("sweep sweep.ron -o t.csv").success();
     let stdout = folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works").success();
-    assert!(stdout.starts_with("20 points, 0 of them done now\n"), "{stdout}");
+    assert!(stdout.starts_with("20 points: 20 done (0 now)\n"), "{stdout}");
     assert!(folder.read("t-mean_works-over-link_mb_s.svg").contains("bars go from the least to the most"));
     let error = folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works").refused();
     assert!(error.contains("exists already") && error.contains("t-mean_works-over-link_mb_s.svg"), "{error}");

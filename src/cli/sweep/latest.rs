@@ -7,8 +7,6 @@ use indicatif::ProgressBar;
 use pcs_sim::report::summary::grouped;
 use pcs_sim::sweep::{Points, Sweep};
 
-use super::columns;
-
 /// Points that are shown at the most.
 const MOST_LINES: usize = 16;
 
@@ -29,7 +27,7 @@ impl Latest<'_> {
     pub fn new<'a>(sweep: &Sweep, bar: &'a ProgressBar, watch: bool) -> Latest<'a> {
         let parameters = sweep.parameters.iter().enumerate();
         let varying = parameters.filter(|(_, parameter)| parameter.values.len() > 1);
-        let columns = columns(sweep);
+        let columns = sweep.columns();
         let place = |name: &str| columns.iter().position(|column| column.name == name).unwrap_or(0);
         let (told, unit) = match sweep.of {
             Points::Arrays => ("rays_per_second", "rays/s"),

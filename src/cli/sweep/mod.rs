@@ -3,50 +3,98 @@
 mod latest;
 mod plots;
 
-use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::path::{Path, PathBuf};
 
-use pcs_sim::report::table::Column;
-use pcs_sim::run::Workers;
-use pcs_sim::sweep::{Record, Sweep};
+use pcs_sim::sweep::{Note, Record, Sweep};
 
 use super::args::SweepArgs;
+use super::run::workers;
 use super::{Failure, outputs, print, progress};
 use latest::Latest;
 use plots::Plots;
 
+/// Kinds of failures and of roundings that are told; the table has the others.
+const TOLD: usize = 5;
+
 /// Runs the points that are not done yet; the table grows as they finish.
 pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let sweep = Sweep::read(&args.sweep)?;
-    let plots = Plots::open(args, &columns(&sweep))?;
-    let mut record = Record::open(&sweep, &columns(&sweep), &args.table, args.force)?;
-    let failed = |error: std::io::Error| Failure::Output(format!("the table cannot be written: {error}"));
-    let todo: Vec<usize> = (0..sweep.points()).filter(|&index| !record.has(index)).collect();
-    let bar = progress::points(sweep.points() as u64);
-    bar.set_position((sweep.points() - todo.len()) as u64);
-    bar.reset_eta();
-    let latest = Latest::new(&sweep, &bar, args.watch);
-    let state = Mutex::new((&mut record, latest, Ok(())));
-    let ended = sweep.run(&todo, &Workers::on_all_cores(), |index, results| {
-        let row = [sweep.point(index), results].concat();
-        let mut guard = state.lock().unwrap_or_else(PoisonError::into_inner);
-        let (record, latest, written) = &mut *guard;
-        latest.add(&row);
-        if written.is_ok() {
-            *written = record.enter(index, row);
-        }
-        bar.inc(1);
-    });
-    let (_, _, written) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
-    ended.map_err(|cancelled| Failure::Output(cancelled.to_string()))?;
-    written.and_then(|()| record.write_table()).map_err(failed)?;
-    bar.finish_and_clear();
-    let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();
-    plots.write(&sweep, &record.table(), &mut written)?;
-    print(&format!("{} points, {} of them done now\n{}", sweep.points(), todo.len(), outputs::list(&written)))
+    match &args.table {
+        Some(table) => run(args, &sweep, table),
+        None => print(&format!("{}\n", points(sweep.points()))),
+    }
 }
 
-/// The columns of the table: the parameters, then the results.
-fn columns(sweep: &Sweep) -> Vec<Column<'static>> {
-    sweep.parameters.iter().map(|parameter| parameter.column).chain(sweep.results().iter().copied()).collect()
+fn run(args: &SweepArgs, sweep: &Sweep, table: &Path) -> Result<(), Failure> {
+    let plots = Plots::open(args, table, &sweep.columns())?;
+    let mut record = Record::open(sweep, table, args.force)?;
+    let before = record.done();
+    let bar = progress::points(sweep.points() as u64);
+    bar.set_position(before as u64);
+    bar.reset_eta();
+    let mut latest = Latest::new(sweep, &bar, args.watch);
+    let ended = record.run(sweep, &workers(args.threads), |row| {
+        latest.add(row);
+        bar.inc(1);
+    });
+    let notes = ended.map_err(|unrecorded| Failure::Output(unrecorded.to_string()))?;
+    bar.finish_and_clear();
+    tell(&notes);
+    let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();
+    plots.write(sweep, &record.table(), &mut written)?;
+    print(&format!("{}{}", account(&record, before), outputs::list(&written)))?;
+    match record.failures().count() {
+        failed if failed > 0 && !args.accept_failures => {
+            let share = format!("{failed} of {} failed", points(sweep.points()));
+            let help = "the column `error` says why; --accept-failures takes such a table for a success";
+            Err(Failure::Output(format!("{share}: {help}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What had to be rounded.
+fn tell(notes: &[Note]) {
+    for Note { text, points: count } in notes.iter().take(TOLD) {
+        eprintln!("note: {text} (in {})", points(*count));
+    }
+    if notes.len() > TOLD {
+        let others = notes.len() - TOLD;
+        eprintln!(
+            "note: so were {others} other values; the table has those that were simulated, beside those asked for"
+        );
+    }
+}
+
+/// How many points are done and how many failed, with the first reasons.
+fn account(record: &Record, before: usize) -> String {
+    let (all, failed) = (record.done(), record.failures().count());
+    let mut text = format!("{}: {} done", points(all), all - failed);
+    if failed > 0 {
+        text += &format!(", {failed} failed");
+    }
+    if before > 0 {
+        text += &format!(" ({} now)", all - before);
+    }
+    text += "\n";
+    let mut reasons: Vec<(&str, usize)> = Vec::new();
+    for reason in record.failures() {
+        match reasons.iter().position(|(known, _)| *known == reason) {
+            Some(place) => reasons[place].1 += 1,
+            None if reasons.len() < TOLD => reasons.push((reason, 1)),
+            None => {}
+        }
+    }
+    for (reason, count) in &reasons {
+        text += &format!("  {count} failed: {reason}\n");
+    }
+    match failed - reasons.iter().map(|(_, count)| count).sum::<usize>() {
+        0 => text,
+        others => text + &format!("  {others} failed for other reasons\n"),
+    }
+}
+
+/// `1 point`, `2 points`.
+fn points(count: usize) -> String {
+    super::run::plural(count, "point")
 }

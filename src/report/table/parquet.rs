@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-use super::{Column, Kind, Table};
+use super::{Column, Kind, Origin, Table};
 
 /// Why a table could not be written as Parquet.
 #[derive(Debug, thiserror::Error)]
@@ -28,12 +29,14 @@ pub enum ParquetError {
     },
 }
 
-/// Writes a table as Parquet. Cells without a value are null.
-pub fn write_parquet(out: impl Write + Send, table: &Table<'_>) -> Result<(), ParquetError> {
+/// Writes a table as Parquet. Cells without a value are null; where the table comes from is told under the keys
+/// `pcs_sim.version` and `pcs_sim.sweep`.
+pub fn write_parquet(out: impl Write + Send, table: &Table<'_>, origin: &Origin) -> Result<(), ParquetError> {
     let fields = table.columns.iter().map(field).collect::<Result<_, _>>()?;
     let schema = Type::group_type_builder("table").with_fields(fields).build()?;
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(metadata(origin)))
         .set_created_by(concat!("pcs-sim version ", env!("CARGO_PKG_VERSION")).to_owned());
     let mut writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties.build()))?;
     let mut rows = writer.next_row_group()?;
@@ -46,6 +49,11 @@ pub fn write_parquet(out: impl Write + Send, table: &Table<'_>) -> Result<(), Pa
     rows.close()?;
     writer.close()?;
     Ok(())
+}
+
+fn metadata(origin: &Origin) -> Vec<KeyValue> {
+    let pair = |key: &str, value: &str| KeyValue::new(key.to_owned(), Some(value.to_owned()));
+    vec![pair("pcs_sim.version", origin.version), pair("pcs_sim.sweep", &origin.sweep)]
 }
 
 fn field(column: &Column) -> Result<TypePtr, parquet::errors::ParquetError> {
