@@ -44,7 +44,7 @@ pub fn farm(args: &FarmArgs, typed: &Typed) -> Result<(), Failure> {
     })?;
     bar.finish_and_clear();
     let items = spec.cut(&scene, &machine)?;
-    machine.notes.iter().chain(&scene.notes).for_each(|note| eprintln!("note: {note}"));
+    machine.notes.iter().chain(&scene.notes).for_each(super::note);
     let setup = Setup { spec, machine, scene, items };
     if fewest < setup.spec.tasks {
         return print(&compared(&setup, fewest)?);

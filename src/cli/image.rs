@@ -67,7 +67,7 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     spinner.finish_and_clear();
     let PlannedRun { spec, machine, .. } = run;
     let setup = Setup { spec, image, scene, machine, workload };
-    setup.machine.notes.iter().chain(&setup.scene.notes).for_each(|note| eprintln!("note: {note}"));
+    setup.machine.notes.iter().chain(&setup.scene.notes).for_each(super::note);
     let mut found = Vec::new();
     let rendered = render(args, &setup, &mut files, &mut found)?;
     print(&report(&setup, &rendered))?;

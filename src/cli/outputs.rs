@@ -4,9 +4,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
+use pcs_sim::input::STREAM;
 use pcs_sim::run::{OutputFile, OutputFolder};
 
-use super::{Failure, interrupt};
+use super::{Failure, interrupt, take_stdout};
 
 /// Opens a result file, if one is asked for.
 pub fn open(path: Option<&Path>, force: bool) -> Result<Option<OutputFile>, InputError> {
@@ -15,6 +16,9 @@ pub fn open(path: Option<&Path>, force: bool) -> Result<Option<OutputFile>, Inpu
 
 /// Opens a result file.
 pub fn create(path: &Path, force: bool) -> Result<OutputFile, InputError> {
+    if path == Path::new(STREAM) {
+        take_stdout();
+    }
     interrupt::outputs().file(path, force)
 }
 

@@ -48,7 +48,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let (result, observed) =
         run::replay_watched(watched, (&costs, cells), &Cancel::default(), feed, |array| live.show(array))?;
     live.finish();
-    machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    machine.notes.iter().for_each(super::note);
     let caption = Caption {
         title: format!("replay of {} on {cells} cells: {} rays", ops.display(), grouped(trace.jobs())),
         machine: machine_line(&machine.spec),

@@ -101,7 +101,7 @@ fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
 /// What the user should know before the figures: what had to be rounded, cut or assumed.
 fn notes(setup: &Setup) {
     for note in setup.machine.notes.iter().chain(&setup.scene.notes) {
-        eprintln!("note: {note}");
+        super::note(note);
     }
 }
 

@@ -78,9 +78,26 @@ pub fn fifo_rows(run: &Measured) -> Rows {
     }
 }
 
-/// The cells' table as text.
+/// The cells' table as text, in 80 columns where it can: in percent, without the states in which no cell ever was.
 pub fn cells(run: &Measured, names: &[String]) -> String {
-    text(cell_rows(run, names))
+    let Rows { header, rows } = cell_rows(run, names);
+    let seen = |state: &State| run.stations.iter().any(|times| times.of(state.id).0 > 0);
+    let shown: Vec<bool> = std::iter::once(true).chain(run.topology.states.used().map(seen)).collect();
+    let shown = |row: Vec<String>, as_shown: fn(&str) -> String| {
+        let cells = row.iter().zip(&shown).filter(|(_, shown)| **shown);
+        cells.map(|(cell, _)| as_shown(cell)).collect::<Vec<_>>()
+    };
+    let mut header = shown(header, narrow);
+    header[0] += ", %";
+    text(Rows { header, rows: rows.into_iter().map(|row| shown(row, |cell| cell.replace(" %", ""))).collect() })
+}
+
+/// A heading in two lines, if it has two words or a long one.
+fn narrow(heading: &str) -> String {
+    match heading {
+        "intersection" => "inter-\nsection".to_owned(),
+        _ => heading.replacen(' ', "\n", 1),
+    }
 }
 
 /// The FIFOs' table as text.
@@ -104,11 +121,14 @@ pub fn table(header: &[&str]) -> Table {
     table
 }
 
+/// Spaces between two columns.
+const GAP: u16 = 1;
+
 /// The table as text, names to the left and figures to the right.
 pub fn aligned(mut table: Table) -> String {
     for (index, column) in table.column_iter_mut().enumerate() {
         column.set_cell_alignment(if index == 0 { CellAlignment::Left } else { CellAlignment::Right });
-        column.set_padding((if index == 0 { 0 } else { 1 }, 1));
+        column.set_padding((if index == 0 { 0 } else { GAP }, 0));
     }
     let text = table.to_string();
     text.lines().map(|line| format!("{}\n", line.trim_end())).collect()

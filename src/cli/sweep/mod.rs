@@ -9,7 +9,7 @@ use pcs_sim::sweep::{Note, Record, Sweep};
 
 use super::args::SweepArgs;
 use super::run::workers;
-use super::{Failure, outputs, print, progress};
+use super::{Failure, note, outputs, print, progress};
 use latest::Latest;
 use plots::Plots;
 
@@ -56,13 +56,11 @@ fn run(args: &SweepArgs, sweep: &Sweep, table: &Path) -> Result<(), Failure> {
 /// What had to be rounded.
 fn tell(notes: &[Note]) {
     for Note { text, points: count } in notes.iter().take(TOLD) {
-        eprintln!("note: {text} (in {})", points(*count));
+        note(format!("{text} (in {})", points(*count)));
     }
     if notes.len() > TOLD {
         let others = notes.len() - TOLD;
-        eprintln!(
-            "note: so were {others} other values; the table has those that were simulated, beside those asked for"
-        );
+        note(format!("so were {others} other values; the table has what was simulated beside what was asked for"));
     }
 }
 
