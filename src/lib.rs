@@ -69,7 +69,6 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use pcs_sim::machine::{Cycles, MachineFile, MachineOptions, Words};
 //! use pcs_sim::program::work;
-//! use pcs_sim::seam::Channel;
 //!
 //! let mut file = MachineFile::standard()?;
 //! let none = MachineOptions::default();
@@ -77,7 +76,7 @@
 //! let machine = file.build()?;
 //!
 //! assert_eq!(machine.spec.link_rate().cycles_per_word, 4); // 4 bytes at 20 Mbyte/s, in cycles of 50 ns
-//! assert_eq!(machine.spec.fifo_words_of(Channel::Y), Words(64));
+//! assert_eq!(machine.spec.fifo_words_of("Y1".parse()?), Words(64));
 //! let costs = work::costs(&work::vocabulary(false), &machine.times, None);
 //! assert_eq!((costs.of(work::GRID_START), costs.of(work::GRID_VOXEL)), (Cycles(600), Cycles(78)));
 //! # Ok(())
@@ -235,6 +234,7 @@ pub mod model;
 mod parameters;
 pub mod program;
 pub mod quantities;
+mod random;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod run;

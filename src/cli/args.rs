@@ -7,9 +7,10 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueEnum};
 use pcs_sim::input::STREAM;
 use pcs_sim::machine::{CapitanOptions, Cycles, MachineOptions};
+use pcs_sim::measure::Actor;
 use pcs_sim::run::{
-    CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions,
-    RayOptions, RunOptions, SceneOptions, ShapeOptions,
+    CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions,
+    ProgramOptions, RayOptions, RunOptions, SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
 
@@ -56,6 +57,10 @@ pub enum Command {
     Farm(Box<FarmArgs>),
     /// Times a recorded activity trace again, under any machine, without its scene.
     Replay(Box<ReplayArgs>),
+    /// Finds the fewest words that the FIFOs need, each by itself, for 90 to 100 % of the speed that they could give.
+    SizeFifos(Box<SizeArgs>),
+    /// Tells why a run, or a recorded activity trace, took as long as it did, and what would make it faster.
+    Why(Box<WhyArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
     Sweep(SweepArgs),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
@@ -95,6 +100,8 @@ pub struct RunArgs {
     #[command(flatten)]
     pub rays: RayOptions,
     #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
@@ -119,6 +126,7 @@ impl RunArgs {
             scene: self.scene.clone(),
             shape: self.shape.clone(),
             rays: self.rays.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -136,6 +144,7 @@ impl ImageArgs {
         let mut options = RunOptions {
             scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -156,7 +165,27 @@ impl ModelArgs {
             scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
             rays: self.rays.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
+            machine_file: self.machine_file.clone(),
+            machine: self.machine.clone(),
+            ..RunOptions::default()
+        };
+        options.retain(|name| typed.has(name));
+        options
+    }
+}
+
+impl SizeArgs {
+    /// What is asked of the run.
+    pub fn options(&self, typed: &Typed) -> RunOptions {
+        let mut options = RunOptions {
+            scene: self.scene.clone(),
+            shape: self.shape.clone(),
+            rays: self.rays.clone(),
+            order: self.order.clone(),
+            program: self.program.clone(),
+            cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
             machine: self.machine.clone(),
             ..RunOptions::default()
@@ -198,6 +227,8 @@ pub struct ImageArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
     #[command(flatten)]
     pub light: LightOptions,
     #[command(flatten)]
@@ -269,7 +300,8 @@ impl FarmArgs {
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
 #[derive(Clone, Debug, Args)]
 pub struct TracingArgs {
-    /// Write the hits as CSV, in the order in which the host sends the rays: ray, t, polygon, alpha, beta.
+    /// Write the hits as CSV: ray, t, polygon, alpha, beta. Primary rays are numbered as their pixels are, a whole image's as the
+    /// host sends them.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub hits: Option<PathBuf>,
     /// Write what the host and every cell did for every ray, for `pcs-sim replay`.
@@ -336,6 +368,93 @@ pub struct ReplayArgs {
     pub views: ViewArgs,
 }
 
+/// `pcs-sim size-fifos`.
+#[derive(Debug, Args)]
+pub struct SizeArgs {
+    /// A recorded trace, as --ops wrote it, in place of a run.
+    #[arg(long, value_name = "FILE", conflicts_with = "config")]
+    pub ops: Option<PathBuf>,
+    /// The run that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Write a table of what was found: FILE.csv, and the same as FILE.parquet.
+    #[arg(short = 'o', long, value_name = "FILE", help_heading = "Results")]
+    pub table: Option<PathBuf>,
+    /// Draw it, as SVG and PNG beside the table: speed over words, and the depths of the FIFOs.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub plot: bool,
+    /// Write the machine of each speed, as FILE-99.ron, ... beside the table.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub machines: bool,
+    /// Replace result files that exist.
+    #[arg(long, help_heading = "Results")]
+    pub force: bool,
+    #[command(flatten)]
+    pub program: ProgramOptions,
+    #[command(flatten)]
+    pub cells: CellsOptions,
+    #[command(flatten)]
+    pub scene: SceneOptions,
+    #[command(flatten)]
+    pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub rays: RayOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
+    pub machine_file: MachineFileOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+}
+
+/// `pcs-sim why`.
+#[derive(Debug, Args)]
+pub struct WhyArgs {
+    /// An activity trace, as --ops wrote it, to be timed again. Without one a scene is traced: all flags are those of a run.
+    #[arg(value_name = "OPS")]
+    pub recorded: Option<PathBuf>,
+    /// Tell the times of each cell by themselves.
+    #[arg(long)]
+    pub by_cell: bool,
+    /// Tell of one moment instead: what that cell (or host) does then, and who waits for whom.
+    #[arg(long, value_name = "N", value_parser = actor, conflicts_with = "by_cell")]
+    pub cell: Option<Actor>,
+    /// The moment: a cycle, or a simulated time as in 12.3ms.
+    #[arg(long, value_name = "TIME", value_parser = moment, requires = "cell", conflicts_with = "ray")]
+    pub at: Option<Moment>,
+    /// The moment: the middle of the longest wait of the cell while it is at that ray, counted from 0.
+    #[arg(long, value_name = "N", requires = "cell")]
+    pub ray: Option<u32>,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// A moment of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moment {
+    Cycle(Cycles),
+    /// In seconds of simulated time.
+    Time(f64),
+}
+
+/// A cell's number, or `host`.
+fn actor(text: &str) -> Result<Actor, String> {
+    let cell = || text.parse().map(Actor::Station).map_err(|_| "expected the number of a cell, or host".to_owned());
+    if text == "host" { Ok(Actor::Host) } else { cell() }
+}
+
+fn moment(text: &str) -> Result<Moment, String> {
+    let units = [("ns", 1e-9), ("us", 1e-6), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)];
+    match units.iter().find_map(|&(unit, seconds)| Some((text.strip_suffix(unit)?, seconds))) {
+        None => text.parse().map(|cycle| Moment::Cycle(Cycles(cycle))).ok(),
+        Some((number, unit)) => {
+            let number = number.trim().parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
+            number.map(|number| Moment::Time(number * unit))
+        }
+    }
+    .ok_or_else(|| "expected a cycle, or a time in ns, us, ms or s, as in 12.3ms".to_owned())
+}
+
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Views of the run over time")]
 pub struct ViewArgs {
@@ -352,6 +471,9 @@ pub struct ViewArgs {
     /// ease].
     #[arg(long, value_name = "A..B", requires = "trace", value_parser = window)]
     pub trace_window: Option<Range<Cycles>>,
+    /// Tell why the run took as long: its critical path, and what faster parts would save. In --stats, --plot and --page too.
+    #[arg(long)]
+    pub why: bool,
 }
 
 #[derive(Debug, Args)]
@@ -403,6 +525,8 @@ pub struct ModelArgs {
     pub shape: ShapeOptions,
     #[command(flatten)]
     pub rays: RayOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
     #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]

@@ -61,6 +61,10 @@ fn open_outputs(args: &FarmArgs, spec: &FarmSpec, fewest: usize) -> Result<(Opti
         let error = InputError::new("statistics and views are of one number of workers, not of a range");
         return Err(error.help("ask for one number of --tasks; `pcs-sim sweep` makes tables of many"));
     }
+    if args.views.why {
+        let error = InputError::new("--why is about cells in a row, whose times do not depend on who comes first");
+        return Err(error.help("leave it out; the states of the tasks tell what they wait for"));
+    }
     let inputs = [Some(Path::new(&spec.scene)), args.farm.machine.as_deref(), args.config.as_deref()];
     outputs::check_distinct(&files[..3], &inputs)?;
     Ok((outputs::open(args.stats.as_deref(), args.force)?, Views::open(&args.views, args.force)?))
@@ -152,6 +156,7 @@ fn write_outputs(
         stats: &outcome.stats,
         observed: &outcome.observed,
         cell_names: &[],
+        losses: None,
         configuration: &configuration,
         image: None,
     };

@@ -5,12 +5,15 @@
 use std::path::Path;
 
 use pcs_sim::error::InputError;
+use pcs_sim::machine::MachineOptions;
 use pcs_sim::program::ArrayProgram;
 use pcs_sim::program::farm::ItemKind;
-use pcs_sim::run::{CellsRun, FarmRunOptions, FarmSpec, ImageSpec, RunOptions, RunSpec, Switch, is_builtin};
+use pcs_sim::run::{
+    CellsRun, FarmRunOptions, FarmSpec, ImageSpec, MachineFileOptions, RunOptions, RunSpec, Switch, is_builtin,
+};
 use pcs_sim::scene::builtin;
 
-use super::args::{ImageArgs, ModelArgs};
+use super::args::{ImageArgs, ModelArgs, RunArgs};
 
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
@@ -34,12 +37,13 @@ pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: 
             ("--plot", args.views.plot.is_some()),
             ("--page", args.views.page.is_some()),
             ("--trace", args.views.trace.is_some()),
+            ("--why", args.views.why),
         ];
         let (why, help) = ("is about the machine at work, which --timing off leaves out", "leave out one of the two");
         if let Some((flag, _)) = files.iter().find(|(_, typed)| *typed) {
             return Err(InputError::new(format!("{flag} {why}")).help(help));
         }
-        let names = [&["policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
+        let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
     check_resolution(&spec.scene, spec.resolution)?;
@@ -61,7 +65,8 @@ pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Resu
     }
     if args.predict_only {
         let (why, help) = ("is about the simulation, which --predict-only leaves out", "leave out one of the two");
-        let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
+        let names =
+            ["order", "fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
         refuse(typed, &names, why, help)?;
         if args.threads.is_some() {
             return Err(InputError::new(format!("--threads {why}")).help(help));
@@ -75,6 +80,42 @@ pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Resu
 /// Refuses the flags that a replay would not look at.
 pub fn check_replay(typed: &RunOptions) -> Result<(), InputError> {
     refuse(typed, &["memory_words"], "is held against a scene, which a trace has not", "leave it out")
+}
+
+/// Refuses what sizing the FIFOs finds out.
+pub fn check_size_fifos(typed: &RunOptions) -> Result<(), InputError> {
+    let depths = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"];
+    refuse(typed, &depths, "is what is sought here", "leave it out")
+}
+
+/// Refuses what a trace has recorded already.
+pub fn check_size_fifos_of_trace(typed: &RunOptions) -> Result<(), InputError> {
+    let of_machine = |name: &str| MachineOptions::PARAMETERS.iter().any(|known| known.name == name);
+    let others =
+        RunOptions::parameters().map(|known| known.name).filter(|name| *name != "machine" && !of_machine(name));
+    let others: Vec<&str> = others.chain(["memory_words"]).collect();
+    refuse(typed, &others, "is about what the trace has recorded", "leave it out, or --ops")
+}
+
+/// Refuses the flags that only a run has, beside a trace that is timed again.
+pub fn check_why(args: &RunArgs, typed: &RunOptions) -> Result<(), InputError> {
+    let (why, help) = ("is about tracing a scene, and a recorded trace goes without", "leave out one of the two");
+    let of_machine = MachineFileOptions::PARAMETERS.iter().chain(MachineOptions::PARAMETERS);
+    let of_machine: Vec<&str> = of_machine.map(|parameter| parameter.name).collect();
+    let names: Vec<&str> = RunOptions::parameters().map(|parameter| parameter.name).collect();
+    let names: Vec<&str> = names.into_iter().filter(|name| !of_machine.contains(name)).collect();
+    refuse(typed, &names, why, help)?;
+    let others = [
+        ("--config", args.config.is_some()),
+        ("--image", args.image.is_some()),
+        ("--hits", args.tracing.hits.is_some()),
+        ("--ops", args.tracing.ops.is_some()),
+        ("--threads", args.tracing.threads.is_some()),
+    ];
+    match others.iter().find(|(_, typed)| *typed) {
+        Some((flag, _)) => Err(InputError::new(format!("{flag} {why}")).help(help)),
+        None => Ok(()),
+    }
 }
 
 /// Refuses the flags that a replay of a trace in cycles would not look at.

@@ -6,6 +6,7 @@
 
 mod capitan;
 pub mod events;
+mod fifo_name;
 mod file;
 pub mod line;
 mod pcs;
@@ -14,6 +15,7 @@ mod timeline;
 mod times;
 
 pub use capitan::{Capitan, CapitanFile, CapitanOptions, ProcessorTimesUs, TaskCosts};
+pub use fifo_name::FifoName;
 pub use line::{Array, Stuck, StuckKind, Unfinished, Wait, WaitFor};
 pub use pcs::{Machine, MachineFile, MachineOptions, TimesUs};
 pub use spec::{LinkRate, MachineSpec, RateCounts};

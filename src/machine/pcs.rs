@@ -1,9 +1,10 @@
 //! The machine file: the array's parameters and Figure 7's times.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::file::{impossible, machine_parameters, within};
-use super::{Cycles, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
+use super::{Cycles, FifoName, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
 use crate::isa::{Class, InstructionCycles};
@@ -60,6 +61,9 @@ machine_parameters! {
         intersection_polygon: "intersection: test of a polygon (µs)";
     }
     beside {
+        /// Words that single FIFOs hold, by their names (`X0`, `Y3`, `Yhost`, `Z1`), whatever all the others do.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        fifo_words_of: BTreeMap<FifoName, u64>;
         /// What instructions cost, for cells that run programs; `None` for a machine that is only told Figure 7.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         instruction_cycles: Option<InstructionCycles>;
@@ -114,6 +118,14 @@ impl MachineFile {
         Ok(file)
     }
 
+    /// The text of such a file.
+    ///
+    /// Fails if it cannot be written, which no machine that can be built does.
+    pub fn to_ron(&self) -> ron::Result<String> {
+        let text = ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::new())?;
+        Ok(text + "\n")
+    }
+
     /// The machine in cycles, or why it is impossible.
     pub fn build(&self) -> Result<Machine, InputError> {
         self.convert().map_err(Fault::in_flags)
@@ -130,6 +142,7 @@ impl MachineFile {
             latency: Cycles(self.latency_cycles),
             memory_words: self.memory_words.map(Words),
             channel_words: [self.x_fifo_words, self.y_fifo_words, self.z_fifo_words].map(|words| words.map(Words)),
+            own_words: self.fifo_words_of.iter().map(|(&fifo, &words)| (fifo, Words(words))).collect(),
         };
         let mut notes = Vec::new();
         if spec.rounds_link_rate() {
@@ -166,6 +179,12 @@ impl MachineFile {
         maybe_within("x_fifo_words", self.x_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
         maybe_within("y_fifo_words", self.y_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
         maybe_within("z_fifo_words", self.z_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
+        for (fifo, &words) in &self.fifo_words_of {
+            if !(1..=MachineSpec::MAX_FIFO_WORDS).contains(&words) {
+                let range = format!("from 1 to {}", MachineSpec::MAX_FIFO_WORDS);
+                return Err(impossible("fifo_words_of", format!("{words} for {fifo}"), range));
+            }
+        }
         maybe_within("memory_words", self.memory_words, u64::MAX)
     }
 

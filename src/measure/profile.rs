@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::recording::Recording;
 use super::state::StateTimes;
 use super::topology::Topology;
 use crate::quantities::{Cycles, Words};
@@ -24,15 +23,6 @@ pub struct Profile {
     pub jobs: Vec<u64>,
     /// From a job's first word, written by the host, to the last word of its answer, read by the host; both included.
     pub latency: Latency,
-}
-
-/// What was seen of a run beside its measures, as far as it was asked for.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Observed {
-    /// The run over time, if the machine was probed.
-    pub profile: Option<Profile>,
-    /// A window of it cycle by cycle, if the machine was recorded.
-    pub recording: Option<Recording>,
 }
 
 /// One FIFO over time.

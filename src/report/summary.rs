@@ -89,7 +89,9 @@ pub fn cells(run: &Measured, names: &[String]) -> String {
     };
     let mut header = shown(header, narrow);
     header[0] += ", %";
-    text(Rows { header, rows: rows.into_iter().map(|row| shown(row, |cell| cell.replace(" %", ""))).collect() })
+    let mut table = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    table.add_rows(rows.into_iter().map(|row| shown(row, |cell| cell.replace(" %", ""))));
+    spaced(table, &[], (1, 0))
 }
 
 /// A heading in two lines, if it has two words or a long one.
@@ -121,14 +123,22 @@ pub fn table(header: &[&str]) -> Table {
     table
 }
 
-/// Spaces between two columns.
-const GAP: u16 = 1;
-
 /// The table as text, names to the left and figures to the right.
-pub fn aligned(mut table: Table) -> String {
+pub fn aligned(table: Table) -> String {
+    aligned_with(table, &[])
+}
+
+/// The same, with more columns of text.
+pub fn aligned_with(table: Table, texts: &[usize]) -> String {
+    spaced(table, texts, (1, 1))
+}
+
+/// The same, with so many spaces to the left and to the right of a column.
+fn spaced(mut table: Table, texts: &[usize], (left, right): (u16, u16)) -> String {
     for (index, column) in table.column_iter_mut().enumerate() {
-        column.set_cell_alignment(if index == 0 { CellAlignment::Left } else { CellAlignment::Right });
-        column.set_padding((if index == 0 { 0 } else { GAP }, 0));
+        let is_text = index == 0 || texts.contains(&index);
+        column.set_cell_alignment(if is_text { CellAlignment::Left } else { CellAlignment::Right });
+        column.set_padding((if index == 0 { 0 } else { left }, right));
     }
     let text = table.to_string();
     text.lines().map(|line| format!("{}\n", line.trim_end())).collect()

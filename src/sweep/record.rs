@@ -13,7 +13,7 @@ use super::journal::{Heading, Journal};
 use super::{Note, Sweep};
 use crate::cancel::Cancelled;
 use crate::error::InputError;
-use crate::report::table::{self, Column, Origin, Table};
+use crate::report::table::{self, Column, Table};
 use crate::run::Workers;
 
 /// The table of a sweep under way, and its files.
@@ -28,7 +28,8 @@ pub struct Record {
     columns: Vec<Column<'static>>,
     /// The rows of the points that are done, with their numbers, in the order of the points.
     rows: BTreeMap<usize, Vec<String>>,
-    origin: Origin,
+    /// The sweep as a file says it.
+    sweep: String,
     journal: Journal,
     /// When the table may be written next: writing it takes a small share of the time, however long it is.
     due: Instant,
@@ -75,8 +76,7 @@ impl Record {
         let journal = Journal::open(&places.journal, Heading { kind, points, cells: results.len() }, force)?;
         let row = |(index, results): (usize, &[String])| (index, [&sweep.point(index), results].concat());
         let rows = journal.results().map(row).collect();
-        let origin = Origin { version: env!("CARGO_PKG_VERSION"), sweep: sweep.text() };
-        Ok(Record { places, columns: sweep.columns(), rows, origin, journal, due: Instant::now() })
+        Ok(Record { places, columns: sweep.columns(), rows, sweep: sweep.text(), journal, due: Instant::now() })
     }
 
     /// Runs the points that are not done, and enters each as it is; `seen` is told of its row. The table's files are up to
@@ -141,7 +141,7 @@ impl Record {
         let table = self.table();
         replace(&self.places.csv, |file| table::write_csv(file, &table).map_err(std::io::Error::other))?;
         replace(&self.places.parquet, |file| {
-            table::write_parquet(file, &table, &self.origin).map_err(std::io::Error::other)
+            table::write_parquet(file, &table, &[("pcs_sim.sweep", &self.sweep)]).map_err(std::io::Error::other)
         })
     }
 

@@ -300,7 +300,7 @@ fn points_are_counted_and_run_on_some_threads() {
 #[test]
 fn what_was_rounded_is_told() {
     let folder = Folder::new();
-    let sweep = r#"(scene: "room", size: 6, cells: [3, 6], link_mb_s: [80, 30, 160], grid_voxel: [7.8, 7.81])"#;
+    let sweep = r#"(scene: "room", size: 6, mode: ["pipeline", "broadcast"], link_mb_s: [80, 30, 160], grid_voxel: [7.8, 7.81])"#;
     folder.file("sweep.ron", sweep);
     let told = folder.run("sweep sweep.ron -o t.csv").stderr;
     insta::assert_snapshot!("roundings", told);

@@ -71,7 +71,7 @@ fn plots_that_cannot_be_are_refused_before_anything_runs() {
 fn points_that_failed_are_left_out_and_counted() {
     let folder = Folder::new();
     folder.file("sweep.ron", r#"(scene: "room", size: 8, fifo_words: [0, 4, 8])"#);
-    folder.run("sweep sweep.ron -o t.csv --plot x=fifo_words y=cycles").success();
+    folder.run("sweep sweep.ron -o t.csv --plot x=fifo_words y=cycles").failed();
     assert!(folder.read("t-cycles-over-fifo_words.svg").contains("1 point that failed is left out"));
     folder.file("none.ron", r#"(scene: "room", size: 8, fifo_words: [0])"#);
     let error = folder.run("sweep none.ron -o none.csv --plot x=fifo_words y=cycles").failed();

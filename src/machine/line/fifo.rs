@@ -65,6 +65,11 @@ impl Fifo {
         self.capacity
     }
 
+    /// Cycles from the write of a word to its first read.
+    pub fn latency(&self) -> u64 {
+        self.latency
+    }
+
     /// Words inside: written and not yet read.
     pub fn fill(&self) -> u64 {
         self.written - self.read
@@ -90,6 +95,18 @@ impl Fifo {
     #[inline(always)]
     pub fn read_time(&self, word: u64) -> u64 {
         self.free_from[slot(word, &self.free_from)] - 1
+    }
+
+    /// The cycles of those writes for whose words a reader may yet wait that stands at cycle `clock`, the latest first.
+    pub fn writes_awaited_at(&self, clock: u64) -> impl Iterator<Item = u64> + '_ {
+        let unread = (self.read..self.written).rev().map(|word| self.write_time(word));
+        unread.take_while(move |at| at + self.latency > clock)
+    }
+
+    /// The cycles of those reads for whose slots a writer may yet wait that stands at cycle `clock`, the latest first.
+    pub fn reads_awaited_at(&self, clock: u64) -> impl Iterator<Item = u64> + '_ {
+        let free = (self.written.max(self.capacity)..self.read + self.capacity).rev();
+        free.map(|word| self.read_time(word - self.capacity)).take_while(move |at| at + 1 > clock)
     }
 
     /// The cycle of the last read; 0 before the first.

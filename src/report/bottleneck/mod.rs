@@ -2,14 +2,16 @@
 
 pub(crate) mod farm;
 
+use super::losses::Losses;
 use crate::measure::{Actor, Measured, Shape, StateKind, StateTimes, Toward};
 use crate::quantities::Cycles;
+use crate::run::Reordered;
 
 /// What works for more than this share of the run is what the rest waits for.
 const SATURATED: f64 = 0.85;
 
 /// A share of the run that is worth a word.
-const NOTABLE: f64 = 0.10;
+pub(super) const NOTABLE: f64 = 0.10;
 
 /// What a first cell waits for the host longer than limits the rest.
 const STARVED: f64 = 0.5;
@@ -42,6 +44,14 @@ fn of_line(run: &Measured) -> String {
         "and the cells take turns at being waited for, as the work of a ray is uneven over them".to_owned()
     };
     format!("No cell limits the array by itself: the busiest, cell {index}, {told}, {why}.")
+}
+
+/// What is lost against the busiest station's work, where that is worth a word: it is much, and neither a link nor the host is what
+/// limits the machine. `shuffled` times the same rays in a random order.
+pub fn losses(run: &Measured, shuffled: impl FnOnce() -> Option<Reordered>) -> Option<Losses> {
+    let works = run.topology.states.works(&run.stations[run.busiest()?]);
+    let told = run.share(works) >= 1.0 - NOTABLE || link_limits(run).or_else(|| host_limits(run)).is_some();
+    if told { None } else { Losses::new(run, &shuffled()?) }
 }
 
 /// How a sentence tells what a cell works on.

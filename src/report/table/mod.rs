@@ -55,15 +55,6 @@ impl Table<'_> {
     }
 }
 
-/// Where a table comes from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Origin {
-    /// The version of pcs-sim that made it.
-    pub version: &'static str,
-    /// The sweep, as its file says it.
-    pub sweep: String,
-}
-
 /// Writes a table as CSV.
 pub fn write_csv(out: impl Write, table: &Table<'_>) -> csv::Result<()> {
     let mut writer = csv::Writer::from_writer(out);

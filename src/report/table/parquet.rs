@@ -11,7 +11,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-use super::{Column, Kind, Origin, Table};
+use super::{Column, Kind, Table};
 
 /// Why a table could not be written as Parquet.
 #[derive(Debug, thiserror::Error)]
@@ -29,14 +29,17 @@ pub enum ParquetError {
     },
 }
 
-/// Writes a table as Parquet. Cells without a value are null; where the table comes from is told under the keys
-/// `pcs_sim.version` and `pcs_sim.sweep`.
-pub fn write_parquet(out: impl Write + Send, table: &Table<'_>, origin: &Origin) -> Result<(), ParquetError> {
+/// Writes a table as Parquet. Cells without a value are null. The file's metadata have the version of pcs-sim, under
+/// `pcs_sim.version`, and what `told` has: keys with their values.
+pub fn write_parquet(out: impl Write + Send, table: &Table<'_>, told: &[(&str, &str)]) -> Result<(), ParquetError> {
+    let told = told.iter().chain(&[("pcs_sim.version", env!("CARGO_PKG_VERSION"))]);
+    let told = told.map(|(key, value)| KeyValue::new((*key).to_owned(), Some((*value).to_owned())));
+
     let fields = table.columns.iter().map(field).collect::<Result<_, _>>()?;
     let schema = Type::group_type_builder("table").with_fields(fields).build()?;
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata(Some(metadata(origin)))
+        .set_key_value_metadata(Some(told.collect()))
         .set_created_by(concat!("pcs-sim version ", env!("CARGO_PKG_VERSION")).to_owned());
     let mut writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties.build()))?;
     let mut rows = writer.next_row_group()?;
@@ -49,11 +52,6 @@ pub fn write_parquet(out: impl Write + Send, table: &Table<'_>, origin: &Origin)
     rows.close()?;
     writer.close()?;
     Ok(())
-}
-
-fn metadata(origin: &Origin) -> Vec<KeyValue> {
-    let pair = |key: &str, value: &str| KeyValue::new(key.to_owned(), Some(value.to_owned()));
-    vec![pair("pcs_sim.version", origin.version), pair("pcs_sim.sweep", &origin.sweep)]
 }
 
 fn field(column: &Column) -> Result<TypePtr, parquet::errors::ParquetError> {

@@ -2,6 +2,7 @@
 
 use super::{FarmRays, FarmScene, FarmSpec};
 use crate::host::camera::{View, primary_rays};
+use crate::host::order::Order;
 use crate::host::sampling::{Pass, Sampling};
 use crate::host::shading::{Limits, Shader};
 use crate::program::farm::{Counts, PixelWork, Pixels};
@@ -50,7 +51,7 @@ fn pixels<E>(
     workers: &Workers,
     mut observe: impl FnMut(usize) -> Result<(), E>,
 ) -> Result<Pixels, RunError<E>> {
-    let pass = Pass::first(picture.size, picture.sampling);
+    let pass = Pass::first(picture.size, picture.sampling, Order::Raster);
     let shader = Shader::new(picture.scene, picture.workload.polygons(), picture.limits);
     let view = View::new(&picture.scene.camera, picture.size);
     let worker = || {

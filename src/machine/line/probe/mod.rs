@@ -26,17 +26,17 @@ pub(super) struct Probe {
 }
 
 impl Probe {
-    /// A probe for an array of `cells` cells, all of its links like one.
-    pub fn new(cells: usize, like: &Link) -> Probe {
+    /// A probe for an array with these links.
+    pub fn new(links: &[Link]) -> Probe {
+        let cells = links.len() - 1;
         let bins = bins_for(cells);
         let lane = |exists: bool, fifo: &Fifo| exists.then(|| FifoLane::new(fifo.capacity(), bins));
+        let lanes = |(index, link): (usize, &Link)| {
+            [lane(index < cells, &link.x), lane(index > 0, &link.y), lane(index > 0 && index < cells, &link.z)]
+        };
         Probe {
             cells: (0..cells).map(|_| CellLane::new(bins)).collect(),
-            links: (0..=cells)
-                .map(|link| {
-                    [lane(link < cells, &like.x), lane(link > 0, &like.y), lane(link > 0 && link < cells, &like.z)]
-                })
-                .collect(),
+            links: links.iter().enumerate().map(lanes).collect(),
             jobs: JobLane::new(bins),
         }
     }
