@@ -64,7 +64,7 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let mut files = open_outputs(args, &run.spec)?;
     let spinner = progress::waiting("preparing the scene");
     let mut layers = Layers::default();
-    let workload = layers.workload(&run, &Cancel::default())?;
+    let workload = outputs::reading(&named(args), || layers.workload(&run, &Cancel::default()))?;
     workload.check(&run.machine.spec)?;
     let scene = layers.scene(&run)?;
     spinner.finish_and_clear();
@@ -87,6 +87,18 @@ fn format(args: &ImageArgs) -> Result<Format, InputError> {
     }
 }
 
+/// The results that are asked for.
+fn named(args: &ImageArgs) -> [Option<&PathBuf>; 6] {
+    [
+        Some(&args.output),
+        args.results.stats.as_ref(),
+        args.tracing.hits.as_ref(),
+        args.tracing.ops.as_ref(),
+        args.views.page.as_ref(),
+        args.views.trace.as_ref(),
+    ]
+}
+
 fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
     let (stats, hits, ops) = (args.results.stats.as_ref(), args.tracing.hits.as_ref(), args.tracing.ops.as_ref());
     let inputs = [
@@ -95,10 +107,7 @@ fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError>
         args.machine_file.machine.as_deref(),
         args.config.as_deref(),
     ];
-    outputs::check_distinct(
-        &[Some(&args.output), stats, hits, ops, args.views.page.as_ref(), args.views.trace.as_ref()],
-        &inputs,
-    )?;
+    outputs::check_distinct(&named(args), &inputs)?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
     Ok(Outputs {
         image: open(Some(&args.output))?,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::input::STREAM;
-use pcs_sim::run::{OutputFile, OutputFolder};
+use pcs_sim::run::{OutputFile, OutputFolder, noting};
 
 use super::{Failure, interrupt, take_stdout};
 
@@ -27,6 +27,17 @@ pub fn folder(path: &Path) -> std::io::Result<OutputFolder> {
     interrupt::outputs().folder(path)
 }
 
+/// Reads a command's inputs. Fails if a result would replace one of the files that were read, be it one that another names.
+pub fn reading<T, E: From<InputError>>(
+    outputs: &[Option<&PathBuf>],
+    read: impl FnOnce() -> Result<T, E>,
+) -> Result<T, E> {
+    let (result, files) = noting(read);
+    let files: Vec<Option<&Path>> = files.iter().map(|file| Some(file.path.as_path())).collect();
+    check_distinct(outputs, &files)?;
+    result
+}
+
 /// Fails if two results have the same file, or if a result would replace an input.
 pub fn check_distinct(outputs: &[Option<&PathBuf>], inputs: &[Option<&Path>]) -> Result<(), InputError> {
     let outputs: Vec<(&PathBuf, PathBuf)> = outputs.iter().copied().flatten().map(|path| (path, place(path))).collect();
@@ -34,7 +45,8 @@ pub fn check_distinct(outputs: &[Option<&PathBuf>], inputs: &[Option<&Path>]) ->
         if outputs[..index].iter().any(|(_, other)| other == its_place) && !is_device(path) {
             return Err(InputError::in_file(path, "the file is named for two results"));
         }
-        if inputs.iter().flatten().any(|input| place(input) == *its_place) {
+        let mut inputs = inputs.iter().flatten().filter(|input| **input != Path::new(STREAM));
+        if inputs.any(|input| place(input) == *its_place) {
             return Err(InputError::in_file(path, "the file is an input of this run"));
         }
     }

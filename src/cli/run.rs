@@ -57,7 +57,7 @@ pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
     let (workers, form) = (workers(args.tracing.threads), args.tracing.ops_form.into());
     let spinner = progress::waiting("preparing the scene");
     let mut layers = Layers::default();
-    let workload = layers.workload(&run, &workers.cancel)?;
+    let workload = outputs::reading(&named(args), || layers.workload(&run, &workers.cancel))?;
     workload.check(&run.machine.spec)?;
     let (scene, prepared) = (layers.scene(&run)?, layers.prepared(&run)?);
     spinner.finish_and_clear();
@@ -78,15 +78,19 @@ pub fn workers(count: Option<u16>) -> Workers {
     count.map_or_else(Workers::on_all_cores, |count| Workers::new(count.into()))
 }
 
-fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
-    let named = [
+/// The results that are asked for.
+fn named(args: &RunArgs) -> [Option<&PathBuf>; 6] {
+    [
         args.results.stats.as_ref(),
         args.tracing.hits.as_ref(),
         args.tracing.ops.as_ref(),
         args.image.as_ref(),
         args.views.page.as_ref(),
         args.views.trace.as_ref(),
-    ];
+    ]
+}
+
+fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
     let inputs = [
         Some(Path::new(&spec.scene)),
         spec.rays.as_deref(),
@@ -94,7 +98,7 @@ fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
         args.machine_file.machine.as_deref(),
         args.config.as_deref(),
     ];
-    outputs::check_distinct(&named, &inputs)?;
+    outputs::check_distinct(&named(args), &inputs)?;
     let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
     Ok(Outputs {
         stats: open(&args.results.stats)?,

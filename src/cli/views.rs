@@ -105,7 +105,14 @@ impl Views {
 }
 
 fn prepare_folder(folder: &Path, force: bool) -> Result<OutputFolder, InputError> {
-    let failed = |error: std::io::Error| InputError::in_file(folder, format!("cannot be written: {}", error.kind()));
+    let reason = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::Other => error.to_string(),
+        kind => kind.to_string(),
+    };
+    let failed = |error| {
+        let error = InputError::in_file(folder, format!("cannot be a folder for plots: {}", reason(error)));
+        error.help("name a folder, or a new name for one")
+    };
     let prepared = outputs::folder(folder).map_err(failed)?;
     let empty = std::fs::read_dir(folder).map_err(failed)?.next().is_none();
     if empty || force {

@@ -30,24 +30,37 @@ pub(crate) fn open(path: &Path) -> std::io::Result<File> {
 /// The bytes of a file of up to `gib` GiB; of one that is no regular file, up to 256 MiB.
 pub(crate) fn read(path: &Path, gib: u64) -> Result<Vec<u8>, InputError> {
     let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
-    let file = open(path).map_err(unreadable)?;
+    if path == Path::new(STREAM) {
+        return read_stream(path, std::io::stdin().lock());
+    }
+    let file = File::open(path).map_err(unreadable)?;
     let about = file.metadata().map_err(unreadable)?;
+    if !about.is_file() {
+        return read_stream(path, file);
+    }
     let too_large = || InputError::in_file(path, format!("file is too large, it may have up to {gib} GiB"));
     if about.len() > gib * GIB {
         return Err(too_large());
     }
-    let most = if about.is_file() { gib * GIB } else { LARGEST_STREAM.min(gib * GIB) };
     // Even a regular file can grow while it is read.
     let mut bytes = Vec::new();
-    let length = file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)? as u64;
-    match length > most {
-        false => {
-            reading::note(path, &bytes);
-            Ok(bytes)
-        }
-        true if about.is_file() => Err(too_large()),
-        true => Err(endless(path)),
+    let length = file.take(gib * GIB + 1).read_to_end(&mut bytes).map_err(unreadable)? as u64;
+    if length > gib * GIB {
+        return Err(too_large());
     }
+    reading::note(path, &bytes);
+    Ok(bytes)
+}
+
+/// The bytes of a pipe or a device.
+fn read_stream(path: &Path, stream: impl Read) -> Result<Vec<u8>, InputError> {
+    let mut bytes = Vec::new();
+    let length = stream.take(LARGEST_STREAM + 1).read_to_end(&mut bytes);
+    if length.map_err(|error| InputError::unreadable(path, &error))? as u64 > LARGEST_STREAM {
+        return Err(endless(path));
+    }
+    reading::note(path, &bytes);
+    Ok(bytes)
 }
 
 fn endless(path: &Path) -> InputError {

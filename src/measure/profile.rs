@@ -44,7 +44,7 @@ pub struct FifoBin {
     /// The highest occupancy.
     pub max: Words,
     /// The sum of the occupancies, in words times cycles.
-    pub word_cycles: u64,
+    pub word_cycles: u128,
     /// Cycles at whose end it was full.
     pub full: Cycles,
 }
@@ -78,7 +78,7 @@ pub struct Latency {
     /// The longest.
     pub max: Cycles,
     /// The sum of all.
-    pub total: u64,
+    pub total: u128,
     /// Jobs for each bucket, up to the last that is not empty.
     pub buckets: Vec<u64>,
 }
@@ -96,7 +96,7 @@ impl Latency {
         self.buckets[bucket] += 1;
         self.min = Cycles(if self.jobs == 0 { latency } else { self.min.0.min(latency) });
         self.max = Cycles(self.max.0.max(latency));
-        self.total += latency;
+        self.total += latency as u128;
         self.jobs += 1;
     }
 

@@ -30,14 +30,18 @@ impl Sweep {
     pub fn read(path: &Path) -> Result<Sweep, InputError> {
         let file: SweepFile = fields::parse(path, &fields::read_text(path)?)?;
         let SweepFile { points: of, parameters } = file;
-        let count = parameters.iter().try_fold(1usize, |count, parameter| count.checked_mul(parameter.values.len()));
-        match count.filter(|&count| count <= MOST_VALUES) {
-            Some(points) => Ok(Sweep { of, files: files_of(&parameters), parameters, points }),
-            None => {
-                let error = InputError::in_file(path, format!("has more than {MOST_VALUES} points"));
-                Err(error.help("a point is a combination of one value each"))
-            }
+        let count: f64 = parameters.iter().map(|parameter| parameter.values.len() as f64).product();
+        if count > MOST_VALUES as f64 {
+            let error = InputError::in_file(path, format!("has {count} points, and may have up to {MOST_VALUES}"));
+            return Err(error.help("a point is a combination of one value each"));
         }
+        let files = files_of(&parameters);
+        Ok(Sweep { of, parameters, points: count as usize, files })
+    }
+
+    /// The files that its points read, with those behind them.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.values().flatten().map(|file| file.path.as_path())
     }
 
     /// The columns of its table: the parameters, then the results.

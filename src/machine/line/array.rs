@@ -84,8 +84,8 @@ pub enum Unfinished {
     /// The ops can never be done.
     #[error(transparent)]
     Stuck(#[from] Stuck),
-    /// Some cell works on after the host has read its last word. The statistics end with that word: time the same ops
-    /// again in an array made by [`Array::until`].
+    /// Some cell, or the host, works on or moves words after the host has read its last word. The statistics end with that
+    /// word, of which `cycles` is the next cycle: time the same ops again in an array made by [`Array::until`].
     #[error("some cell works on after the host has read its last word in cycle {0}")]
     Outlived(Cycles),
 }
@@ -225,7 +225,7 @@ impl Array {
             return Err(self.stuck().into());
         }
         let cycles = self.cycles();
-        if !limited && self.cells.iter().any(|s| s.cell.now.clock > cycles) {
+        if !limited && std::iter::once(&self.host).chain(&self.cells).any(|s| s.cell.now.clock > cycles) {
             return Err(Unfinished::Outlived(Cycles(cycles)));
         }
         let measured = self.measured(cycles);
@@ -381,7 +381,7 @@ impl Array {
             jobs: self.jobs,
             stations: self.cells.iter().map(|at| at.cell.times(cycles)).collect(),
             fifos: self.fifos().map(|(link, channel)| self.links[link].fifo(channel).stats(cycles)).collect(),
-            links: links.map(|(link, into)| LinkStats { into: Some(into), busy: Cycles(link.busy()) }).collect(),
+            links: links.map(|(link, into)| LinkStats { into: Some(into), busy: Cycles(link.busy(cycles)) }).collect(),
         }
     }
 

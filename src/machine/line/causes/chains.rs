@@ -55,9 +55,10 @@ impl Chains {
         self.nodes.len() as u32
     }
 
-    /// Adds a point that follows from another, by way of what was entered since the one before was added.
-    pub fn push(&mut self, parent: u32) {
-        let piece = self.pen.end_piece();
+    /// Adds a point that follows from another, by way of what was entered since the one before was added; or, if the way goes
+    /// on through it, leaves that to the next point.
+    pub fn push(&mut self, parent: u32, goes_on: bool) {
+        let piece = if goes_on { 0..0 } else { self.pen.end_piece() };
         self.nodes.push(Node { parent: Some(parent), piece });
     }
 

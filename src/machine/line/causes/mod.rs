@@ -161,7 +161,7 @@ impl Causes {
         live.sort_unstable();
         live.dedup();
         let way = Way::new(past, stations, (before, chains.len()), &live);
-        way.enter(chains);
+        way.enter(&live, chains);
         let nodes: Vec<u32> = live.iter().map(|&point| way.node_of(point)).collect();
         let nodes = chains.keep(&nodes);
         self.live = live.into_iter().zip(nodes).collect();
@@ -185,7 +185,7 @@ impl Causes {
         self.chains.reach(cycles);
         if let (Some(end), Some(&(_, node))) = (end, self.live.first()) {
             end.enter(&mut self.chains);
-            self.chains.push(node);
+            self.chains.push(node, false);
             self.chains.keep(&[self.chains.len() - 1]);
         }
         let (entries, bin) = self.chains.into_settled();

@@ -58,7 +58,7 @@ impl Waits {
     }
 
     /// The number of the last of them that is over at the beginning of a cycle, as the first is.
-    fn last_before(&self, cycle: u64) -> u32 {
+    pub fn last_before(&self, cycle: u64) -> u32 {
         if cycle >= self.until { self.more } else { ((cycle - self.first()) / self.step as u64) as u32 }
     }
 

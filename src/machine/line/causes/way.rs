@@ -62,29 +62,49 @@ impl<'a> Way<'a> {
         found.map_or(0, |place| self.before[place].1)
     }
 
-    /// Adds the points to the chains, each with what lies between it and the one that it follows from.
-    pub fn enter(&self, chains: &mut Chains) {
+    /// Adds the points to the chains, each with what lies between it and the one that it follows from. What leads to a point
+    /// that only the next one of its station follows from is left to that.
+    pub fn enter(&self, live: &[Point], chains: &mut Chains) {
+        let (first, parents) = (chains.len(), self.parents());
+        let mut followers = vec![0u32; parents.len()];
+        let of_new = |node: u32| node.checked_sub(first).map(|place| place as usize);
+        parents.iter().filter_map(|&parent| of_new(parent)).for_each(|place| followers[place] += 1);
+        live.iter().filter_map(|&point| of_new(self.node_of(point))).for_each(|place| followers[place] += 2);
         for (station, reached) in self.reached.iter().enumerate() {
             let mut walk = Walk { past: self.past, station, at: self.stations[station].start };
             let mut behind = None;
-            for &cycle in &reached.cycles {
-                let last = last_before(reached.waits, cycle);
-                let parent = match last {
-                    _ if behind == Some(last) => chains.len() - 1,
-                    None => self.node_before((station, NOW)),
-                    Some(Wait { row, number }) => {
-                        let waits = &reached.waits[row];
-                        let crossing = self.past.crossing(station, waits, number);
-                        crossing.enter(chains);
-                        walk.at = waits.stand(number);
-                        self.node_of(crossing.from)
-                    }
-                };
+            for (place, (&cycle, last)) in reached.points().enumerate() {
+                let node = self.first[station] + place as u32;
+                if let Some(Wait { row, number }) = last.filter(|_| behind != Some(last)) {
+                    self.past.crossing(station, &reached.waits[row], number).enter(chains);
+                    walk.at = reached.waits[row].stand(number);
+                }
                 behind = Some(last);
                 walk.go(cycle, chains);
-                chains.push(parent);
+                let here = (node - first) as usize;
+                let goes_on = place + 1 < reached.cycles.len() && followers[here] == 1 && parents[here + 1] == node;
+                chains.push(parents[here], goes_on);
             }
         }
+    }
+
+    /// The points that those follow from, as nodes.
+    fn parents(&self) -> Vec<u32> {
+        let mut parents = Vec::with_capacity(self.reached.iter().map(|reached| reached.cycles.len()).sum());
+        for (station, reached) in self.reached.iter().enumerate() {
+            let mut behind = None;
+            for (place, (_, last)) in reached.points().enumerate() {
+                parents.push(match last {
+                    _ if behind == Some(last) => self.first[station] + place as u32 - 1,
+                    None => self.node_before((station, NOW)),
+                    Some(Wait { row, number }) => {
+                        self.node_of(self.past.crossing(station, &reached.waits[row], number).from)
+                    }
+                });
+                behind = Some(last);
+            }
+        }
+        parents
     }
 }
 
@@ -99,6 +119,18 @@ struct Reached<'a> {
 impl<'a> Reached<'a> {
     fn new(waits: &'a [Waits]) -> Reached<'a> {
         Reached { waits, seen: vec![false; waits.len() + 1], cycles: Vec::new() }
+    }
+
+    /// The points in order, each with the wait before it.
+    fn points(&self) -> impl Iterator<Item = (&u64, Option<Wait>)> {
+        let mut rows = 0;
+        self.cycles.iter().map(move |cycle| {
+            while self.waits.get(rows).is_some_and(|row| row.first() <= *cycle) {
+                rows += 1;
+            }
+            let number = |row: usize| self.waits[row].last_before(*cycle);
+            (cycle, rows.checked_sub(1).map(|row| Wait { row, number: number(row) }))
+        })
     }
 
     /// Comes to a point. Returns the wait before it, if no point behind that has been come to (inside a row it may have been).
