@@ -10,6 +10,7 @@ use crate::error::InputError;
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};
 use crate::isa::{Sources, assemble};
+use crate::machine::{CapitanFile, MachineFile};
 use crate::report::table::{Column, Kind};
 use crate::scene::ReadOptions;
 
@@ -136,6 +137,11 @@ fn files_behind(name: &str, path: &Path) -> Vec<FileRead> {
     let (_, files) = reading::noting(|| match name {
         // A reader that fails has told what it read so far.
         "scene" => crate::scene::load(path, &ReadOptions::default()).map_or((), drop),
+        "machine" => {
+            // It is of one kind or of the other.
+            let (array, farm) = (MachineFile::read(path).is_ok(), CapitanFile::read(path).is_ok());
+            debug_assert!(!(array && farm));
+        }
         "cell_programs" => assemble(path, Sources::Files, &[]).map_or((), drop),
         _ => fields::read_text(path).map_or((), drop),
     });
