@@ -1,4 +1,5 @@
-//! The timing half alone: words a second on one core, with all statistics on, without and with a probe; and how long a farm takes.
+//! The timing half alone: words a second on one core, with all statistics on: alone, with a probe, and with the critical path;
+//! and how long a farm takes.
 //!
 //! `cargo bench --bench timing`
 
@@ -9,6 +10,7 @@ use std::time::Instant;
 use pcs_sim::cancel::Cancel;
 use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::{Array, MachineSpec, Words};
+use pcs_sim::measure::CriticalPath;
 use pcs_sim::program::work::{self, GRID_START, GRID_VOXEL, INTERSECTION_POLYGON, SLABS_POLYGON, SLABS_START};
 use pcs_sim::run::{FarmRunOptions, FarmSpec, Watching, Workers};
 use pcs_sim::seam::{Costs, OpBatch, OpKind};
@@ -99,31 +101,47 @@ fn costs() -> Costs {
     work::costs(&work::vocabulary(false), &machine.times, None)
 }
 
+/// What an array is watched by.
+#[derive(Clone, Copy, PartialEq)]
+enum Watched {
+    Not,
+    Probed,
+    Explained,
+}
+
 /// Seconds and words of a run over the same batch many times.
-fn run(batch: &OpBatch, fifo_words: u64, probed: bool) -> (f64, u64) {
+fn run(batch: &OpBatch, fifo_words: u64, watched: Watched) -> (f64, u64) {
     let spec = MachineSpec { fifo_words: Words(fifo_words), ..MachineSpec::default() };
     let array = Array::new(&spec, &costs(), batch.cells.len());
-    let mut array = if probed { array.probed() } else { array };
+    let mut array = match watched {
+        Watched::Not => array,
+        Watched::Probed => array.probed(),
+        Watched::Explained => array.explained(CriticalPath::MOST_OPS),
+    };
     let batches: Vec<OpBatch> = (0..BATCHES).map(|_| batch.clone()).collect();
     let start = Instant::now();
     for batch in batches {
         array.feed(batch).expect("an array can do it");
         array.run().expect("it never gets stuck");
     }
-    let stats = array.finish().expect("it ends");
+    let (stats, observed) = array.finish_observed().expect("it ends");
+    black_box(observed);
     let seconds = start.elapsed().as_secs_f64();
     (seconds, black_box(stats).fifos.iter().map(|fifo| fifo.words.0).sum())
 }
 
-fn median_rate(batch: &OpBatch, fifo_words: u64, probed: bool) -> f64 {
+fn median_rate(batch: &OpBatch, fifo_words: u64, watched: Watched) -> f64 {
     let rate = |(seconds, words): (f64, u64)| words as f64 / seconds / 1e6;
-    let mut rates: Vec<f64> = (0..7).map(|_| rate(run(batch, fifo_words, probed))).collect();
+    let mut rates: Vec<f64> = (0..7).map(|_| rate(run(batch, fifo_words, watched))).collect();
     rates.sort_by(f64::total_cmp);
     rates[rates.len() / 2]
 }
 
 fn main() {
-    println!("{:<22} {:>10} {:>16} {:>12}", "program", "FIFO words", "million words/s", "with probe");
+    println!(
+        "{:<22} {:>10} {:>16} {:>12} {:>12}",
+        "program", "FIFO words", "million words/s", "with probe", "with path"
+    );
     let programs = [
         ("pipeline", pipeline()),
         ("broadcast, 8 cells", broadcast(8)),
@@ -135,8 +153,9 @@ fn main() {
         programs.iter().filter(|(name, _)| only.as_ref().is_none_or(|only| name.contains(only.as_str())))
     {
         for fifo_words in [512, 64, 8] {
-            let [off, on] = [false, true].map(|probed| median_rate(batch, fifo_words, probed));
-            println!("{name:<22} {fifo_words:>10} {off:>16.0} {on:>12.0}");
+            let [alone, probed, explained] = [Watched::Not, Watched::Probed, Watched::Explained]
+                .map(|watched| median_rate(batch, fifo_words, watched));
+            println!("{name:<22} {fifo_words:>10} {alone:>16.0} {probed:>12.0} {explained:>12.0}");
         }
     }
     if only.is_none_or(|only| only == "farm") {

@@ -66,6 +66,8 @@ ALLOWED = [
     Allowed("scene-file/*", "*: stderr", "what was passed over is said", "skipped|passed over"),
     Allowed("scene-file/*", "2: stdout", "it is of an image, whose secondary rays stand off otherwise"),
     Allowed("scene-file/bad/*", "*: stderr", "what is no geometry does not stop geometry"),
+    Allowed("programs/gears/mode-broadcast-cells-5", "*: stdout", "slivers have slack, and lie in a voxel or two more", "memory:"),
+    Allowed("scene-file/painted.ron", "3: stdout", "slivers have slack, and lie in a voxel or two more", r"9\.6"),
     Allowed("compare*", "*: stdout", "the configuration is the whole description"),
 ]
 

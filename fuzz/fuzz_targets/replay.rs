@@ -1,10 +1,11 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::machine::MachineFile;
 use pcs_sim::program::work;
-use pcs_sim::run::{self, Cancel, RunError};
+use pcs_sim::run::{self, RunError};
 use pcs_sim::seam::activity_trace::ActivityTrace;
 
 fuzz_target!(|data: &[u8]| {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueEnum};
 use pcs_sim::machine::{CapitanOptions, Cycles, MachineOptions};
+use pcs_sim::measure::Actor;
 use pcs_sim::run::{
     CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions,
     ProgramOptions, RayOptions, RunOptions, SceneOptions, ShapeOptions,
@@ -36,6 +37,8 @@ pub enum Command {
     Replay(Box<ReplayArgs>),
     /// Finds the fewest words that the FIFOs need, each by itself, for 90 to 100 % of the speed that they could give.
     SizeFifos(Box<SizeArgs>),
+    /// Tells why a run, or a recorded activity trace, took as long as it did, and what would make it faster.
+    Why(Box<WhyArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
     Sweep(SweepArgs),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
@@ -375,6 +378,54 @@ pub struct SizeArgs {
     pub machine: MachineOptions,
 }
 
+/// `pcs-sim why`.
+#[derive(Debug, Args)]
+pub struct WhyArgs {
+    /// An activity trace, as --ops wrote it, to be timed again. Without one a scene is traced: all flags are those of a run.
+    #[arg(value_name = "OPS")]
+    pub recorded: Option<PathBuf>,
+    /// Tell the times of each cell by themselves.
+    #[arg(long)]
+    pub by_cell: bool,
+    /// Tell of one moment instead: what that cell (or host) does then, and who waits for whom.
+    #[arg(long, value_name = "N", value_parser = actor, conflicts_with = "by_cell")]
+    pub cell: Option<Actor>,
+    /// The moment: a cycle, or a simulated time as in 12.3ms.
+    #[arg(long, value_name = "TIME", value_parser = moment, requires = "cell", conflicts_with = "ray")]
+    pub at: Option<Moment>,
+    /// The moment: the middle of the longest wait of the cell while it is at that ray, counted from 0.
+    #[arg(long, value_name = "N", requires = "cell")]
+    pub ray: Option<u32>,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// A moment of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moment {
+    Cycle(Cycles),
+    /// In seconds of simulated time.
+    Time(f64),
+}
+
+/// A cell's number, or `host`.
+fn actor(text: &str) -> Result<Actor, String> {
+    let cell = || text.parse().map(Actor::Station).map_err(|_| "expected the number of a cell, or host".to_owned());
+    if text == "host" { Ok(Actor::Host) } else { cell() }
+}
+
+fn moment(text: &str) -> Result<Moment, String> {
+    let units = [("ns", 1e-9), ("us", 1e-6), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)];
+    match units.iter().find_map(|&(unit, seconds)| Some((text.strip_suffix(unit)?, seconds))) {
+        None => text.parse().map(|cycle| Moment::Cycle(Cycles(cycle))).ok(),
+        Some((number, unit)) => {
+            let number = number.trim().parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
+            number.map(|number| Moment::Time(number * unit))
+        }
+    }
+    .ok_or_else(|| "expected a cycle, or a time in ns, us, ms or s, as in 12.3ms".to_owned())
+}
+
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Views of the run over time")]
 pub struct ViewArgs {
@@ -391,6 +442,9 @@ pub struct ViewArgs {
     /// ease].
     #[arg(long, value_name = "A..B", requires = "trace", value_parser = window)]
     pub trace_window: Option<Range<Cycles>>,
+    /// Tell why the run took as long: its critical path, and what faster parts would save. In --stats, --plot and --page too.
+    #[arg(long)]
+    pub why: bool,
 }
 
 #[derive(Debug, Args)]

@@ -13,10 +13,11 @@ use super::{Failure, outputs, print};
 /// Assembles; without a file named for it, one result goes to stdout.
 pub fn asm(args: &AsmArgs) -> Result<(), Failure> {
     let listing_path = args.listing.as_ref().and_then(Option::as_ref);
-    outputs::check_distinct(&[args.output.as_ref(), listing_path], &[Some(&args.file), args.machine.as_deref()])?;
+    let named = [args.output.as_ref(), listing_path];
+    outputs::check_distinct(&named, &[Some(&args.file), args.machine.as_deref()])?;
     let object_file = outputs::open(args.output.as_deref(), args.force)?;
     let listing_file = outputs::open(listing_path.map(|path| path.as_path()), args.force)?;
-    let program = assemble(&args.file, Sources::Files, &[])?;
+    let program = outputs::reading(&named, || assemble(&args.file, Sources::Files, &[]))?;
     let object = object::write(&program);
     let listing = match &args.listing {
         Some(_) => listing::listing(&executable(program, args.machine.as_deref())?),

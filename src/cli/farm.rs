@@ -38,9 +38,12 @@ pub fn farm(args: &FarmArgs, typed: &Typed) -> Result<(), Failure> {
     let bar = progress::samples();
     let samples = spec.rays.as_ref().map_or(1, |rays| rays.samples as usize).pow(2);
     bar.set_length((spec.size.pixels() * samples) as u64);
-    let scene = spec.lay_out(&workers(args.threads), |done| {
-        bar.set_position(done as u64);
-        Ok::<_, Infallible>(())
+    let scene = outputs::reading(&named(args), || {
+        let scene = spec.lay_out(&workers(args.threads), |done| {
+            bar.set_position(done as u64);
+            Ok::<_, Infallible>(())
+        });
+        scene.map_err(Failure::from)
     })?;
     bar.finish_and_clear();
     let items = spec.cut(&scene, &machine)?;
@@ -55,14 +58,23 @@ pub fn farm(args: &FarmArgs, typed: &Typed) -> Result<(), Failure> {
     print(&outputs::list(&written))
 }
 
+/// The result files that are asked for.
+fn named(args: &FarmArgs) -> [Option<&PathBuf>; 3] {
+    [args.stats.as_ref(), args.views.page.as_ref(), args.views.trace.as_ref()]
+}
+
 fn open_outputs(args: &FarmArgs, spec: &FarmSpec, fewest: usize) -> Result<(Option<OutputFile>, Views), InputError> {
-    let files = [args.stats.as_ref(), args.views.page.as_ref(), args.views.trace.as_ref(), args.views.plot.as_ref()];
-    if fewest < spec.tasks && files.iter().any(Option::is_some) {
+    let asked = named(args).iter().any(Option::is_some) || args.views.plot.is_some();
+    if fewest < spec.tasks && asked {
         let error = InputError::new("statistics and views are of one number of workers, not of a range");
         return Err(error.help("ask for one number of --tasks; `pcs-sim sweep` makes tables of many"));
     }
+    if args.views.why {
+        let error = InputError::new("--why is about cells in a row, whose times do not depend on who comes first");
+        return Err(error.help("leave it out; the states of the tasks tell what they wait for"));
+    }
     let inputs = [Some(Path::new(&spec.scene)), args.farm.machine.as_deref(), args.config.as_deref()];
-    outputs::check_distinct(&files[..3], &inputs)?;
+    outputs::check_distinct(&named(args), &inputs)?;
     Ok((outputs::open(args.stats.as_deref(), args.force)?, Views::open(&args.views, args.force)?))
 }
 

@@ -15,7 +15,7 @@ use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{bottleneck, hits};
+use pcs_sim::report::{bottleneck, hits, why};
 use pcs_sim::run::{
     self, ImageSpec, Layers, OutputFile, Picture, PlannedRun, Rendered, RunSpec, Seen, Shuffled, Switch, Timed, Timing,
 };
@@ -64,7 +64,7 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let mut files = open_outputs(args, &run.spec)?;
     let spinner = progress::waiting("preparing the scene");
     let mut layers = Layers::default();
-    let workload = layers.workload(&run, &Cancel::default())?;
+    let workload = outputs::reading(&named(args), || layers.workload(&run, &Cancel::default()))?;
     workload.check(&run.machine.spec)?;
     let scene = layers.scene(&run)?;
     spinner.finish_and_clear();
@@ -87,6 +87,18 @@ fn format(args: &ImageArgs) -> Result<Format, InputError> {
     }
 }
 
+/// The results that are asked for.
+fn named(args: &ImageArgs) -> [Option<&PathBuf>; 6] {
+    [
+        Some(&args.output),
+        args.results.stats.as_ref(),
+        args.tracing.hits.as_ref(),
+        args.tracing.ops.as_ref(),
+        args.views.page.as_ref(),
+        args.views.trace.as_ref(),
+    ]
+}
+
 fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
     let (stats, hits, ops) = (args.results.stats.as_ref(), args.tracing.hits.as_ref(), args.tracing.ops.as_ref());
     let inputs = [
@@ -95,10 +107,7 @@ fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError>
         args.machine_file.machine.as_deref(),
         args.config.as_deref(),
     ];
-    outputs::check_distinct(
-        &[Some(&args.output), stats, hits, ops, args.views.page.as_ref(), args.views.trace.as_ref()],
-        &inputs,
-    )?;
+    outputs::check_distinct(&named(args), &inputs)?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
     Ok(Outputs {
         image: open(Some(&args.output))?,
@@ -178,6 +187,8 @@ fn report(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
     };
     let (spec, stats) = (&setup.machine.spec, &timing.stats);
+    let path = timing.observed.path.as_ref();
+    let why = path.map(|path| format!("\n{}{}", why::text(path, false), why::OF_AN_IMAGE)).unwrap_or_default();
     [
         title,
         machine_line(spec),
@@ -186,7 +197,7 @@ fn report(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n", verdict(stats, losses, spec.clock())),
+        format!("{}\n{why}", verdict(stats, losses, spec.clock())),
     ]
     .join("\n")
 }
@@ -209,7 +220,9 @@ fn write_outputs(
         outputs::finish(files.stats, &mut written, |file| {
             let kinds = RaysByKind::new(&rendered.kinds, timing);
             let (spec, counts) = (&setup.machine.spec, &rendered.counts);
-            let json = stats::image_to_json(&timing.stats, spec.clock(), losses, (counts, &kinds), &configuration)?;
+            let (path, clock) = (timing.observed.path.as_ref(), spec.clock());
+            let counted = (counts, &kinds);
+            let json = stats::image_to_json((&timing.stats, path), clock, losses, counted, &configuration)?;
             file.write_all(json.as_bytes())
         })?;
         let spec = &setup.machine.spec;

@@ -24,6 +24,7 @@ mod step;
 mod sweep;
 mod views;
 mod watch;
+mod why;
 
 use std::convert::Infallible;
 use std::io::Write;
@@ -32,13 +33,52 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
-use args::{Cli, Command, Typed};
+use args::{Cli, Command, Moment, Typed};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
+use pcs_sim::measure::{Actor, Clock, When};
 use pcs_sim::program::NotLaidOut;
 use pcs_sim::program::figure7::MeasureError;
 use pcs_sim::run::RunError;
+
+/// What of a run is printed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Told {
+    /// Where the cycles of all cells went, and what the FIFOs held.
+    All,
+    /// Only why it took as long.
+    Why {
+        /// Whether the times of each cell are told apart.
+        by_cell: bool,
+    },
+    /// Only what somebody did in one moment.
+    Moment(Actor, MomentOf),
+}
+
+/// Which moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum MomentOf {
+    At(Moment),
+    /// The ray's in the cell.
+    Ray(u32),
+}
+
+impl Told {
+    /// The cycle of a machine with such a clock, if one is to be looked at.
+    fn moment(self, clock: Clock) -> Result<Option<When>, InputError> {
+        let when = match self {
+            Told::Moment(_, MomentOf::At(Moment::Cycle(cycle))) => When::Cycle(cycle),
+            Told::Moment(_, MomentOf::At(Moment::Time(seconds))) => When::Cycle(clock.cycle_at(seconds)),
+            Told::Moment(Actor::Station(station), MomentOf::Ray(job)) => When::Job { station, job },
+            Told::Moment(Actor::Host, MomentOf::Ray(_)) => {
+                return Err(InputError::new("a ray is looked for in a cell").help("say which with --cell N"));
+            }
+            Told::All | Told::Why { .. } => return Ok(None),
+        };
+        Ok(Some(when))
+    }
+}
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -116,11 +156,12 @@ pub fn main() -> ExitCode {
 fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
     let typed = &Typed(matches.subcommand().map_or(matches, |(_, matches)| matches));
     match &cli.command {
-        None => run::run(&cli.run, typed),
+        None => run::run(&cli.run, typed, Told::All),
         Some(Command::Image(args)) => image::image(args, typed),
         Some(Command::Farm(args)) => farm::farm(args, typed),
-        Some(Command::Replay(args)) => replay::replay(args),
+        Some(Command::Replay(args)) => replay::replay(args, Told::All),
         Some(Command::SizeFifos(args)) => size_fifos::size_fifos(args, typed),
+        Some(Command::Why(args)) => why::why(args, typed),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Model(args)) => model::model(args, typed),
         Some(Command::Plot(args)) => plot::plot(args),

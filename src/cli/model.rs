@@ -29,7 +29,8 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     let stats = outputs::open(args.results.stats.as_deref(), args.results.force)?;
     let spinner = progress::waiting("surveying the scene");
     let mut layers = Layers::default();
-    let (scene, prepared) = (layers.scene(&run)?, layers.prepared(&run)?);
+    let prepared = outputs::reading(&[args.results.stats.as_ref()], || layers.prepared(&run))?;
+    let scene = layers.scene(&run)?;
     let Prepared { rays, surfaces } = &*prepared;
     let array = run::array_model(program, machine);
     let sub_volumes = surfaces.sub_volumes(program, machine.times, rays, &Cancel::default())?;

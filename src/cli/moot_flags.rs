@@ -8,10 +8,12 @@ use pcs_sim::error::InputError;
 use pcs_sim::machine::MachineOptions;
 use pcs_sim::program::ArrayProgram;
 use pcs_sim::program::farm::ItemKind;
-use pcs_sim::run::{CellsRun, FarmRunOptions, FarmSpec, ImageSpec, RunOptions, RunSpec, Switch, is_builtin};
+use pcs_sim::run::{
+    CellsRun, FarmRunOptions, FarmSpec, ImageSpec, MachineFileOptions, RunOptions, RunSpec, Switch, is_builtin,
+};
 use pcs_sim::scene::builtin;
 
-use super::args::{ImageArgs, ModelArgs};
+use super::args::{ImageArgs, ModelArgs, RunArgs};
 
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
@@ -35,6 +37,7 @@ pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: 
             ("--plot", args.views.plot.is_some()),
             ("--page", args.views.page.is_some()),
             ("--trace", args.views.trace.is_some()),
+            ("--why", args.views.why),
         ];
         let (why, help) = ("is about the machine at work, which --timing off leaves out", "leave out one of the two");
         if let Some((flag, _)) = files.iter().find(|(_, typed)| *typed) {
@@ -92,6 +95,27 @@ pub fn check_size_fifos_of_trace(typed: &RunOptions) -> Result<(), InputError> {
         RunOptions::parameters().map(|known| known.name).filter(|name| *name != "machine" && !of_machine(name));
     let others: Vec<&str> = others.chain(["memory_words"]).collect();
     refuse(typed, &others, "is about what the trace has recorded", "leave it out, or --ops")
+}
+
+/// Refuses the flags that only a run has, beside a trace that is timed again.
+pub fn check_why(args: &RunArgs, typed: &RunOptions) -> Result<(), InputError> {
+    let (why, help) = ("is about tracing a scene, and a recorded trace goes without", "leave out one of the two");
+    let of_machine = MachineFileOptions::PARAMETERS.iter().chain(MachineOptions::PARAMETERS);
+    let of_machine: Vec<&str> = of_machine.map(|parameter| parameter.name).collect();
+    let names: Vec<&str> = RunOptions::parameters().map(|parameter| parameter.name).collect();
+    let names: Vec<&str> = names.into_iter().filter(|name| !of_machine.contains(name)).collect();
+    refuse(typed, &names, why, help)?;
+    let others = [
+        ("--config", args.config.is_some()),
+        ("--image", args.image.is_some()),
+        ("--hits", args.tracing.hits.is_some()),
+        ("--ops", args.tracing.ops.is_some()),
+        ("--threads", args.tracing.threads.is_some()),
+    ];
+    match others.iter().find(|(_, typed)| *typed) {
+        Some((flag, _)) => Err(InputError::new(format!("{flag} {why}")).help(help)),
+        None => Ok(()),
+    }
 }
 
 /// Refuses the flags that a replay of a trace in cycles would not look at.

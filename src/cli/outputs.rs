@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::run::{OutputFile, OutputFolder};
+use pcs_sim::run::{OutputFile, OutputFolder, noting};
 
 use super::{Failure, interrupt};
 
@@ -21,6 +21,17 @@ pub fn create(path: &Path, force: bool) -> Result<OutputFile, InputError> {
 /// Makes a folder for result files, unless it is there.
 pub fn folder(path: &Path) -> std::io::Result<OutputFolder> {
     interrupt::outputs().folder(path)
+}
+
+/// Reads a command's inputs. Fails if a result would replace one of the files that were read, be it one that another names.
+pub fn reading<T, E: From<InputError>>(
+    outputs: &[Option<&PathBuf>],
+    read: impl FnOnce() -> Result<T, E>,
+) -> Result<T, E> {
+    let (result, files) = noting(read);
+    let files: Vec<Option<&Path>> = files.iter().map(|file| Some(file.path.as_path())).collect();
+    check_distinct(outputs, &files)?;
+    result
 }
 
 /// Fails if two results have the same file, or if a result would replace an input.

@@ -12,18 +12,18 @@ use pcs_sim::report::bottleneck;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::run::{self, ReplaySpec, RunError, RunOptions, Shuffled};
+use pcs_sim::run::{self, ReplaySpec, RunError, RunOptions, Shuffled, Watching};
 use pcs_sim::seam::activity_trace::{ActivityTrace, Form};
 use pcs_sim::seam::{Costs, OpBatch};
 
 use super::args::ReplayArgs;
-use super::run::{machine_line, verdict};
+use super::run::{machine_line, report};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, moot_flags, outputs, print, progress};
+use super::{Failure, Told, moot_flags, outputs, print, progress};
 
 /// Times the trace and reports as a run does, but for what only the scene tells.
-pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
+pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
     moot_flags::check_replay(&args.options())?;
     let base = args.config.as_deref().map(ReplaySpec::read).transpose()?;
     let file = run::machine_file(&args.options(), base.as_ref().map(|base| &base.machine))?;
@@ -41,7 +41,8 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let costs = costs(&args.options(), base.as_ref(), &machine, &trace)?;
     spinner.set_message("timing the trace");
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(machine.spec.clock(), Vec::new())));
-    let watched = (&machine.spec, &views.watching());
+    let moment = told.moment(machine.spec.clock())?;
+    let watched = (&machine.spec, &Watching { moment, ..views.watching() });
     let (mut shuffled, cancel) = (Shuffled::new(cells), Cancel::default());
     let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
         shuffled = Shuffled::new(cells);
@@ -59,15 +60,8 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         title: format!("replay of {} on {cells} cells: {} rays", ops.display(), grouped(trace.jobs())),
         machine: machine_line(&machine.spec),
     };
-    print(&format!(
-        "{}\n{}\n{}\n\n{}\n{}\n{}\n",
-        caption.title,
-        caption.machine,
-        summary::speed(&result, machine.spec.clock()),
-        summary::cells(&result, &[]),
-        summary::fifos(&result),
-        verdict(&result, losses, machine.spec.clock()),
-    ))?;
+    let head = format!("{}\n{}\n{}\n", caption.title, caption.machine, summary::speed(&result, machine.spec.clock()));
+    print(&report(head, told, (&result, losses, &[]), (&observed, machine.spec.clock()))?)?;
     let unit_cycles = match trace.form() {
         Form::Units => costs.by_name().map(|(name, cycles)| (name.to_owned(), cycles.0)).collect(),
         Form::Cycles => BTreeMap::new(),
@@ -76,7 +70,8 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let configuration = Configuration::Replay(Box::new(spec));
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {
-        let json = stats::to_json(&result, machine.spec.clock(), losses, None, &configuration)?;
+        let seen = (&result, observed.path.as_ref());
+        let json = stats::to_json(seen, machine.spec.clock(), losses, None, &configuration)?;
         file.write_all(json.as_bytes())
     })?;
     let seen = Seen {

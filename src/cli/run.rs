@@ -9,21 +9,21 @@ use pcs_sim::error::InputError;
 use pcs_sim::host::image;
 use pcs_sim::host::order::Order;
 use pcs_sim::machine::{Machine, MachineSpec};
-use pcs_sim::measure::{Clock, Measured};
+use pcs_sim::measure::{Actor, Clock, Measured, Observed, When};
 use pcs_sim::program::{Kernel, Workload};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{bottleneck, hits, stats};
-use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, Prepared, RunSpec, Shuffled, Workers};
+use pcs_sim::report::{bottleneck, hits, moment, stats, why};
+use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, Prepared, RunSpec, Shuffled, Watching, Workers};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
 use super::args::{RunArgs, Typed};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, moot_flags, outputs, print, progress};
+use super::{Failure, Told, moot_flags, outputs, print, progress};
 
 /// The files that a run writes.
 struct Outputs {
@@ -44,7 +44,7 @@ struct Setup {
 }
 
 /// `pcs-sim [--mode ...] [...]`
-pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
+pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
     let options = args.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     if base.as_ref().is_some_and(|base| base.image.is_some()) {
@@ -57,16 +57,19 @@ pub fn run(args: &RunArgs, typed: &Typed) -> Result<(), Failure> {
     let (workers, form) = (workers(args.tracing.threads), args.tracing.ops_form.into());
     let spinner = progress::waiting("preparing the scene");
     let mut layers = Layers::default();
-    let workload = layers.workload(&run, &workers.cancel)?;
+    let workload = outputs::reading(&named(args), || layers.workload(&run, &workers.cancel))?;
     workload.check(&run.machine.spec)?;
     let (scene, prepared) = (layers.scene(&run)?, layers.prepared(&run)?);
     spinner.finish_and_clear();
     let PlannedRun { spec, machine, .. } = run;
     let setup = Setup { spec, scene, machine, prepared, workload };
     notes(&setup);
-    let (outcome, losses) = simulate(&setup, (workers, args.results.watch, form), &mut files)?;
-    print(&report(&setup, &outcome, losses.as_ref()))?;
-    let written = write_outputs(&setup, &outcome, losses.as_ref(), files)?;
+    let moment = told.moment(setup.machine.spec.clock())?;
+    let (outcome, losses) = simulate(&setup, (workers, args.results.watch, form), moment, &mut files)?;
+    let (names, losses) = (cell_names(&setup.workload), losses.as_ref());
+    let seen = (&outcome.observed, setup.machine.spec.clock());
+    print(&report(head(&setup, &outcome), told, (&outcome.stats, losses, &names), seen)?)?;
+    let written = write_outputs(&setup, &outcome, losses, files)?;
     print(&outputs::list(&written))
 }
 
@@ -75,15 +78,19 @@ pub fn workers(count: Option<u16>) -> Workers {
     count.map_or_else(Workers::on_all_cores, |count| Workers::new(count.into()))
 }
 
-fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
-    let named = [
+/// The results that are asked for.
+fn named(args: &RunArgs) -> [Option<&PathBuf>; 6] {
+    [
         args.results.stats.as_ref(),
         args.tracing.hits.as_ref(),
         args.tracing.ops.as_ref(),
         args.image.as_ref(),
         args.views.page.as_ref(),
         args.views.trace.as_ref(),
-    ];
+    ]
+}
+
+fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
     let inputs = [
         Some(Path::new(&spec.scene)),
         spec.rays.as_deref(),
@@ -91,7 +98,7 @@ fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
         args.machine_file.machine.as_deref(),
         args.config.as_deref(),
     ];
-    outputs::check_distinct(&named, &inputs)?;
+    outputs::check_distinct(&named(args), &inputs)?;
     let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
     Ok(Outputs {
         stats: open(&args.results.stats)?,
@@ -112,6 +119,7 @@ fn notes(setup: &Setup) {
 fn simulate(
     setup: &Setup,
     (workers, watch, form): (Workers, bool, Form),
+    moment: Option<When>,
     files: &mut Outputs,
 ) -> Result<(Outcome, Option<Losses>), Failure> {
     let spec = &setup.machine.spec;
@@ -124,7 +132,7 @@ fn simulate(
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
-    let watched = (spec, &views.watching());
+    let watched = (spec, &Watching { moment, ..views.watching() });
     let mut shuffled = Shuffled::new(cells);
     let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
         shuffled.take(&batch.ops);
@@ -138,11 +146,53 @@ fn simulate(
     Ok((outcome, losses))
 }
 
-fn report(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
+/// What people read of a run: what ran, as `head` has it, and what is to be told of where its time went.
+pub fn report(
+    head: String,
+    told: Told,
+    (stats, losses, names): (&Measured, Option<&Losses>, &[String]),
+    (observed, clock): (&Observed, Clock),
+) -> Result<String, InputError> {
+    let path = observed.path.as_ref();
+    let why = |by_cell: bool| path.map(|path| format!("\n{}", why::text(path, by_cell))).unwrap_or_default();
+    match told {
+        Told::Moment(actor, _) => Ok(head + "\n" + &moment(stats, (observed, clock), actor)?),
+        Told::Why { by_cell } => Ok(head + &why(by_cell)),
+        Told::All => Ok(format!(
+            "{head}\n{}\n{}\n{}\n{}",
+            summary::cells(stats, names),
+            summary::fifos(stats),
+            verdict(stats, losses, clock),
+            why(false),
+        )),
+    }
+}
+
+/// What somebody did in the moment that was looked for.
+fn moment(stats: &Measured, (observed, clock): (&Observed, Clock), actor: Actor) -> Result<String, InputError> {
+    let cells = stats.stations.len();
+    if let Actor::Station(cell) = actor
+        && cell >= cells
+    {
+        let error = InputError::new(format!("there is no cell {cell}: the array has {cells}"));
+        return Err(error.help("cells are counted from 0, from left to right"));
+    }
+    let (Some(path), Some(snapshot)) = (&observed.path, &observed.snapshot) else {
+        let error = InputError::new(format!("{actor} does nothing for that ray"));
+        return Err(error.help(format!("rays are counted from 0; this run has {}", stats.jobs)));
+    };
+    if snapshot.at >= stats.cycles {
+        let error = InputError::new(format!("the run is over before cycle {}", snapshot.at.0));
+        return Err(error.help(format!("its last cycle is {}", stats.cycles.0.saturating_sub(1))));
+    }
+    Ok(moment::text(path, snapshot, actor, clock))
+}
+
+/// What ran, and how fast.
+fn head(setup: &Setup, outcome: &Outcome) -> String {
     let Setup { machine, prepared, workload, .. } = setup;
     let (spec, rays) = (&machine.spec, prepared.rays.len());
     let hits = outcome.counts.hits;
-    let names = cell_names(workload);
     let mut lines = vec![
         title(setup),
         machine_line(spec),
@@ -156,14 +206,8 @@ fn report(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
             per_ray(outcome.counts.intersection_tests, rays),
         ),
     ];
-    lines.push(memory_line(workload));
-    format!(
-        "{}\n\n{}\n{}\n{}\n",
-        lines.join("\n"),
-        summary::cells(&outcome.stats, &names),
-        summary::fifos(&outcome.stats),
-        verdict(&outcome.stats, losses, spec.clock()),
-    )
+    lines.push(memory_line(workload) + "\n");
+    lines.join("\n")
 }
 
 /// What limits the machine, and where it is worth a word, to what it loses its time.
@@ -264,9 +308,11 @@ fn write_outputs(
     let mut written = Vec::new();
     let polygons = setup.workload.polygons();
     let configuration = Configuration::new(&setup.spec, &setup.workload);
+    let path = outcome.observed.path.as_ref();
     outputs::finish(files.stats, &mut written, |file| {
         let spec = &setup.machine.spec;
-        let json = stats::to_json(&outcome.stats, spec.clock(), losses, Some(&outcome.counts), &configuration)?;
+        let seen = (&outcome.stats, path);
+        let json = stats::to_json(seen, spec.clock(), losses, Some(&outcome.counts), &configuration)?;
         file.write_all(json.as_bytes())
     })?;
     let sequence = setup.spec.sequence(setup.prepared.rays.len());

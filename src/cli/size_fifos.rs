@@ -51,10 +51,12 @@ pub fn size_fifos(args: &SizeArgs, typed: &Typed) -> Result<(), Failure> {
     let speeds = speeds(&args.speed)?;
     let files = Outputs::open(args, &speeds)?;
     let workers = Workers::on_all_cores();
-    let recording = match &args.ops {
-        Some(path) => of_trace(args, typed, path)?,
-        None => of_run(args, typed, &workers)?,
-    };
+    let tables = args.table.as_ref().map(|table| ["csv", "parquet"].map(|ending| table.with_extension(ending)));
+    let named: Vec<Option<&PathBuf>> = tables.iter().flatten().map(Some).collect();
+    let recording = outputs::reading(&named, || match &args.ops {
+        Some(path) => of_trace(args, typed, path),
+        None => of_run(args, typed, &workers),
+    })?;
     recording.machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let Recording { title, ops, costs, machine, least_z_words, .. } = &recording;
     let batches = match ops {

@@ -24,6 +24,7 @@ pub struct Views {
     page: Option<OutputFile>,
     trace: Option<(OutputFile, Format)>,
     window: Range<Cycles>,
+    why: bool,
     force: bool,
 }
 
@@ -57,19 +58,20 @@ impl Views {
             page: outputs::open(args.page.as_deref(), force)?,
             trace: args.trace.as_ref().map(trace).transpose()?,
             window: args.trace_window.clone().unwrap_or(Cycles(0)..Cycles(u64::MAX)),
+            why: args.why,
             force,
         })
     }
 
     /// No views.
     pub fn none() -> Views {
-        Views { plot: None, page: None, trace: None, window: Cycles(0)..Cycles(0), force: false }
+        Views { plot: None, page: None, trace: None, why: false, window: Cycles(0)..Cycles(0), force: false }
     }
 
     /// What the views need to see of a machine.
     pub fn watching(&self) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
-        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()) }
+        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: self.why, moment: None }
     }
 
     /// Whether a view shows the traced picture.
@@ -80,10 +82,11 @@ impl Views {
     /// Writes the views of a run.
     pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
         let &Seen { caption, clock, stats, losses, cell_names, configuration, image, .. } = run;
+        let path = run.observed.path.as_ref();
         if let Some(profile) = &run.observed.profile {
-            let page = Page { caption, clock, stats, losses, profile, cell_names, configuration, image };
+            let page = Page { caption, clock, stats, losses, profile, path, cell_names, configuration, image };
             let (pictures, html) = rayon::join(
-                || self.plot.as_ref().map(|_| plot::pictures(profile, clock, caption, cell_names)).transpose(),
+                || self.plot.as_ref().map(|_| plot::pictures(profile, path, clock, caption, cell_names)).transpose(),
                 || self.page.as_ref().map(|_| page::html(&page)).transpose(),
             );
             let pictures = pictures.map_err(|error| Failure::Output(error.to_string()))?;
@@ -102,7 +105,14 @@ impl Views {
 }
 
 fn prepare_folder(folder: &Path, force: bool) -> Result<OutputFolder, InputError> {
-    let failed = |error: std::io::Error| InputError::in_file(folder, format!("cannot be written: {}", error.kind()));
+    let reason = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::Other => error.to_string(),
+        kind => kind.to_string(),
+    };
+    let failed = |error| {
+        let error = InputError::in_file(folder, format!("cannot be a folder for plots: {}", reason(error)));
+        error.help("name a folder, or a new name for one")
+    };
     let prepared = outputs::folder(folder).map_err(failed)?;
     let empty = std::fs::read_dir(folder).map_err(failed)?.next().is_none();
     if empty || force {

@@ -72,7 +72,7 @@ impl Grid {
     /// Fills a grid of `coefficient` x P voxels over the part of `volume` that the polygons `members` reach; P is their
     /// number. Fewer voxels where they would be thinner than 32-bit arithmetic can tell apart.
     ///
-    /// Every polygon is listed in every voxel that it comes within [`Polygons::margin`] of. Fails if that makes more than
+    /// Every polygon is listed in every voxel that it comes within [`Polygons::margin`] and its [`Polygons::slack`] of. Fails if that makes more than
     /// [`MOST_VOXELS`] voxels or [`MOST_REFERENCES`] references, and if it is told to stop.
     pub fn new(
         polygons: &Polygons,
@@ -321,7 +321,7 @@ fn fill(
     let mut starts = vec![0u32; lattice.voxel_count() + 1];
     let mut references = 0u64;
     for &polygon in members {
-        lattice.for_each_voxel(polygons, polygon, margin, |voxel| {
+        lattice.for_each_voxel(polygons, polygon, margin + polygons.slack(polygon), |voxel| {
             starts[voxel + 1] += 1;
             references += 1;
         });
@@ -337,7 +337,7 @@ fn fill(
     let mut lists = vec![0u32; references as usize];
     for &polygon in members {
         cancel.check()?;
-        lattice.for_each_voxel(polygons, polygon, margin, |voxel| {
+        lattice.for_each_voxel(polygons, polygon, margin + polygons.slack(polygon), |voxel| {
             let end = &mut ends[voxel];
             lists[*end as usize] = polygon;
             *end += 1;

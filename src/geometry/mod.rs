@@ -10,6 +10,8 @@
 
 pub mod bounds;
 pub mod brute_force;
+pub mod closed;
+pub mod edges;
 pub mod grid;
 pub mod hit;
 pub mod partition;
@@ -17,10 +19,12 @@ pub mod polygon;
 pub mod ray;
 pub mod rounding;
 pub mod slabs;
+pub mod slivers;
 pub mod voxels;
 
 pub use bounds::Bounds;
 pub use brute_force::brute_force;
+pub use edges::Edges;
 pub use grid::Grid;
 pub use hit::Hit;
 pub use partition::Partition;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::bounds::Bounds;
-use super::polygon::{Polygons, flat_bounds};
+use super::polygon::{Polygons, flat_bounds, hit_bounds};
 
 /// How the scene is cut into sub-volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -64,8 +64,8 @@ pub struct SubVolume {
 
 /// The part of space that some polygons reach: outside it no ray hits them.
 pub fn reached(polygons: &Polygons, members: &[u32]) -> Bounds {
-    let area = |&&p: &&u32| polygons.normal(p) != glam::Vec3::ZERO;
-    let all = members.iter().filter(area).map(|&p| flat_bounds(polygons, p)).fold(Bounds::EMPTY, Bounds::union);
+    let hit = |&&p: &&u32| polygons.can_be_hit(p);
+    let all = members.iter().filter(hit).map(|&p| hit_bounds(polygons, p)).fold(Bounds::EMPTY, Bounds::union);
     if all.is_empty() { all } else { all.grown(polygons.margin()) }
 }
 
@@ -137,7 +137,7 @@ pub fn assign(polygons: &Polygons, boxes: &[Bounds]) -> Vec<SubVolume> {
     let margin = polygons.margin();
     let mut volumes: Vec<SubVolume> = boxes.iter().map(|&volume| SubVolume { volume, members: Vec::new() }).collect();
     for polygon in 0..polygons.len() as u32 {
-        let reach = flat_bounds(polygons, polygon).grown(margin);
+        let reach = hit_bounds(polygons, polygon).grown(margin);
         for sub_volume in &mut volumes {
             if !reach.intersection(sub_volume.volume).is_empty() {
                 sub_volume.members.push(polygon);

@@ -3,9 +3,12 @@
 use glam::{DVec3, Vec3};
 
 use super::bounds::{Bounds, largest_coordinate};
+use super::closed;
+use super::edges::Edges;
 use super::hit::Hit;
 use super::ray::{Ray, dot};
 use super::rounding;
+use super::slivers::overshoot;
 use crate::scene::{Face, Mesh};
 
 /// Projected triangles with a smaller determinant are points to 32-bit arithmetic, and are never hit.
@@ -28,6 +31,10 @@ pub struct Polygons {
     largest_coordinate: f64,
     /// How far out rays may start for the margin to be wide enough.
     reach: f64,
+    /// How the inside of each is told.
+    edges: Edges,
+    /// The few polygons with slack, in rising order, and how much.
+    slack: Vec<(u32, f64)>,
 }
 
 /// A polygon's plane N.P = d (equation 8), and where its vertices are.
@@ -72,6 +79,8 @@ impl Polygons {
             faces: Vec::with_capacity(mesh.faces().len()),
             largest_coordinate: 0.0,
             reach: 0.0,
+            edges: Edges::Paper,
+            slack: Vec::new(),
         };
         for face in mesh.faces() {
             polygons.add(mesh, face);
@@ -79,7 +88,39 @@ impl Polygons {
         let farthest = rays.iter().map(|ray| largest_coordinate(ray.origin)).fold(0.0, f32::max) as f64;
         let scene = polygons.largest_coordinate;
         polygons.reach = farthest.clamp(rounding::NEAREST * scene, rounding::FARTHEST * scene);
+        let with_slack = |polygon| Some((polygon, polygons.overshoot(polygon))).filter(|(_, slack)| *slack > 0.0);
+        polygons.slack = (0..polygons.len() as u32).filter_map(with_slack).collect();
         polygons
+    }
+
+    /// The same with an inside that is told in another way.
+    pub fn with_edges(mut self, edges: Edges) -> Polygons {
+        self.edges = edges;
+        // Slack is what α and β of A.3 are off by.
+        self.slack.retain(|_| edges == Edges::Paper);
+        self
+    }
+
+    /// Whether rays can hit a polygon at all: A.3 finds none in one without area.
+    pub fn can_be_hit(&self, polygon: u32) -> bool {
+        self.edges == Edges::Closed || self.normal(polygon) != Vec3::ZERO
+    }
+
+    /// By how much a polygon's hits can lie farther off it, in each coordinate, than the margin allows for.
+    fn overshoot(&self, polygon: u32) -> f64 {
+        let covered = rounding::COVERED * self.largest_coordinate;
+        let record = &self.records[polygon as usize];
+        // What lies off in the plane of projection lies off along its axis by so much more, as steep as the polygon's plane is.
+        let normal = record.normal.abs().as_dvec3();
+        let steep = (normal.length_squared() / normal.max_element().powi(2) - 1.0).max(0.0).sqrt().max(1.0);
+        if !steep.is_finite() {
+            return 0.0;
+        }
+        let enough = covered / steep;
+        let vertices = self.projected(record);
+        let edges = vertices.windows(2).skip(1).map(|edge| [sub(edge[0], vertices[0]), sub(edge[1], vertices[0])]);
+        let farthest = edges.map(|[first, second]| overshoot(first, second, enough)).fold(0.0, f64::max);
+        (farthest * steep - covered).max(0.0)
     }
 
     fn add(&mut self, mesh: &Mesh, face: &Face) {
@@ -118,7 +159,7 @@ impl Polygons {
         &self.vertices[record.first as usize..][..record.count as usize]
     }
 
-    /// N, of unit length, or zero for a polygon without area, which no ray hits.
+    /// N, of unit length, or zero for a polygon without area.
     pub fn normal(&self, polygon: u32) -> Vec3 {
         self.records[polygon as usize].normal
     }
@@ -153,6 +194,11 @@ impl Polygons {
         rounding::reach_error(self.reach, self.largest_coordinate)
     }
 
+    /// How much larger than it is the filters must take a polygon to be, in each coordinate: 0 but for slivers; see [`rounding`].
+    pub fn slack(&self, polygon: u32) -> f64 {
+        self.slack.binary_search_by_key(&polygon, |entry| entry.0).map_or(0.0, |place| self.slack[place].1)
+    }
+
     /// By how much hits of a ray that starts at `origin` can lie outside what the margin allows for: 0 within reach.
     #[inline]
     pub fn beyond_margin(&self, origin: Vec3) -> f32 {
@@ -170,7 +216,8 @@ impl Polygons {
         RECORD_WORDS + 3 * self.vertices(polygon).len() as u64
     }
 
-    /// The vertices moved along the axis of projection into the plane: what A.3 takes the polygon to be.
+    /// The vertices moved along the axis of projection into the plane: what A.3 takes the polygon to be. With closed edges, the
+    /// vertices as they are.
     pub fn flattened(&self, polygon: u32) -> impl Iterator<Item = DVec3> + Clone + '_ {
         let record = self.records[polygon as usize];
         let axis = 3 - (record.axes[0] + record.axes[1]) as usize;
@@ -179,13 +226,16 @@ impl Polygons {
             let vertex = vertex.as_dvec3();
             let mut flat = vertex;
             flat[axis] += (d - normal.dot(vertex)) / normal[axis];
-            if flat[axis].is_finite() { flat } else { vertex }
+            if flat[axis].is_finite() && self.edges == Edges::Paper { flat } else { vertex }
         })
     }
 
     /// The intersection of a ray with one polygon, unless it lies beyond `nearest`.
     #[inline]
     pub fn intersect(&self, ray: &Ray, polygon: u32, nearest: f32) -> Option<PolygonHit> {
+        if self.edges == Edges::Closed {
+            return closed::intersect(ray, self.vertices(polygon), nearest);
+        }
         let record = &self.records[polygon as usize];
         let t = record.plane_hit(ray)?;
         if !(t > 0.0 && t <= ray.t_max && t <= nearest) {
@@ -193,9 +243,13 @@ impl Polygons {
         }
         let [i1, i2] = record.axes.map(usize::from);
         let p = [ray.origin[i1] + t * ray.direction[i1], ray.origin[i2] + t * ray.direction[i2]];
-        let vertices = &self.projected[record.first as usize..][..record.count as usize];
-        let (alpha, beta, triangle) = fan_hit(p, vertices)?;
+        let (alpha, beta, triangle) = fan_hit(p, self.projected(record))?;
         Some(PolygonHit { t, alpha, beta, triangle })
+    }
+
+    #[inline]
+    fn projected(&self, record: &Record) -> &[[f32; 2]] {
+        &self.projected[record.first as usize..][..record.count as usize]
     }
 
     /// The nearer of a hit and this polygon's, if there is one.
@@ -274,4 +328,9 @@ fn projection_axes(normal: Vec3) -> [u8; 2] {
 /// The box around a flattened polygon.
 pub fn flat_bounds(polygons: &Polygons, polygon: u32) -> Bounds {
     Bounds::around(polygons.flattened(polygon))
+}
+
+/// The box around all of a polygon's hits, but for what the margin allows for.
+pub fn hit_bounds(polygons: &Polygons, polygon: u32) -> Bounds {
+    flat_bounds(polygons, polygon).grown(polygons.slack(polygon))
 }

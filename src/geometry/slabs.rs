@@ -44,7 +44,8 @@ pub struct RaySlabs {
 impl Slabs {
     /// Encloses each polygon.
     pub fn new(polygons: &Polygons) -> Slabs {
-        Slabs((0..polygons.len() as u32).map(|polygon| enclose(polygons.flattened(polygon))).collect())
+        let enclosed = |polygon| enclose(polygons.flattened(polygon), 3.0 * polygons.slack(polygon));
+        Slabs((0..polygons.len() as u32).map(enclosed).collect())
     }
 
     /// d_min and d_max of a polygon in one direction after the other, as a cell's memory holds them.
@@ -88,14 +89,15 @@ impl RaySlabs {
     }
 }
 
-fn enclose(vertices: impl Iterator<Item = DVec3> + Clone) -> PolygonSlabs {
+/// The slabs of a polygon, each `slack` wider on both sides.
+fn enclose(vertices: impl Iterator<Item = DVec3> + Clone, slack: f64) -> PolygonSlabs {
     let mut slabs = PolygonSlabs { low: [0.0; LANES], high: [0.0; LANES] };
     for (lane, normal) in NORMALS.into_iter().enumerate() {
         let normal = DVec3::from_array(normal.map(f64::from));
         let d = vertices.clone().map(|vertex| normal.dot(vertex));
         let (low, high) = d.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
-        slabs.low[lane] = rounding::down(low);
-        slabs.high[lane] = rounding::up(high);
+        slabs.low[lane] = rounding::down(low - slack);
+        slabs.high[lane] = rounding::up(high + slack);
     }
     slabs
 }
@@ -104,4 +106,97 @@ fn enclose(vertices: impl Iterator<Item = DVec3> + Clone) -> PolygonSlabs {
 fn along(normal: [i8; 3], vector: Vec3) -> f32 {
     let normal = normal.map(f32::from);
     normal[0] * vector.x + normal[1] * vector.y + normal[2] * vector.z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cancel::Cancel;
+    use crate::geometry::{Grid, Ray};
+    use crate::scene::Mesh;
+    use proptest::prelude::*;
+    use std::cell::Cell;
+    use std::ops::ControlFlow;
+
+    /// Three corners of a needle, the first of which may be any of them: one far from the others, that lie as close together as
+    /// they may; as large as the scene or smaller, anywhere.
+    fn needle() -> impl Strategy<Value = [Vec3; 3]> {
+        let direction = || [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0].prop_map(Vec3::from_array);
+        // Diagonals have the largest rectangles.
+        let long = (direction(), 0..3usize).prop_map(|(off, axis)| {
+            let mut diagonal = Vec3::ONE;
+            diagonal[axis] = off[axis];
+            diagonal + off * 1e-3
+        });
+        let far = prop_oneof![3 => Just(0.0f32), 1 => 0.0f32..1e4, 1 => 0.0f32..1e6];
+        let thin = prop_oneof![Just(1e-1f32), Just(1e-3), 1e-6f32..1e-4, Just(1e-7)];
+        (long, direction(), direction(), thin, far, prop_oneof![Just(1.0f32), Just(7e3), Just(1e-9)], 0..3usize)
+            .prop_map(|(long, place, off, thin, far, scale, first)| {
+                let apex = place + Vec3::splat(far);
+                let across = off - long * off.dot(long) / long.length_squared();
+                let points = [apex, apex + long, apex + long + across * thin];
+                [0, 1, 2].map(|k| points[(first + k) % 3] * scale)
+            })
+    }
+
+    /// Rays at points near a needle's edges, the shortest above all, and somewhat beyond.
+    fn ray() -> impl Strategy<Value = (usize, Vec3, Vec3)> {
+        let share = || [-0.1f32..1.1, -1.0f32..1.0, -1.0f32..1.0].prop_map(Vec3::from_array);
+        (0..3usize, share(), share())
+    }
+
+    fn aimed(points: [Vec3; 3], (edge, share, direction): (usize, Vec3, Vec3)) -> Ray {
+        let length = |k: usize| (points[(k + 1) % 3] - points[k]).length();
+        let short = (0..3).min_by(|&a, &b| length(a).total_cmp(&length(b))).unwrap_or(0);
+        let at = if edge == 0 { edge } else { short };
+        let (from, to) = (points[at], points[(at + 1) % 3]);
+        let target = from + (to - from) * share.x + (to - from).length() * Vec3::new(share.y, share.z, -share.y) * 0.5;
+        Ray::new(target - direction * length(short), direction)
+    }
+
+    fn polygons(points: [Vec3; 3]) -> Polygons {
+        let mut mesh = Mesh::default();
+        let corners = points.map(|point| mesh.add_point(point));
+        mesh.add_face(&corners, 0);
+        Polygons::new(&mesh)
+    }
+
+    thread_local! {
+        /// Hits, and those of them that slabs as large as the polygon, or a grid that lists it where it lies, would drop.
+        static SEEN: Cell<[u32; 2]> = const { Cell::new([0; 2]) };
+    }
+
+    /// With `PROPTEST_CASES=10000` a million rays.
+    #[test]
+    fn no_filter_drops_a_hit_of_a_needle() {
+        let mut runner = proptest::test_runner::TestRunner::default();
+        let cases = (needle(), prop::collection::vec(ray(), 100));
+        let result = runner.run(&cases, |(points, plans)| {
+            let polygons = polygons(points);
+            let slabs = Slabs::new(&polygons);
+            let plain = Slabs(vec![enclose(polygons.flattened(0), 0.0)]);
+            let volume = crate::geometry::partition::reached(&polygons, &[0]);
+            let grid = Grid::new(&polygons, &[0], volume, 5000.0, &Cancel::default())
+                .map_err(|error| TestCaseError::fail(error.to_string()))?;
+            for plan in plans {
+                let ray = aimed(points, plan);
+                let Some(hit) = polygons.intersect(&ray, 0, f32::INFINITY) else { continue };
+                let ray_slabs = RaySlabs::new(&ray, polygons.largest_coordinate());
+                prop_assert!(slabs.meets(&ray_slabs, 0), "the slabs drop {:?} of {:?}", hit, ray);
+                let mut is_found = false;
+                grid.walk(&ray, polygons.beyond_margin(ray.origin), |visit| {
+                    // As a cell with grid and intersection does, the walk ends behind the hit.
+                    is_found |= !visit.polygons.is_empty();
+                    if is_found || visit.t_exit >= hit.t { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                });
+                prop_assert!(is_found, "the grid drops {:?} of {:?}", hit, ray);
+                let [hits, dropped] = SEEN.get();
+                SEEN.set([hits + 1, dropped + u32::from(!plain.meets(&ray_slabs, 0))]);
+            }
+            Ok(())
+        });
+        result.unwrap_or_else(|error| panic!("{error}"));
+        let [hits, dropped] = SEEN.get();
+        assert!(hits > 1000 && dropped > 10, "the test has {hits} hits, {dropped} of which need slack");
+    }
 }

@@ -30,7 +30,9 @@ impl Surface {
     /// colour; where a corner has none it is the material's.
     pub fn at(scene: &Scene, polygons: &Polygons, ray: &Ray, hit: &Hit) -> Surface {
         let direction = ray.direction.as_dvec3();
-        let flat = polygons.normal(hit.polygon).as_dvec3().normalize_or_zero();
+        // A polygon without area, which only closed edges let be hit, faces the ray.
+        let flat = polygons.normal(hit.polygon).as_dvec3().try_normalize();
+        let flat = flat.unwrap_or_else(|| -direction.normalize_or_zero());
         let from_outside = flat.dot(direction) <= 0.0;
         let flat = if from_outside { flat } else { -flat };
         let face = &scene.mesh.faces()[hit.polygon as usize];
@@ -65,6 +67,9 @@ impl Surface {
 /// of its error lies within the plane.
 fn on_plane(polygons: &Polygons, polygon: u32, point: DVec3) -> DVec3 {
     let normal = polygons.normal(polygon).as_dvec3();
+    if normal == DVec3::ZERO {
+        return point;
+    }
     let off = normal.dot(point) - polygons.d(polygon) as f64;
     point - normal * (off / normal.length_squared())
 }

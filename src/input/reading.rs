@@ -27,9 +27,9 @@ pub(crate) fn note(path: &Path, bytes: &[u8]) {
     });
 }
 
-/// Does something, and tells which files this thread has read for it, each once and in the order of their names.
-#[cfg(feature = "report")] // Sweeps ask.
-pub(crate) fn noting<T>(read: impl FnOnce() -> T) -> (T, Vec<FileRead>) {
+/// Does something, and tells which files this thread has read for it, each once and in the order of their names: those that
+/// stand behind others, too.
+pub fn noting<T>(read: impl FnOnce() -> T) -> (T, Vec<FileRead>) {
     let before = NOTED.replace(Some(Vec::new()));
     let result = read();
     let mut files = NOTED.replace(before).unwrap_or_default();

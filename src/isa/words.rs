@@ -6,8 +6,24 @@ use crate::error::InputError;
 use crate::input::fields;
 use crate::input::text::{Text, Token};
 
+/// Words that somebody wrote.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Words {
+    /// The words.
+    pub words: Vec<u32>,
+    /// How many of them are written as integers in decimal digits.
+    whole: usize,
+}
+
+impl Words {
+    /// Whether there are words, and all are written as integers: as numbers with a fraction none of them is what it seems.
+    pub fn are_all_whole(&self) -> bool {
+        self.whole > 0 && self.whole == self.words.len()
+    }
+}
+
 /// Reads a file of words, between white space or commas; a semicolon begins a comment. `-` is stdin.
-pub fn read(path: &Path) -> Result<Vec<u32>, InputError> {
+pub fn read(path: &Path) -> Result<Words, InputError> {
     let text = if path == Path::new("-") {
         std::io::read_to_string(std::io::stdin()).map_err(|error| InputError::unreadable(path, &error))?
     } else {
@@ -16,19 +32,22 @@ pub fn read(path: &Path) -> Result<Vec<u32>, InputError> {
     parse(path, &text)
 }
 
-fn parse(path: &Path, text: &str) -> Result<Vec<u32>, InputError> {
+fn parse(path: &Path, text: &str) -> Result<Words, InputError> {
     let file = Text { file: path, text };
     let without_comment = |line: &'_ str| line.find(';').unwrap_or(line.len());
     let lines = text.lines().map(|line| &line[..without_comment(line)]);
     let tokens = lines.flat_map(|line| line.split(|c: char| c.is_whitespace() || c == ','));
-    let words = tokens.filter(|token| !token.is_empty()).map(|token| {
-        word(token).ok_or_else(|| {
+    let mut words = Words::default();
+    for token in tokens.filter(|token| !token.is_empty()) {
+        let Some(word) = word(token) else {
             let token = Token { text: token, at: file.offset_of(token) };
             let error = file.error_at(token, format!("`{}` is no word of 32 bits", token.text));
-            error.help("words are written as 7, -1, 0xffffffff, 1.5 or 2e-3")
-        })
-    });
-    words.collect()
+            return Err(error.help("words are written as 7, -1, 0xffffffff, 1.5 or 2e-3"));
+        };
+        words.words.push(word);
+        words.whole += usize::from(token.parse::<i64>().is_ok());
+    }
+    Ok(words)
 }
 
 fn word(text: &str) -> Option<u32> {

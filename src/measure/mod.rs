@@ -7,8 +7,11 @@
 
 mod clock;
 mod moment;
+mod observed;
+mod path;
 mod profile;
 mod recording;
+mod snapshot;
 mod so_far;
 mod state;
 mod stats;
@@ -16,8 +19,11 @@ mod topology;
 
 pub use clock::Clock;
 pub use moment::{Moment, StationMoment};
-pub use profile::{FifoBin, FifoProfile, Latency, Observed, Profile};
+pub use observed::Observed;
+pub use path::{Cause, CriticalPath, PathPart, PathUnit};
+pub use profile::{FifoBin, FifoProfile, Latency, Profile};
 pub use recording::{FifoLevels, JobSpan, Recording, StationRecord, Stretch};
+pub use snapshot::{Doing, Snapshot, What, When};
 pub use so_far::SoFar;
 pub use state::{State, StateId, StateKind, StateTimes, States, Toward};
 pub use stats::{FifoStats, LinkStats, Measured};

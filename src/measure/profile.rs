@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::recording::Recording;
 use super::state::StateTimes;
 use super::topology::Topology;
 use crate::quantities::{Cycles, Words};
@@ -26,15 +25,6 @@ pub struct Profile {
     pub latency: Latency,
 }
 
-/// What was seen of a run beside its measures, as far as it was asked for.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Observed {
-    /// The run over time, if the machine was probed.
-    pub profile: Option<Profile>,
-    /// A window of it cycle by cycle, if the machine was recorded.
-    pub recording: Option<Recording>,
-}
-
 /// One FIFO over time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FifoProfile {
@@ -54,7 +44,7 @@ pub struct FifoBin {
     /// The highest occupancy.
     pub max: Words,
     /// The sum of the occupancies, in words times cycles.
-    pub word_cycles: u64,
+    pub word_cycles: u128,
     /// Cycles at whose end it was full.
     pub full: Cycles,
 }
@@ -88,7 +78,7 @@ pub struct Latency {
     /// The longest.
     pub max: Cycles,
     /// The sum of all.
-    pub total: u64,
+    pub total: u128,
     /// Jobs for each bucket, up to the last that is not empty.
     pub buckets: Vec<u64>,
 }
@@ -106,7 +96,7 @@ impl Latency {
         self.buckets[bucket] += 1;
         self.min = Cycles(if self.jobs == 0 { latency } else { self.min.0.min(latency) });
         self.max = Cycles(self.max.0.max(latency));
-        self.total += latency;
+        self.total += latency as u128;
         self.jobs += 1;
     }
 

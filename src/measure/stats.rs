@@ -32,7 +32,7 @@ pub struct FifoStats {
     /// The highest occupancy.
     pub max: Words,
     /// The sum of the occupancies of all cycles, in words times cycles.
-    pub word_cycles: u64,
+    pub word_cycles: u128,
     /// Cycles at whose end it was full.
     pub full: Cycles,
     /// Cycles at whose end it was empty.

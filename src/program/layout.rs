@@ -6,7 +6,7 @@ use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::grid::Unfilled;
 use crate::geometry::partition::{self, SubVolume};
-use crate::geometry::{Bounds, Grid, Polygons, Ray, Slabs};
+use crate::geometry::{Bounds, Edges, Grid, Polygons, Ray, Slabs};
 use crate::scene::Mesh;
 
 /// A scene's polygons as the array has them: in 32 bits, each with its slabs, and with margins that hold for its rays.
@@ -19,7 +19,12 @@ pub struct Surfaces {
 impl Surfaces {
     /// Those of a mesh that `rays` are traced through.
     pub fn new(mesh: &Mesh, rays: &[Ray]) -> Surfaces {
-        let polygons = Polygons::for_rays(mesh, rays);
+        Surfaces::with_edges(mesh, rays, Edges::Paper)
+    }
+
+    /// The same with an inside of the polygons that is told in one way or another.
+    pub fn with_edges(mesh: &Mesh, rays: &[Ray], edges: Edges) -> Surfaces {
+        let polygons = Polygons::for_rays(mesh, rays).with_edges(edges);
         Surfaces { slabs: Slabs::new(&polygons), polygons }
     }
 

@@ -5,7 +5,8 @@ use serde::Serialize;
 use super::bottleneck;
 use super::kinds::RaysByKind;
 use super::losses::Losses;
-use crate::measure::{Clock, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
+use super::why::PathJson;
+use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
 use crate::program::{CellMemory, Counts, Workload};
 use crate::run::{FarmSpec, ReplaySpec, RunSpec};
 
@@ -81,6 +82,8 @@ struct Report<'a> {
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     losses: Option<&'a Losses>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<PathJson>,
     configuration: &'a Configuration,
 }
 
@@ -132,28 +135,28 @@ impl<'a> Fifo<'a> {
 
 /// The statistics of a run as indented JSON. A replay has no counts.
 pub fn to_json(
-    run: &Measured,
+    seen: (&Measured, Option<&CriticalPath>),
     clock: Clock,
     losses: Option<&Losses>,
     counts: Option<&Counts>,
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
-    json(run, clock, losses, (counts, None), configuration)
+    json(seen, clock, losses, (counts, None), configuration)
 }
 
 /// The same for an image, with its rays by kind.
 pub fn image_to_json(
-    run: &Measured,
+    seen: (&Measured, Option<&CriticalPath>),
     clock: Clock,
     losses: Option<&Losses>,
     (counts, kinds): (&Counts, &RaysByKind),
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
-    json(run, clock, losses, (Some(counts), Some(kinds)), configuration)
+    json(seen, clock, losses, (Some(counts), Some(kinds)), configuration)
 }
 
 fn json(
-    run: &Measured,
+    (run, path): (&Measured, Option<&CriticalPath>),
     clock: Clock,
     losses: Option<&Losses>,
     (counts, rays_by_kind): (Option<&Counts>, Option<&RaysByKind>),
@@ -177,6 +180,7 @@ fn json(
         rays_by_kind,
         bottleneck: bottleneck::sentence(run),
         losses,
+        why: path.map(PathJson::new),
         configuration,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")

@@ -105,9 +105,15 @@ pub fn table(header: &[&str]) -> Table {
 }
 
 /// The table as text, names to the left and figures to the right.
-pub fn aligned(mut table: Table) -> String {
+pub fn aligned(table: Table) -> String {
+    aligned_with(table, &[])
+}
+
+/// The same, with more columns of text.
+pub fn aligned_with(mut table: Table, texts: &[usize]) -> String {
     for (index, column) in table.column_iter_mut().enumerate() {
-        column.set_cell_alignment(if index == 0 { CellAlignment::Left } else { CellAlignment::Right });
+        let is_text = index == 0 || texts.contains(&index);
+        column.set_cell_alignment(if is_text { CellAlignment::Left } else { CellAlignment::Right });
         column.set_padding((if index == 0 { 0 } else { 1 }, 1));
     }
     let text = table.to_string();

@@ -49,13 +49,13 @@ impl Keys {
     fn new(spec: &RunSpec, machine: &Machine) -> Keys {
         // All fields by name, so that a new one cannot be forgotten here.
         let RunSpec { version: _, scene, size_factor, resolution, size, rays, order, image, program, .. } = spec;
-        let RunSpec { cells_run, cell_programs, instruction_limit, machine: _, .. } = spec;
+        let RunSpec { edges, cells_run, cell_programs, instruction_limit, machine: _, .. } = spec;
         let ArrayProgram { name: _, stages, groups, partition, grid_coefficient, .. } = program;
         let ArrayProgram { mailbox, stop_words, forward_ahead, .. } = program;
         let Machine { spec: array, times, instructions, notes: _ } = machine;
 
         let scene = Key::of((scene, size_factor, resolution));
-        let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order));
+        let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order, edges));
         let sample = || (times.grid.each, times.slabs, times.intersection, program.placement().slabs.is_some());
         let cut = (*groups > 1).then(|| (partition, (*partition == Partition::Work).then(sample)));
         let laid_out = Key::of((&prepared, groups, cut, grid_coefficient));
@@ -154,7 +154,7 @@ impl Layers {
         let scene = self.scene(run)?;
         (self.prepared, self.laid_out, self.traced) = (None, None, None);
         let prepared = run.spec.load_rays(&scene).map(|rays| {
-            let surfaces = Arc::new(Surfaces::new(&scene.mesh, &rays));
+            let surfaces = Arc::new(Surfaces::with_edges(&scene.mesh, &rays, run.spec.edges));
             Arc::new(Prepared { rays, surfaces })
         });
         self.prepared = Some((run.keys.prepared.clone(), prepared.clone()));

@@ -35,3 +35,6 @@ pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_wa
 pub use trace::{TracedBatch, trace};
 pub use trees::{ByKind, KindCounts};
 pub use workers::Workers;
+
+pub use crate::input::fields::read_text;
+pub use crate::input::reading::{FileRead, noting};

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
-use crate::geometry::Partition;
+use crate::geometry::{Edges, Partition};
 use crate::host::camera::ImageSize;
 use crate::host::order::Order;
 use crate::host::policy::Policy;
@@ -83,6 +83,9 @@ parameters! {
 parameters! {
     /// How the cells work.
     pub struct CellsOptions under "Cells" {
+        /// How the intersection tells the inside of a polygon: as the paper does (paper), or so that no ray passes between two
+        /// polygons that share an edge (closed) [default: paper].
+        edges: Edges, "HOW", Text, "edges of polygons";
         /// What a cell runs: timings, which are Figure 7's, or programs of instructions, which find the hits themselves
         /// [default: timings].
         cells_run: CellsRun, "WHAT", Text, "what the cells run";

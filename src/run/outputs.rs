@@ -73,6 +73,12 @@ impl Outputs {
     /// Makes a folder for result files, unless it is there. Fails if it cannot be made, and after [`Outputs::abandon`].
     pub fn folder(&self, path: &Path) -> std::io::Result<OutputFolder> {
         let mut desk = self.open_desk()?;
+        if let Some(file) = path.ancestors().find(|above| above.is_file()) {
+            return Err(std::io::Error::other(format!("{} is a file, and no folder", file.display())));
+        }
+        if let Some((reason, _)) = path.ancestors().find_map(broken_link) {
+            return Err(std::io::Error::other(reason));
+        }
         let missing = path.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists());
         let made: Vec<PathBuf> = missing.map(Path::to_owned).collect();
         desk.folders.extend_from_slice(&made);
@@ -152,6 +158,9 @@ impl Target {
     /// Opens `place`, which the user knows as `name`.
     fn open(outputs: &Outputs, place: &Path, name: &Path, overwrite: bool) -> Result<Target, InputError> {
         let refuse = |reason: String| InputError::in_file(name, format!("cannot write the file: {reason}"));
+        if let Some((reason, help)) = broken_link(place) {
+            return Err(refuse(reason).help(help));
+        }
         if place.is_dir() {
             return Err(refuse("it is a directory".to_owned()));
         }
@@ -186,6 +195,24 @@ impl Part {
 impl Drop for Part {
     fn drop(&mut self) {
         self.outputs.desk().parts.remove(&self.number);
+    }
+}
+
+/// What is wrong with a name that is a link but leads to no file, and what to do.
+fn broken_link(place: &Path) -> Option<(String, &'static str)> {
+    let target = std::fs::read_link(place).ok()?;
+    let error = std::fs::metadata(place).err()?;
+    match error.kind() {
+        std::io::ErrorKind::NotFound => {
+            let reason = format!("it is a link to {}, which does not exist", target.display());
+            Some((reason, "remove the link, or make the file that it leads to"))
+        }
+        // Without the number that Rust appends to the operating system's reason.
+        _ => {
+            let text = error.to_string();
+            let reason = text.split(" (os error").next().unwrap_or(&text);
+            Some((format!("it is a link that leads to no file: {reason}"), "remove the link, or give another name"))
+        }
     }
 }
 

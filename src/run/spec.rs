@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::options::{CellsRun, Mode, RunOptions, Switch};
 use crate::error::InputError;
-use crate::geometry::Ray;
+use crate::geometry::{Edges, Ray};
 use crate::host::camera::{self, ImageSize};
 use crate::host::order::{Order, Sequence};
 use crate::host::policy::{HostRules, Policy};
@@ -52,6 +52,9 @@ pub struct RunSpec {
     pub image: Option<ImageSpec>,
     /// The array program, as its file would have it.
     pub program: ArrayProgram,
+    /// How the intersection tells the inside of a polygon.
+    #[serde(default, skip_serializing_if = "is_paper")]
+    pub edges: Edges,
     /// What the cells run.
     pub cells_run: CellsRun,
     /// The programs of cells that run any: a folder, or `standard`.
@@ -140,6 +143,11 @@ pub struct ImageSpec {
 /// What stands for the standard programs of the cells.
 const STANDARD_PROGRAMS: &str = "standard";
 
+/// What is as in the paper need not be said.
+fn is_paper(edges: &Edges) -> bool {
+    *edges == Edges::Paper
+}
+
 fn is_raster(order: &Order) -> bool {
     *order == Order::Raster
 }
@@ -187,6 +195,8 @@ impl RunSpec {
         let instruction_limit = cells.instruction_limit.or(base.and_then(|base| base.instruction_limit));
         let instruction_limit = instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
         let rays = options.rays.rays.clone().or_else(|| base?.rays.clone().filter(|_| shape.size.is_none()));
+        let edges = cells.edges.or(base.map(|base| base.edges)).unwrap_or_default();
+        check_edges(edges, cells_run)?;
         let order = options.order.order.or(base.map(|base| base.order)).unwrap_or_default();
         check_order(order, rays.as_deref())?;
         Ok(RunSpec {
@@ -199,6 +209,7 @@ impl RunSpec {
             order,
             image: None,
             program,
+            edges,
             cells_run,
             cell_programs: runs_programs.then_some(cell_programs),
             instruction_limit: runs_programs.then_some(instruction_limit),
@@ -229,6 +240,7 @@ impl RunSpec {
         let spec: RunSpec = read_configuration(path, "run")?;
         spec.machine.build()?;
         spec.program.check()?;
+        check_edges(spec.edges, spec.cells_run)?;
         check_order(spec.order, spec.rays.as_deref())?;
         spec.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
         Ok(spec)
@@ -295,6 +307,17 @@ impl ImageSpec {
         let open_samples = self.open_samples as usize;
         HostRules { order, policy: self.policy, in_flight: self.in_flight, open_samples }
     }
+}
+
+/// The cells' programs are annex A.3.
+fn check_edges(edges: Edges, cells_run: CellsRun) -> Result<(), InputError> {
+    if edges == Edges::Closed && cells_run == CellsRun::Programs {
+        let error = InputError::new(
+            "the cells' programs tell the inside of a polygon as the paper does: theirs has no closed edges",
+        );
+        return Err(error.help("leave --edges closed out, or let the cells run timings"));
+    }
+    Ok(())
 }
 
 /// Reads or generates a scene, with the size factor of a built-in one and the slices of spheres and cones if they are given.

@@ -9,7 +9,7 @@ use crate::geometry::{Hit, Ray};
 use crate::isa::Fault;
 use crate::machine::events::Standstill;
 use crate::machine::{Array, Cycles, MachineSpec, Observed, Stuck, Unfinished};
-use crate::measure::{Measured, Recording};
+use crate::measure::{CriticalPath, Measured, Recording, When};
 use crate::program::{Counts, NotLaidOut, Workload};
 use crate::seam::{BatchError, Costs, OpBatch};
 
@@ -33,13 +33,29 @@ pub struct Watching {
     pub profile: bool,
     /// The cycles of which a recording is asked for.
     pub recording: Option<Range<Cycles>>,
+    /// Whether the critical path is asked for.
+    pub path: bool,
+    /// The cycle that is to be looked at, if one is; the path is then found too.
+    pub moment: Option<When>,
 }
 
 impl Watching {
+    /// What is to be watched in a second run, if the cycle to be looked at had to be found first.
+    fn again(&self, observed: &Observed) -> Option<Watching> {
+        let at = observed.looked_at.filter(|_| observed.snapshot.is_none())?;
+        Some(Watching { moment: Some(When::Cycle(at)), ..self.clone() })
+    }
+
     /// An array that is watched so, in which nothing happens in cycle `limit` or later.
     pub(super) fn array(&self, spec: &MachineSpec, costs: &Costs, cells: usize, limit: Cycles) -> Array {
         let array = Array::until(spec, costs, cells, limit);
         let array = if self.profile { array.probed() } else { array };
+        let explained = self.path || self.moment.is_some();
+        let array = if explained { array.explained(CriticalPath::MOST_OPS) } else { array };
+        let array = match self.moment {
+            Some(when) => array.looking_at(when),
+            None => array,
+        };
         match &self.recording {
             Some(window) => array.recorded(window.clone(), Recording::MOST_EVENTS),
             None => array,
@@ -124,17 +140,22 @@ pub fn run_watched<E>(
     mut observe: impl FnMut(&TracedBatch, &Array) -> Result<(), E>,
 ) -> Result<Outcome, RunError<E>> {
     workload.check(spec)?;
-    let array = |limit| watching.array(spec, workload.costs(), workload.cells(), limit);
+    let array = |watching: &Watching, limit| watching.array(spec, workload.costs(), workload.cells(), limit);
     let (mut counts, mut hits) = (Counts::default(), Vec::with_capacity(rays.len()));
-    let mut result = run_in(array(UNLIMITED), workload, rays, workers, |batch, array| {
+    let mut result = run_in(array(watching, UNLIMITED), workload, rays, workers, |batch, array| {
         observe(batch, array).map_err(RunError::Observer)?;
         counts += batch.counts;
         hits.append(&mut batch.hits);
         Ok(())
     })?;
     // The statistics end with the last hit, whatever a cell does after it.
+    let mut limit = UNLIMITED;
     if let Err(Unfinished::Outlived(cycles)) = result {
-        result = run_in(array(cycles), workload, rays, workers, |_, _| Ok(()))?;
+        limit = cycles;
+        result = run_in(array(watching, limit), workload, rays, workers, |_, _| Ok(()))?;
+    }
+    if let Some(again) = result.as_ref().ok().and_then(|(_, observed)| watching.again(observed)) {
+        result = run_in(array(&again, limit), workload, rays, workers, |_, _| Ok(()))?;
     }
     let (stats, observed) = result?;
     Ok(Outcome { stats, counts, hits, observed })
@@ -190,7 +211,7 @@ pub fn replay_watched<E>(
     mut observe: impl FnMut(&Array),
 ) -> Result<(Measured, Observed), RunError<E>> {
     spec.check_fifos(cells)?;
-    let mut attempt = |limit: Cycles| {
+    let mut attempt = |watching: &Watching, limit: Cycles| {
         let mut array = watching.array(spec, costs, cells, limit);
         feed(&mut |batch| {
             cancel.check()?;
@@ -201,9 +222,14 @@ pub fn replay_watched<E>(
         })?;
         Ok::<_, RunError<E>>(array.finish_observed())
     };
-    let mut result = attempt(UNLIMITED)?;
+    let mut limit = UNLIMITED;
+    let mut result = attempt(watching, limit)?;
     if let Err(Unfinished::Outlived(cycles)) = result {
-        result = attempt(cycles)?;
+        limit = cycles;
+        result = attempt(watching, limit)?;
+    }
+    if let Some(again) = result.as_ref().ok().and_then(|(_, observed)| watching.again(observed)) {
+        result = attempt(&again, limit)?;
     }
     Ok(result?)
 }

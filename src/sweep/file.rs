@@ -19,6 +19,7 @@ pub struct Sweep {
     /// The parameters that it sets or varies.
     pub parameters: Vec<Parameter>,
     points: usize,
+    files: Vec<FileRead>,
 }
 
 impl Sweep {
@@ -26,14 +27,18 @@ impl Sweep {
     pub fn read(path: &Path) -> Result<Sweep, InputError> {
         let file: SweepFile = fields::parse(path, &fields::read_text(path)?)?;
         let SweepFile { points: of, parameters } = file;
-        let count = parameters.iter().try_fold(1usize, |count, parameter| count.checked_mul(parameter.values.len()));
-        match count.filter(|&count| count <= MOST_VALUES) {
-            Some(points) => Ok(Sweep { of, parameters, points }),
-            None => {
-                let error = InputError::in_file(path, format!("has more than {MOST_VALUES} points"));
-                Err(error.help("a point is a combination of one value each"))
-            }
+        let count: f64 = parameters.iter().map(|parameter| parameter.values.len() as f64).product();
+        if count > MOST_VALUES as f64 {
+            let error = InputError::in_file(path, format!("has {count} points, and may have up to {MOST_VALUES}"));
+            return Err(error.help("a point is a combination of one value each"));
         }
+        let files = files_of(&parameters);
+        Ok(Sweep { of, parameters, points: count as usize, files })
+    }
+
+    /// The files that its points read, with those behind them, as they were when the sweep was read.
+    pub fn files(&self) -> &[FileRead] {
+        &self.files
     }
 
     /// What its table tells of a point, behind the parameters.
@@ -66,22 +71,17 @@ impl Sweep {
     pub fn identity(&self) -> String {
         let parameters = self.parameters.iter().map(|parameter| (parameter.column.name, &parameter.values));
         let parameters: Vec<_> = parameters.collect();
-        let files = self.files();
-        let all = format!("{parameters:?} {files:?}");
+        let all = format!("{parameters:?} {:?}", self.files);
         format!("{} {}", env!("CARGO_PKG_VERSION"), blake3::hash(all.as_bytes()).to_hex())
     }
+}
 
-    /// The files that the points read, with what is in them.
-    fn files(&self) -> Vec<FileRead> {
-        let named = self.parameters.iter().flat_map(|parameter| {
-            parameter
-                .values
-                .iter()
-                .filter(|value| Path::new(value).exists())
-                .map(|value| (parameter.column.name, value))
-        });
-        named.flat_map(|(name, value)| files_behind(name, Path::new(value))).collect()
-    }
+/// The files that the points read, with what is in them.
+fn files_of(parameters: &[Parameter]) -> Vec<FileRead> {
+    let named = parameters.iter().flat_map(|parameter| {
+        parameter.values.iter().filter(|value| Path::new(value).exists()).map(|value| (parameter.column.name, value))
+    });
+    named.flat_map(|(name, value)| files_behind(name, Path::new(value))).collect()
 }
 
 /// The files that a value of a parameter stands for. A pipe, which can be read but once, is left out.

@@ -6,6 +6,7 @@ mod file;
 mod journal;
 mod parameters;
 mod point;
+mod range;
 mod record;
 
 pub use file::Sweep;

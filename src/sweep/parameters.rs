@@ -7,6 +7,7 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
+use super::range::Range;
 use crate::parameters::{Kind as Form, ParameterInfo};
 use crate::report::table::{Column, Kind};
 use crate::run::{FarmRunOptions, RunOptions};
@@ -236,6 +237,9 @@ impl<'de> Visitor<'de> for Form {
         let mut values = Vec::new();
         while let Some(more) = list.next_element_seed(self)? {
             values.extend(more);
+            if values.len() > MOST_VALUES {
+                return Err(A::Error::custom(format!("a parameter may have up to {MOST_VALUES} values")));
+            }
         }
         if values.is_empty() { Err(A::Error::custom("a list needs at least one value")) } else { Ok(values) }
     }
@@ -245,39 +249,4 @@ impl<'de> Visitor<'de> for Form {
         let misfit = |value: f64| A::Error::invalid_value(Unexpected::Float(value), &self);
         values.into_iter().map(|value| self.of_number(value).ok_or_else(|| misfit(value))).collect()
     }
-}
-
-/// Values from one to another, both included.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Range {
-    from: f64,
-    to: f64,
-    #[serde(default)]
-    step: f64,
-    #[serde(default = "one")]
-    times: f64,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-impl Range {
-    fn values(&self) -> Result<Vec<f64>, String> {
-        let next = |value: f64| value * self.times + self.step;
-        let rises = |value: f64| next(value) > value;
-        let end = self.to + 1e-9 * self.to.abs();
-        let values = std::iter::successors(Some(self.from), |&value| rises(value).then(|| next(value)));
-        let values: Vec<f64> = values.take_while(|&value| value <= end).take(MOST_VALUES).collect();
-        match values.last() {
-            Some(&last) if rises(last) => Ok(values.into_iter().map(rounded).collect()),
-            _ => Err("a range needs from, to, and a step above 0 or times above 1".to_owned()),
-        }
-    }
-}
-
-/// Sums of decimal fractions without the dust of binary ones.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.12e}").parse().unwrap_or(value)
 }

@@ -96,3 +96,78 @@ fn headings_that_are_none_are_refused() {
     let many: String = (0..9).map(|n| format!("unit {}q n{n} a{n} 1\n", char::from(b'a' + n))).collect();
     refused("too many activities", &format!("pcs-sim trace 2 cells 1 answer 5\n{many}"));
 }
+
+/// What is left behind the last HIT is carried out, and is in no figure.
+#[test]
+fn what_outlives_the_run_is_in_no_figure() {
+    let folder = Folder::new();
+    let replay = |ops: &str| {
+        folder.file("a.ops", ops);
+        let told = folder.run("replay a.ops --stats s.json --force").success();
+        (told, serde_json::from_str::<serde_json::Value>(&folder.read("s.json")).unwrap())
+    };
+    // The HIT is written in cycles 0 to 4 and read by 5. The host writes in 10 to 17: of that nothing is in the run.
+    let (told, late) = replay("0 host c10 w8\n0 0 o5\n");
+    assert_eq!(
+        (&late["cycles"], &late["fifos"][0]["words"], &late["fifos"][0]["mean"]),
+        (&6.into(), &0.into(), &0.0.into())
+    );
+    assert_eq!(late["fifos"][0]["empty"], 1.0);
+    assert!(!told.contains("The link"), "{told}");
+    // Six of the twenty words are written by then, one a cycle: 1 + 2 + ... + 6 words times cycles.
+    let (told, unread) = replay("0 host w20\n0 0 o5\n");
+    let x0 = &unread["fifos"][0];
+    assert_eq!(
+        (&unread["cycles"], &x0["words"], &x0["max"], &x0["mean"]),
+        (&6.into(), &6.into(), &6.into(), &3.5.into())
+    );
+    assert!(told.contains("it carries words for 100.0 % of the time"), "{told}");
+    // A word takes the link three cycles; the run ends in the middle of the third.
+    folder.run("replay a.ops --link-mb-s 27 --stats slow.json").success();
+    let slow: serde_json::Value = serde_json::from_str(&folder.read("slow.json")).unwrap();
+    assert_eq!((&slow["cycles"], &slow["fifos"][0]["words"]), (&14.into(), &5.into()));
+    assert!(slow["bottleneck"].as_str().unwrap().contains("for 100.0 % of the time"), "{slow}");
+}
+
+/// `a7` waits for ray 7's own answer: traces in which that is another than the one in its turn are refused.
+#[test]
+fn answers_come_back_in_the_order_of_the_rays() {
+    let folder = Folder::new();
+    let refused = |name: &str, ops: &str| {
+        folder.file("a.ops", ops);
+        insta::assert_snapshot!(format!("answers {name}"), folder.run("replay a.ops").refused());
+    };
+    let sent = "0 host w8\n1 host w8\n";
+    refused("in another order", &format!("{sent}2 host a0 w8\n1 0 x8 o5 g1000\n0 0 x8 o5\n2 0 x8 o5\n"));
+    refused("in another order and not awaited", &format!("1 0 r8 o5\n0 0 r8 o5\n{sent}"));
+    refused("left out before", &format!("{sent}2 host a1 w8\n0 0 x8\n1 0 x8 o5\n2 0 x8 o5\n"));
+    refused("too long before", &format!("{sent}2 host a1 w8\n0 0 x8 o10\n1 0 x8 o5\n2 0 x8 o5\n"));
+    refused("not its own", &format!("{sent}2 host a1 w8\n0 0 x8 o5\n1 0 x8\n2 0 x8 o10\n"));
+    // In several lines, and of cells that stand in any order.
+    folder.file(
+        "a.ops",
+        format!("1 1 x8\n1 1 o5\n2 1 x8 o5\n2 0 x8\n0 0 x8\n1 0 x8\n{}", "2 host w8\n0 host a2 w8\n1 host w8\n"),
+    );
+    assert!(folder.run("replay a.ops").refused().contains("answers ray 2 after ray 1"));
+    folder.file(
+        "a.ops",
+        format!(
+            "2 1 x8\n2 1 o5\n0 1 x8 o5\n2 0 x8\n0 0 x8\n1 0 x8\n1 1 x8 o1\n{}",
+            "2 host w8\n0 host a2 w8\n1 host a0 w8\n"
+        ),
+    );
+    folder.run("replay a.ops").success();
+}
+
+/// A FIFO's level is right where it sums to more than 2^64 words times cycles.
+#[test]
+fn a_deep_fifo_in_a_long_run() {
+    let folder = Folder::new();
+    let ops =
+        "pcs-sim trace 2 cells 1 answer 5\nunit gs start grid 1000000000\n0 host w1000000\n0 0 gs30000 r1000000 o5\n";
+    folder.file("a.ops", ops);
+    folder.run("replay a.ops --fifo-words 1048576 --stats s.json --page p.html").success();
+    let stats: serde_json::Value = serde_json::from_str(&folder.read("s.json")).unwrap();
+    let (mean, max) = (stats["fifos"][0]["mean"].as_f64().unwrap(), &stats["fifos"][0]["max"]);
+    assert!((mean - 1e6).abs() < 0.1 && max == 1_000_000, "{mean} {max}");
+}

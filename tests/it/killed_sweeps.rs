@@ -96,3 +96,27 @@ fn check_end(folder: &Folder) {
     assert_eq!((done.len(), done.iter().collect::<HashSet<_>>().len()), (POINTS, POINTS), "each point once");
     assert!(!folder.names().iter().any(|name| name.ends_with(".part")), "{:?}", folder.names());
 }
+
+/// A sweep that was stopped does not go on with other files than it began with, be it one behind the scene's.
+#[test]
+fn a_stopped_sweep_is_of_the_files_that_it_began_with() {
+    let folder = Folder::new();
+    folder.file("scene.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+    folder.file("m.mtl", "newmtl red\nKd 1 0 0\n");
+    folder.file("sweep.ron", "(scene: \"scene.obj\", size: \"2x2\", fifo_words: [16, 32])");
+    folder.run("sweep sweep.ron -o t.csv").success();
+    // As if it had been stopped behind the first point.
+    let journal: Vec<String> = folder.read("t.journal").lines().take(2).map(|line| format!("{line}\n")).collect();
+    let stop = || folder.file("t.journal", journal.concat());
+    stop();
+    assert!(folder.run("sweep sweep.ron -o t.csv").success().contains("1 of them done now"));
+    stop();
+    folder.file("m.mtl", "newmtl red\nKd 0 1 0\n");
+    let error = folder.run("sweep sweep.ron -o t.csv").refused();
+    assert!(error.contains("is the journal of another sweep, or the files of this one changed"), "{error}");
+    // It goes on once the file is what it was, and not without it.
+    std::fs::remove_file(folder.path("m.mtl")).unwrap();
+    folder.run("sweep sweep.ron -o t.csv").refused();
+    folder.file("m.mtl", "newmtl red\nKd 1 0 0\n");
+    assert!(folder.run("sweep sweep.ron -o t.csv").success().contains("1 of them done now"));
+}

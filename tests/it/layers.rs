@@ -58,6 +58,7 @@ const CHANGES: &[(&str, &str, Layer)] = &[
     ("mailbox", "true", Layer::Traced),
     ("stop_words", "3", Layer::Traced),
     ("forward_ahead", "2", Layer::Traced),
+    ("edges", "closed", Layer::Prepared),
     ("cells_run", "programs", Layer::Traced),
     ("clock_ns", "25", Layer::Timed),
     ("word_bytes", "8", Layer::Timed),

@@ -53,3 +53,17 @@ fn impossible_grids_are_refused() {
     let error = Folder::new().run("model reference --grid-coefficient 1000000 --predict-only --size 8x8").refused();
     assert!(error.contains("smaller grid coefficient"), "{error}");
 }
+
+/// Of polygons without area no ray meets any, and every figure is a number.
+#[test]
+fn polygons_without_area_have_figures_too() {
+    let folder = Folder::new();
+    folder.file("points.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 1 1\nf 1 2 3\nf 2 2 3\n");
+    for program in ["", "--mode broadcast --cells 2", "--mode hybrid --cells 2"] {
+        let told = folder.run(&format!("model points.obj --size 4x4 {program} --stats s.json --force")).success();
+        assert!(!told.contains("NaN") && !told.contains("inf"), "{told}");
+        let stats: serde_json::Value = serde_json::from_str(&folder.read("s.json")).unwrap();
+        let rows = stats["quantities"].as_array().unwrap();
+        assert!(rows.iter().all(|row| row["model"].is_number()), "{stats}");
+    }
+}

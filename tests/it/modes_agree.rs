@@ -67,6 +67,25 @@ fn on_full_built_in_scenes() {
     }
 }
 
+/// A.3 in 32 bits hits a sliver as far beyond its short edge as that is long, and no filter drops what it hits.
+#[test]
+fn on_a_sliver_that_is_left_beyond_its_end() {
+    let mut mesh = Mesh::default();
+    let corners = [[-5000.0, -1.5, 5000.0], [1.0, -0.5, 9999.5], [0.0, -0.5, 10001.0]];
+    let corners = corners.map(|corner| mesh.add_point(Vec3::from_array(corner)));
+    mesh.add_face(&corners, 0);
+    mesh.add_face(&[corners[1], corners[2], corners[0]], 0);
+    let direction = Vec3::new(1.0, 1.0, 1.0);
+    let rays = [0.5, 0.4, 0.3].map(|x| Ray::new(Vec3::new(x, -0.5, 10001.0) - direction, direction));
+    let expected = by_brute_force(&mesh, &rays);
+    assert!(expected.iter().any(|hit| hit[1] != u32::MAX), "the ray hits the sliver");
+    for (name, groups) in [("pipeline", 1), ("broadcast", 1), ("broadcast", 2), ("hybrid", 1), ("hybrid-3", 2)] {
+        let program = program(name, groups);
+        assert_eq!(hits(&mesh, &program, &rays, 1), expected, "{name}");
+        assert_eq!(program_hits(&mesh, &program, &rays), expected, "{name}");
+    }
+}
+
 /// Coordinates that make trouble: on a coarse lattice, so that faces touch and coincide, or anywhere.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![4 => (-4i32..=4).prop_map(|n| n as f32 * 0.5), 2 => -2.0f32..2.0, 1 => Just(0.0)]
@@ -83,6 +102,8 @@ enum Shape {
     Parallelogram([Vec3; 3]),
     /// Thin or flat: two corners and a third on the line between them, nearly.
     Sliver(Vec3, Vec3, f32, Vec3),
+    /// Far longer than wide: one corner, the way to the two others, how these lie apart, and which comes first.
+    Needle(Vec3, Vec3, Vec3, usize),
     /// All corners in one point.
     Point(Vec3),
     /// A regular n-gon in a plane of constant z.
@@ -95,6 +116,8 @@ fn shape() -> impl Strategy<Value = Shape> {
         2 => [point(), point(), point()].prop_map(Shape::Parallelogram),
         1 => (point(), point(), 0.0f32..1.0, point())
             .prop_map(|(a, b, share, off)| Shape::Sliver(a, b, share, off)),
+        2 => (point(), point(), point(), prop_oneof![1e-7f32..1e-5, 1e-5f32..1e-2], 0..3usize)
+            .prop_map(|(a, way, off, width, first)| Shape::Needle(a, way, off * width, first)),
         1 => point().prop_map(Shape::Point),
         1 => (point(), 0.1f32..2.0, 3u32..9).prop_map(|(c, r, n)| Shape::Disc(c, r, n)),
     ]
@@ -105,6 +128,10 @@ fn corners(shape: &Shape) -> Vec<Vec3> {
         Shape::Triangle(points) => points.to_vec(),
         Shape::Parallelogram([s, a, b]) => vec![s, s + a, s + a + b, s + b],
         Shape::Sliver(a, b, share, off) => vec![a, b, a + (b - a) * share + off * 1e-6],
+        Shape::Needle(a, way, off, first) => {
+            let corners = [a, a + way, a + way + off];
+            (0..3).map(|k| corners[(first + k) % 3]).collect()
+        }
         Shape::Point(p) => vec![p; 3],
         Shape::Disc(center, radius, n) => (0..n)
             .map(|k| {

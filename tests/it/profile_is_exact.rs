@@ -66,7 +66,7 @@ fn naive_fifo(capacity: Words, occupancies: &[u64], width: usize) -> FifoProfile
     let bin = |part: &[u64]| FifoBin {
         min: Words(part.iter().copied().min().unwrap()),
         max: Words(part.iter().copied().max().unwrap()),
-        word_cycles: part.iter().sum(),
+        word_cycles: part.iter().map(|&words| words as u128).sum(),
         full: Cycles(part.iter().filter(|&&occupancy| occupancy == capacity).count() as u64),
     };
     let bins = occupancies.chunks(width).map(bin).collect();
@@ -199,7 +199,7 @@ fn bins_are_as_many_however_long_the_run() {
             }
         }
         for (fifo, total) in profile.fifos.iter().zip(&stats.fifos) {
-            assert_eq!(fifo.bins.iter().map(|bin| bin.word_cycles).sum::<u64>(), total.word_cycles);
+            assert_eq!(fifo.bins.iter().map(|bin| bin.word_cycles).sum::<u128>(), total.word_cycles);
             assert_eq!(fifo.bins.iter().map(|bin| bin.max).max(), Some(total.max));
             assert_eq!(fifo.bins.iter().map(|bin| bin.full).sum::<Cycles>(), total.full);
             assert_eq!(fifo.histogram[0], total.empty);

@@ -99,12 +99,12 @@ macro_rules! refusals {
 }
 
 refusals! {
-    unknown_command: "1", "step\nstpe 2\n";
-    command_used_wrongly: "1", "step 2 3\n";
-    breakpoint_at_no_label: "1", "break tpa\n";
-    breakpoint_behind_the_end: "1", "break 1000\n";
-    breakpoint_outside_the_program: "1", "break @1000\n";
-    memory_at_no_label: "1", "memory tap\n";
+    unknown_command: "1.0", "step\nstpe 2\n";
+    command_used_wrongly: "1.0", "step 2 3\n";
+    breakpoint_at_no_label: "1.0", "break tpa\n";
+    breakpoint_behind_the_end: "1.0", "break 1000\n";
+    breakpoint_outside_the_program: "1.0", "break @1000\n";
+    memory_at_no_label: "1.0", "memory tap\n";
     word_too_large: "1 4294967296", "run\n";
     word_that_is_none: "1, 2\n3, x ; x", "run\n";
 }
@@ -138,4 +138,20 @@ fn stdin_is_one_thing_at_a_time() {
     let folder = Folder::new();
     folder.file("fir.pcs", FIR);
     insta::assert_snapshot!(folder.run("step fir.pcs --x -").refused());
+}
+
+/// `1` is an integer and no floating-point number: said where it may be meant as one.
+#[test]
+fn words_without_a_point_are_said() {
+    let folder = Folder::new();
+    folder.file("float.pcs", "fadd r2, x, x\ndone\n");
+    folder.file("whole.pcs", "add r2, x, x\ndone\n");
+    folder.file("script.txt", "run\n");
+    for (program, words, is_said) in
+        [("float", "1 2", true), ("float", "1.0 2", false), ("float", "0x3f800000 1", false), ("whole", "1 2", false)]
+    {
+        folder.file("x.txt", words);
+        let session = folder.run(&format!("step {program}.pcs --x x.txt --script script.txt"));
+        assert_eq!(session.stderr.contains("no word of x.txt has a point"), is_said, "{}", session.stderr);
+    }
 }

@@ -182,6 +182,12 @@ fn mistakes_in_the_file_are_told() {
     folder.file("range.ron", "(fifo_words: (from: 1, to: 9))");
     let error = folder.run("sweep range.ron --table t.csv").refused();
     assert!(error.contains("a step above 0 or times above 1"), "{error}");
+    folder.file("range.ron", "(fifo_words: (from: 1, to: 1e9, step: 1))");
+    let error = folder.run("sweep range.ron --table t.csv").refused();
+    assert!(error.contains("the range has 1000000000 values, and a parameter may have up to 1000000"), "{error}");
+    folder.file("range.ron", "(fifo_words: (from: 1, to: 9999, step: 1), clock_ns: (from: 1, to: 2, step: 0.001))");
+    let error = folder.run("sweep range.ron --table t.csv").refused();
+    assert!(error.contains("has 10008999 points, and may have up to 1000000"), "{error}");
     folder.file("kind.ron", "(\n    fifo_words: [1, \"many\"],\n)");
     let error = folder.run("sweep kind.ron --table t.csv").refused();
     assert!(error.contains("expected a whole number") && error.contains("kind.ron:2:"), "{error}");

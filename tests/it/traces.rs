@@ -446,3 +446,16 @@ fn bad_flags_are_refused() {
     assert!(error.contains("--trace is about the machine at work"), "{error}");
     assert_eq!(folder.names(), Vec::<String>::new());
 }
+
+/// A scene's name cannot end the comment that it stands in.
+#[test]
+fn a_name_does_not_break_a_dump() {
+    let folder = crate::support::command::Folder::new();
+    folder.file("a$end.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.run("--scene a$end.obj --size 2x2 --trace t.vcd").success();
+    let dump = folder.read("t.vcd");
+    assert_eq!(dump.matches("$comment").count(), 1);
+    let comment = dump.split("$comment").nth(1).and_then(|rest| rest.split("$end").next()).unwrap();
+    assert!(comment.contains("machine: 50 ns a cycle"), "{comment}");
+    wellen::simple::read(folder.path("t.vcd")).unwrap();
+}

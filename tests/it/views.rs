@@ -159,6 +159,6 @@ fn a_run_of_no_cycles_can_be_drawn() {
         let (_, observed) =
             Array::new(&spec, &crate::support::random_ops::costs(), cells).probed().finish_observed().unwrap();
         let caption = Caption { title: "nothing".to_owned(), machine: "none".to_owned() };
-        assert!(plot::pictures(&observed.profile.unwrap(), spec.clock(), &caption, &[]).unwrap().len() >= 5);
+        assert!(plot::pictures(&observed.profile.unwrap(), None, spec.clock(), &caption, &[]).unwrap().len() >= 5);
     }
 }

@@ -4,10 +4,11 @@ mod command;
 mod session;
 
 use std::io::{BufRead, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::isa::{Processor, Program, Queues, object, words};
+use pcs_sim::isa::{Class, Instruction, Processor, Program, Queues, object, words};
+use pcs_sim::run::read_text;
 
 use self::command::Command;
 use self::session::Session;
@@ -23,7 +24,19 @@ pub fn step(args: &StepArgs) -> Result<(), Failure> {
         return Err(error.help("--script FILE takes the commands from a file").into());
     }
     let executable = executable(object::load(&args.file)?, args.machine.as_deref())?;
-    let read = |path: &Option<_>| path.as_deref().map_or(Ok(Vec::new()), words::read);
+    let floats = executable.program().code.iter().any(|word| computes_in_floating_point(*word));
+    let read = |path: &Option<PathBuf>| {
+        let Some(path) = path else { return Ok(Vec::new()) };
+        let words = words::read(path)?;
+        if floats && words.are_all_whole() {
+            eprintln!(
+                "note: no word of {} has a point: `5` is the integer 5, and `5.0` the number that floating-point \
+                 instructions, which the program has, take for 5",
+                path.display()
+            );
+        }
+        Ok::<_, InputError>(words.words)
+    };
     let queues = Queues { x: read(&args.x)?, y: read(&args.y)?, ..Queues::default() };
     let mut session = Session::new(&executable, queues, args.instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT));
     match &args.script {
@@ -33,9 +46,15 @@ pub fn step(args: &StepArgs) -> Result<(), Failure> {
     session.into_fault().map_or(Ok(()), |fault| Err(fault.into()))
 }
 
+/// Whether a word of a program is an instruction that computes in floating point.
+fn computes_in_floating_point(word: u32) -> bool {
+    let floating = [Class::FloatAdd, Class::FloatMultiply, Class::FloatDivide, Class::FloatCompare];
+    Instruction::decode(word).is_ok_and(|instruction| floating.contains(&instruction.opcode.entry().class))
+}
+
 /// Runs commands from a file, all of which must be possible before the first is run.
 fn run_script(path: &Path, program: &Program, session: &mut Session) -> Result<(), Failure> {
-    let text = std::fs::read_to_string(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let text = read_text(path)?;
     let mut commands = Vec::new();
     for (line, number) in text.lines().zip(1..) {
         let command = Command::parse(line, program)

@@ -3,7 +3,7 @@
 mod latest;
 mod plots;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use pcs_sim::report::table::Column;
@@ -18,6 +18,10 @@ use plots::Plots;
 /// Runs the points that are not done yet; the table grows as they finish.
 pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let sweep = Sweep::read(&args.sweep)?;
+    let table = ["csv", "parquet", "journal"].map(|ending| args.table.with_extension(ending));
+    let inputs = sweep.files().iter().map(|file| Some(file.path.as_path()));
+    let inputs: Vec<Option<&Path>> = inputs.chain([Some(args.sweep.as_path())]).collect();
+    outputs::check_distinct(&table.each_ref().map(Some), &inputs)?;
     let plots = Plots::open(args, &columns(&sweep))?;
     let mut record = Record::open(&sweep, &columns(&sweep), &args.table, args.force)?;
     let failed = |error: std::io::Error| Failure::Output(format!("the table cannot be written: {error}"));

@@ -215,7 +215,7 @@ mod tests {
         times
     }
 
-    fn fifo(word_cycles: u64, full: u64, until: u64) -> (FifoStats, Cycles) {
+    fn fifo(word_cycles: u128, full: u64, until: u64) -> (FifoStats, Cycles) {
         (FifoStats { word_cycles, full: Cycles(full), ..FifoStats::default() }, Cycles(until))
     }
 

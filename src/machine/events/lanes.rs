@@ -101,6 +101,7 @@ impl Lanes {
         let observed = Observed {
             profile: self.probe.map(|probe| probe.finish(&topology, cycles)),
             recording: self.recorder.map(|recorder| recorder.finish(&topology, cycles)),
+            ..Observed::default()
         };
         let measured = Measured {
             topology,

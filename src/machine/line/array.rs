@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::causes::{Causes, Past, Stand};
 use super::cell::Cell;
 use super::cursor::Halt;
 use super::fifo::Fifo;
@@ -15,7 +16,7 @@ use super::recorder::Recorder;
 use super::states::{blocked, states, waiting};
 use super::stuck::{self, Stuck};
 use crate::machine::{FifoName, MachineSpec};
-use crate::measure::{Actor, FifoInfo, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology};
+use crate::measure::{Actor, FifoInfo, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology, When};
 use crate::quantities::{Cycles, Words};
 use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 
@@ -74,8 +75,6 @@ struct CellAt {
     cell: Cell,
     /// The number of the batch that it is in, counted from the start of the run.
     batch: usize,
-    /// How many of that batch's ops it has done.
-    done: usize,
     halt: Halt,
 }
 
@@ -85,8 +84,8 @@ pub enum Unfinished {
     /// The ops can never be done.
     #[error(transparent)]
     Stuck(#[from] Stuck),
-    /// Some cell works on after the host has read its last word. The statistics end with that word: time the same ops
-    /// again in an array made by [`Array::until`].
+    /// Some cell, or the host, works on or moves words after the host has read its last word. The statistics end with that
+    /// word, of which `cycles` is the next cycle: time the same ops again in an array made by [`Array::until`].
     #[error("some cell works on after the host has read its last word in cycle {0}")]
     Outlived(Cycles),
 }
@@ -105,7 +104,7 @@ impl Array {
     /// [`Unfinished::Outlived`].
     pub fn until(spec: &MachineSpec, costs: &Costs, cells: usize, limit: Cycles) -> Array {
         let cells = cells.max(1);
-        let station = || CellAt { cell: Cell::new(limit.0), batch: 0, done: 0, halt: Halt::OutOfOps };
+        let station = || CellAt { cell: Cell::new(limit.0), batch: 0, halt: Halt::OutOfOps };
         Array {
             links: (0..=cells).map(|link| Link::new(spec, link, cells)).collect(),
             host: station(),
@@ -137,6 +136,22 @@ impl Array {
         self
     }
 
+    /// The same, following the causes of all that happens, so that [`Array::finish_observed`] gives the critical path. About
+    /// `most_ops` ops are held at a time. To be asked for before any ops are fed.
+    pub fn explained(mut self, most_ops: usize) -> Array {
+        let causes = Causes::new(self.cells.len(), most_ops);
+        self.observers.get_or_insert_default().causes = Some(causes);
+        self
+    }
+
+    /// The same for an array that is [explained](Array::explained): it also looks for what everybody does in one cycle. Of a
+    /// job, [`Array::finish_observed`] tells the cycle; only one that is known before can be looked at.
+    pub fn looking_at(mut self, when: When) -> Array {
+        let causes = self.observers.as_mut().and_then(|observers| observers.causes.as_mut());
+        causes.into_iter().for_each(|causes| causes.look(when));
+        self
+    }
+
     /// Adds the next ops. A batch needs no whole jobs: each stream simply goes on where the one before it ended.
     ///
     /// # Errors
@@ -146,7 +161,7 @@ impl Array {
         batch.check(self.cells.len())?;
         self.jobs += batch.host.lines().len() as u64;
         if let Some(observers) = &mut self.observers {
-            observers.fed(&batch.host);
+            observers.fed(&batch);
         }
         self.batches.push_back(batch);
         Ok(())
@@ -160,6 +175,9 @@ impl Array {
     /// Works out all times that the ops fed so far determine. Fails as soon as no further ops could help.
     pub fn run(&mut self) -> Result<(), Stuck> {
         while self.sweep() {}
+        if self.causes().is_some_and(Causes::is_full) {
+            self.reckon();
+        }
         let stations = || std::iter::once(&self.host).chain(&self.cells);
         let helpless = stations().all(|s| !matches!(s.halt, Halt::OutOfOps | Halt::Limit));
         if helpless { Err(self.stuck()) } else { Ok(()) }
@@ -207,14 +225,38 @@ impl Array {
             return Err(self.stuck().into());
         }
         let cycles = self.cycles();
-        if !limited && self.cells.iter().any(|s| s.cell.now.clock > cycles) {
+        if !limited && std::iter::once(&self.host).chain(&self.cells).any(|s| s.cell.now.clock > cycles) {
             return Err(Unfinished::Outlived(Cycles(cycles)));
         }
         let measured = self.measured(cycles);
-        let clocks = std::iter::once(&self.host).chain(&self.cells).map(|station| station.cell.now.clock);
-        let observed =
-            self.observers.map(|observers| observers.finish(&measured.topology, &self.links, clocks, cycles));
+        let observers = self.observers.take();
+        let seen = (&measured.topology, &*self.vocabulary);
+        let observed = observers.map(|observers| observers.finish(&self.past(), seen, cycles));
         Ok((measured, observed.unwrap_or_default()))
+    }
+
+    fn causes(&self) -> Option<&Causes> {
+        self.observers.as_ref()?.causes.as_ref()
+    }
+
+    /// What happened so far, for those who look back.
+    fn past(&self) -> Past<'_> {
+        Past {
+            batches: &self.batches,
+            first: self.dropped,
+            links: &self.links,
+            prices: &self.prices,
+            returned: &self.returned,
+            stands: std::iter::once(&self.host).chain(&self.cells).map(|at| Stand::of(at.batch, &at.cell)).collect(),
+        }
+    }
+
+    /// Lets the causes be followed back, after which the ops are needed no more.
+    fn reckon(&mut self) {
+        let Some(mut observers) = self.observers.take() else { return };
+        observers.causes.iter_mut().for_each(|causes| causes.reckon(&self.past()));
+        self.observers = Some(observers);
+        self.drop_spent();
     }
 
     /// Lets each cell, from left to right, go on as far as it can. Returns whether anything moved.
@@ -224,7 +266,9 @@ impl Array {
             moved |= self.run_cell(index);
         }
         self.collect_returns();
-        self.drop_spent();
+        if self.causes().is_none() {
+            self.drop_spent();
+        }
         moved
     }
 
@@ -233,10 +277,10 @@ impl Array {
         let output = &mut links[0];
         let before = host.progress();
         while let Some(batch) = batches.get(host.batch - *dropped) {
-            let CellAt { cell, done, .. } = host;
-            let seen =
-                observers.as_mut().and_then(|all| all.run_host(cell, &batch.host, done, output, (prices, returned)));
-            host.halt = seen.unwrap_or_else(|| cell.run_host(batch.host.ops(), done, output, returned, (prices, ())));
+            let stream = (host.batch, &batch.host);
+            let cell = &mut host.cell;
+            let seen = observers.as_mut().and_then(|all| all.run_host(cell, stream, output, (prices, returned)));
+            host.halt = seen.unwrap_or_else(|| cell.run_host(batch.host.ops(), output, returned, (prices, ())));
             if !host.next_batch() {
                 break;
             }
@@ -253,12 +297,11 @@ impl Array {
         let (station, prices) = (&mut self.cells[index], &self.prices);
         let before = station.progress();
         while let Some(batch) = self.batches.get(station.batch - self.dropped) {
-            let stream = &batch.cells[index];
-            let CellAt { cell, done, .. } = station;
+            let stream = (station.batch, &batch.cells[index]);
+            let cell = &mut station.cell;
             let observers = self.observers.as_mut();
-            let seen =
-                observers.and_then(|all| all.run_cell(index, cell, stream, done, (input, output), (prices, is_last)));
-            station.halt = seen.unwrap_or_else(|| cell.run(stream.ops(), done, (input, output), is_last, (prices, ())));
+            let seen = observers.and_then(|all| all.run_cell(index, cell, stream, (input, output), (prices, is_last)));
+            station.halt = seen.unwrap_or_else(|| cell.run(stream.1.ops(), (input, output), is_last, (prices, ())));
             if !station.next_batch() {
                 break;
             }
@@ -319,12 +362,12 @@ impl Array {
         let Array { host, links, batches, dropped, observers, prices, .. } = self;
         let observers = &mut **observers.get_or_insert_default();
         let batch = |station: &CellAt| batches.get(station.batch - *dropped);
-        if let Some(&op) = batch(host).and_then(|batch| batch.host.ops().get(host.done)) {
-            observers.stall_host_to_limit(&mut host.cell, (host.halt, op), &links[0], prices);
+        if let Some(&op) = batch(host).and_then(|batch| batch.host.ops().get(host.cell.now.done)) {
+            observers.stall_host_to_limit(&mut host.cell, (host.batch, host.halt, op), &links[0], prices);
         }
         for (index, station) in self.cells.iter_mut().enumerate() {
-            if let Some(&op) = batch(station).and_then(|batch| batch.cells[index].ops().get(station.done)) {
-                let halt = (station.halt, op);
+            if let Some(&op) = batch(station).and_then(|batch| batch.cells[index].ops().get(station.cell.now.done)) {
+                let halt = (station.batch, station.halt, op);
                 observers.stall_cell_to_limit((index, &mut station.cell), halt, &links[index], prices);
             }
         }
@@ -338,7 +381,7 @@ impl Array {
             jobs: self.jobs,
             stations: self.cells.iter().map(|at| at.cell.times(cycles)).collect(),
             fifos: self.fifos().map(|(link, channel)| self.links[link].fifo(channel).stats(cycles)).collect(),
-            links: links.map(|(link, into)| LinkStats { into: Some(into), busy: Cycles(link.busy()) }).collect(),
+            links: links.map(|(link, into)| LinkStats { into: Some(into), busy: Cycles(link.busy(cycles)) }).collect(),
         }
     }
 
@@ -386,8 +429,8 @@ impl Array {
             Actor::Host => &batch.host,
             Actor::Station(index) => &batch.cells[index],
         };
-        let op = *stream.ops().get(station.done)?;
-        let (job, position) = stream.locate(station.done).unwrap_or((u32::MAX, station.done));
+        let op = *stream.ops().get(station.cell.now.done)?;
+        let (job, position) = stream.locate(station.cell.now.done).unwrap_or((u32::MAX, station.cell.now.done));
         let left = if station.cell.now.left > 0 { station.cell.now.left } else { op.count() as u64 };
         let mut blocked = stuck::Blocked {
             actor,
@@ -418,12 +461,12 @@ impl CellAt {
         let done = self.halt == Halt::OutOfOps;
         if done {
             self.batch += 1;
-            self.done = 0;
+            self.cell.now.done = 0;
         }
         done
     }
 
     fn progress(&self) -> (usize, usize, u64) {
-        (self.batch, self.done, self.cell.now.left)
+        (self.batch, self.cell.now.done, self.cell.now.left)
     }
 }

@@ -1,9 +1,10 @@
 //! One cell: a sequencer with a clock of its own that does its ops one after the other.
 
 use super::cursor::{Cursor, Halt, Ledger};
+use super::hold::Hold;
 use super::link::Link;
 use super::prices::Prices;
-use super::states::{IDLE, MOVING, blocked, waiting};
+use super::states::{IDLE, MOVING};
 use super::watcher::Watcher;
 use crate::measure::StateTimes;
 use crate::quantities::Cycles;
@@ -21,19 +22,18 @@ impl Cell {
         Cell { now: Cursor::new(limit), times: StateTimes::default() }
     }
 
-    /// Does a cell's ops, counting the finished ones up in `done`, until it can go no further. The last cell has no right
-    /// neighbour to pass rays on to (`is_last`). Inlined: the links then lie where the array has them, and the clock in a register.
+    /// Does a cell's ops until it can go no further. The last cell has no right neighbour to pass rays on to (`is_last`).
+    /// Inlined: the links then lie where the array has them, and the clock in a register.
     #[inline(always)]
     pub fn run(
         &mut self,
         ops: &[Op],
-        done: &mut usize,
         (input, output): (&mut Link, &mut Link),
         is_last: bool,
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, done, ledger, |now, op, left, ledger| match op.kind() {
+        self.now.run(ops, ledger, |now, op, left, ledger| match op.kind() {
             OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, ledger),
             OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, ledger),
             OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
@@ -49,13 +49,12 @@ impl Cell {
     pub fn run_host(
         &mut self,
         ops: &[Op],
-        done: &mut usize,
         output: &mut Link,
         returned: &[u64],
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, done, ledger, |now, op, left, ledger| match op.kind() {
+        self.now.run(ops, ledger, |now, op, left, ledger| match op.kind() {
             OpKind::WriteX => now.write(left, Channel::X, output, ledger),
             OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
             OpKind::Await => now.wait_for_return(left, returned, ledger),
@@ -73,13 +72,13 @@ impl Cell {
         // A word that is passed on and waits for room still has to come in first.
         if let (Some(channel), Halt::NoWord | Halt::NoRoom) = (reads, halt) {
             let ready = if halt == Halt::NoWord { None } else { input.fifo(channel).ready() };
-            now.stall_until(ready.unwrap_or(now.limit), waiting(channel), ledger);
+            now.stall_until(ready.unwrap_or(now.limit), (Hold::Word(channel), now.left), ledger);
         }
         if let (Some(channel), Halt::NoRoom) = (writes, halt) {
-            now.stall_until(now.limit, blocked(channel), ledger);
+            now.stall_until(now.limit, (Hold::Slot(channel), now.left), ledger);
         }
         if halt == Halt::NotReturned {
-            now.stall_until(now.limit, waiting(Channel::Y), ledger);
+            now.stall_until(now.limit, (Hold::Answer, now.left), ledger);
         }
     }
 

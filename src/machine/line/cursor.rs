@@ -1,9 +1,9 @@
 //! Where a cell stands in its ops and in time, and how it does one op: this is where cycles pass.
 
 use super::fifo::Fifo;
+use super::hold::{Held, Hold};
 use super::link::Link;
 use super::prices::Prices;
-use super::states::{blocked, waiting};
 use super::watcher::Watcher;
 use crate::measure::{StateId, StateTimes};
 use crate::quantities::Cycles;
@@ -29,6 +29,8 @@ pub(super) enum Halt {
 pub(super) struct Cursor {
     /// The first cycle that has not been spent yet.
     pub clock: u64,
+    /// How many ops of its batch have been done: the place of the one under way.
+    pub done: usize,
     /// Units or words that are left of the op under way; 0 if none is.
     pub left: u64,
     /// Cycles from this one on are not simulated.
@@ -56,7 +58,7 @@ pub(super) type Done = Result<(), Halt>;
 impl Cursor {
     /// At the start of a run of which the cycles from `limit` on are not simulated.
     pub fn new(limit: u64) -> Cursor {
-        Cursor { clock: 0, left: 0, limit }
+        Cursor { clock: 0, done: 0, left: 0, limit }
     }
 
     /// Does one op after the other until one halts. `step` does one that moves words or waits, of which so much is left to do.
@@ -64,46 +66,45 @@ impl Cursor {
     pub fn run<W: Watcher>(
         &mut self,
         ops: &[Op],
-        done: &mut usize,
         ledger: &mut Ledger<'_, W>,
         mut step: impl FnMut(&mut Cursor, Op, u64, &mut Ledger<'_, W>) -> Done,
     ) -> Halt {
-        let (mut now, mut finished) = (*self, *done);
+        let mut now = *self;
         let mut resume = std::mem::take(&mut now.left);
         let halt = loop {
-            if let Err(why) = now.work(ops, &mut finished, ledger) {
+            if let Err(why) = now.work(ops, ledger) {
                 break why;
             }
-            let Some(&op) = ops.get(finished) else { break Halt::OutOfOps };
+            let Some(&op) = ops.get(now.done) else { break Halt::OutOfOps };
             let left = if resume > 0 { resume } else { op.count() as u64 };
             if let Err(why) = step(&mut now, op, left, ledger) {
                 break why;
             }
             resume = 0;
-            finished += 1;
+            now.done += 1;
         };
-        (*self, *done) = (now, finished);
+        *self = now;
         halt
     }
 
     /// Works, as long as one op after the other is work: that is often, and in a loop of its own the clock stays in a register.
     /// What the limit cuts off is never gone on with, so it need not be told how far it came.
     #[inline(always)]
-    fn work(&mut self, ops: &[Op], finished: &mut usize, ledger: &mut Ledger<'_, impl Watcher>) -> Done {
-        let mut clock = self.clock;
-        while let Some((unit, count)) = ops.get(*finished).and_then(|op| Some((op.unit()?, op.count() as u64))) {
+    fn work(&mut self, ops: &[Op], ledger: &mut Ledger<'_, impl Watcher>) -> Done {
+        let (mut clock, mut done) = (self.clock, self.done);
+        while let Some((unit, count)) = ops.get(done).and_then(|op| Some((op.unit()?, op.count() as u64))) {
             let (cost, state) = ledger.prices.of(unit);
             let until = clock + count * cost;
             if until > self.limit {
                 ledger.spend(state, clock, self.limit - clock);
-                self.clock = self.limit;
+                (self.clock, self.done) = (self.limit, done);
                 return self.halt(Halt::Limit, count);
             }
             ledger.spend(state, clock, until - clock);
             clock = until;
-            *finished += 1;
+            done += 1;
         }
-        self.clock = clock;
+        (self.clock, self.done) = (clock, done);
         Ok(())
     }
 
@@ -122,7 +123,7 @@ impl Cursor {
                 return Ok(());
             }
             let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
-            self.stall_until(ready, waiting(channel), ledger);
+            self.stall_until(ready, (Hold::Word(channel), left), ledger);
             if self.clock >= self.limit {
                 return self.halt(Halt::Limit, left);
             }
@@ -148,7 +149,7 @@ impl Cursor {
                 return Ok(());
             }
             let Some(room) = output.fifo(channel).room() else { return self.halt(Halt::NoRoom, left) };
-            self.stall_until(room.max(output.wire_free(channel)), blocked(channel), ledger);
+            self.stall_for_room(channel, room, output, left, ledger);
             if self.clock >= self.limit {
                 return self.halt(Halt::Limit, left);
             }
@@ -199,8 +200,8 @@ impl Cursor {
             // Both times must be known before a cycle is spent, as the cell may have to come back to this word.
             let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
             let Some(room) = output.x.room() else { return self.halt(Halt::NoRoom, left) };
-            self.stall_until(ready, waiting(Channel::X), ledger);
-            self.stall_until(room.max(output.wire_free(Channel::X)), blocked(Channel::X), ledger);
+            self.stall_until(ready, (Hold::Word(Channel::X), left), ledger);
+            self.stall_for_room(Channel::X, room, output, left, ledger);
             if self.clock >= self.limit {
                 return self.halt(Halt::Limit, left);
             }
@@ -215,14 +216,35 @@ impl Cursor {
     /// The wait ends in the cycle in which the message's last word is read; the next op starts in the cycle after it.
     pub fn wait_for_return(&mut self, message: u64, returned: &[u64], ledger: &mut Ledger<'_, impl Watcher>) -> Done {
         let Some(read_at) = returned.get(message as usize) else { return Err(Halt::NotReturned) };
-        self.stall_until(read_at + 1, waiting(Channel::Y), ledger);
+        self.stall_until(read_at + 1, (Hold::Answer, message), ledger);
         Ok(())
     }
 
+    /// Waits until a FIFO has room, which it has from cycle `room` on, and the wire to it is free. Of two that come at once
+    /// it is the room that it waits for.
     #[inline(always)]
-    pub fn stall_until(&mut self, cycle: u64, state: StateId, ledger: &mut Ledger<'_, impl Watcher>) {
+    fn stall_for_room(
+        &mut self,
+        channel: Channel,
+        room: u64,
+        output: &Link,
+        left: u64,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) {
+        let wire_free = output.wire_free(channel);
+        let hold = if wire_free > room { Hold::Wire(channel) } else { Hold::Slot(channel) };
+        self.stall_until(room.max(wire_free), (hold, left), ledger);
+    }
+
+    /// Waits until cycle `cycle` for what holds it up, with so much `left` of the op.
+    #[inline(always)]
+    pub fn stall_until(&mut self, cycle: u64, (hold, left): (Hold, u64), ledger: &mut Ledger<'_, impl Watcher>) {
         let until = cycle.min(self.limit).max(self.clock);
-        ledger.spend(state, self.clock, until - self.clock);
+        ledger.spend(hold.state(), self.clock, until - self.clock);
+        if until > self.clock {
+            let is_cut = cycle >= self.limit;
+            ledger.watcher.held(Held { until, op: self.done, left, by: hold, is_cut });
+        }
         self.clock = until;
     }
 

@@ -20,9 +20,10 @@ pub(super) struct Fifo {
     read: u64,
     last_write: u64,
     last_read: u64,
-    /// Sums of all read and of all write times, modulo 2^64: only their difference, the time spent inside, is used.
-    read_times: u64,
-    write_times: u64,
+    /// Sums of all read and of all write times: their difference is the time that words spent inside. A deep FIFO in a long
+    /// run holds more than 2^64 words times cycles.
+    read_times: u128,
+    write_times: u128,
     full: u64,
     empty: u64,
     max: u64,
@@ -65,6 +66,11 @@ impl Fifo {
         self.capacity
     }
 
+    /// Cycles from the write of a word to its first read.
+    pub fn latency(&self) -> u64 {
+        self.latency
+    }
+
     /// Words inside: written and not yet read.
     pub fn fill(&self) -> u64 {
         self.written - self.read
@@ -90,6 +96,23 @@ impl Fifo {
     #[inline(always)]
     pub fn read_time(&self, word: u64) -> u64 {
         self.free_from[slot(word, &self.free_from)] - 1
+    }
+
+    /// The cycles of those writes for whose words a reader may yet wait that stands at cycle `clock`, the latest first.
+    pub fn writes_awaited_at(&self, clock: u64) -> impl Iterator<Item = u64> + '_ {
+        let unread = (self.read..self.written).rev().map(|word| self.write_time(word));
+        unread.take_while(move |at| at + self.latency > clock)
+    }
+
+    /// The cycles of those reads for whose slots a writer may yet wait that stands at cycle `clock`, the latest first.
+    pub fn reads_awaited_at(&self, clock: u64) -> impl Iterator<Item = u64> + '_ {
+        let free = (self.written.max(self.capacity)..self.read + self.capacity).rev();
+        free.map(|word| self.read_time(word - self.capacity)).take_while(move |at| at + 1 > clock)
+    }
+
+    /// The cycle of the last write; 0 before the first.
+    pub fn last_write(&self) -> u64 {
+        self.last_write
     }
 
     /// The cycle of the last read; 0 before the first.
@@ -182,7 +205,7 @@ impl Fifo {
         // Full from the write before this one until the read that made room. Inside a burst each word finds room at
         // once, so only its first can end such a time.
         self.full += room.saturating_sub(self.last_write + 1);
-        self.write_times = self.write_times.wrapping_add(sum_of_run(at, count));
+        self.write_times += sum_of_run(at, count);
         self.written += count;
         self.last_write = at + count - 1;
     }
@@ -191,7 +214,7 @@ impl Fifo {
     fn count_reads(&mut self, at: u64, count: u64, written_in: u64) {
         // Empty from the read before this one until the write of this word; as with `full`, only a burst's first.
         self.empty += written_in.saturating_sub(self.last_read);
-        self.read_times = self.read_times.wrapping_add(sum_of_run(at, count));
+        self.read_times += sum_of_run(at, count);
         self.read += count;
         self.last_read = at + count - 1;
     }
@@ -225,14 +248,15 @@ impl Fifo {
         }
     }
 
-    /// The statistics of a run that ended after `cycles` cycles.
+    /// The statistics of a run that ended after `cycles` cycles: none of its words was written or read in a later one, which
+    /// [`Array::until`](super::Array::until) sees to.
     pub fn stats(&self, cycles: u64) -> FifoStats {
         let inside = self.fill();
-        let unread = inside.wrapping_mul(cycles);
+        let unread = inside as u128 * cycles as u128;
         FifoStats {
             words: Words(self.written),
             max: Words(self.max.max(inside)),
-            word_cycles: self.read_times.wrapping_add(unread).wrapping_sub(self.write_times),
+            word_cycles: self.read_times + unread - self.write_times,
             full: Cycles(self.full_cycles(cycles)),
             empty: Cycles(self.empty_cycles(cycles)),
         }
@@ -253,8 +277,8 @@ impl Fifo {
     }
 }
 
-/// at + (at + 1) + ... of `count` terms, modulo 2^64.
+/// at + (at + 1) + ... of `count` terms.
 #[inline(always)]
-fn sum_of_run(at: u64, count: u64) -> u64 {
-    at.wrapping_mul(count).wrapping_add(count * (count - 1) / 2)
+fn sum_of_run(at: u64, count: u64) -> u128 {
+    at as u128 * count as u128 + (count * (count - 1) / 2) as u128
 }

@@ -37,14 +37,24 @@ impl Link {
         Link { x, y, z, rate: spec.link_rate(), wire_free: [0; 2], wire_back_free: 0 }
     }
 
-    /// Cycles in which its wire to the right carried words so far: where channels have wires of their own, the busier's.
-    pub fn busy(&self) -> u64 {
-        let (x, y) = (self.x.words_written(), self.y.words_written());
-        let words = match self.rate.counts {
-            RateCounts::Link => x + y,
-            RateCounts::Channel => x.max(y),
+    /// Cycles, of a run of `cycles` cycles, in which its wire to the right carried words: where channels have wires of their
+    /// own, the busier's. What the last word takes beyond the run's end is not of the run.
+    pub fn busy(&self, cycles: u64) -> u64 {
+        let wire = |fifos: &[&Fifo]| {
+            let words: u64 = fifos.iter().map(|fifo| fifo.words_written()).sum();
+            let last_write = fifos.iter().map(|fifo| fifo.last_write()).max().unwrap_or_default();
+            let last_word = self.rate.cycles_per_word.min(cycles.saturating_sub(last_write));
+            words.checked_sub(1).map_or(0, |before| before * self.rate.cycles_per_word + last_word)
         };
-        words.saturating_mul(self.rate.cycles_per_word)
+        match self.rate.counts {
+            RateCounts::Link => wire(&[&self.x, &self.y]),
+            RateCounts::Channel => wire(&[&self.x]).max(wire(&[&self.y])),
+        }
+    }
+
+    /// Cycles from the beginning of one word to that of the next.
+    pub fn cycles_per_word(&self) -> u64 {
+        self.rate.cycles_per_word
     }
 
     #[inline(always)]

@@ -15,9 +15,11 @@
 //! needs a time that its neighbour has not worked out yet.
 
 mod array;
+mod causes;
 mod cell;
 mod cursor;
 mod fifo;
+mod hold;
 mod link;
 mod observers;
 mod prices;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::causes::{Causes, Past};
 use super::cell::Cell;
 use super::cursor::Halt;
 use super::link::Link;
@@ -9,83 +10,101 @@ use super::prices::Prices;
 use super::probe::Probe;
 use super::recorder::Recorder;
 use crate::measure::{Observed, Topology};
-use crate::seam::{Op, OpStream};
+use crate::seam::{Op, OpBatch, OpStream, Vocabulary};
 
 /// Those that watch an array.
 #[derive(Debug, Default)]
 pub(super) struct Observers {
     pub probe: Option<Probe>,
     pub recorder: Option<Recorder>,
+    pub causes: Option<Causes>,
 }
 
 impl Observers {
-    /// The host's next lines are known.
-    pub fn fed(&mut self, host: &OpStream) {
-        self.probe.iter_mut().for_each(|probe| probe.fed(host));
-        self.recorder.iter_mut().for_each(|recorder| recorder.fed(host));
+    /// The next ops are known.
+    pub fn fed(&mut self, batch: &OpBatch) {
+        self.probe.iter_mut().for_each(|probe| probe.fed(&batch.host));
+        self.recorder.iter_mut().for_each(|recorder| recorder.fed(&batch.host));
+        self.causes.iter_mut().for_each(|causes| causes.fed(batch));
     }
 
-    /// Does the host's ops as [`Cell::run_host`], if somebody watches it at this time.
+    /// Does the host's ops of a batch as [`Cell::run_host`], if somebody watches it at this time.
     pub fn run_host(
         &mut self,
         host: &mut Cell,
-        stream: &OpStream,
-        done: &mut usize,
+        (batch, stream): (usize, &OpStream),
         output: &mut Link,
         (prices, returned): (&Prices, &[u64]),
     ) -> Option<Halt> {
-        let recorder = self.recorder.as_mut().filter(|recorder| recorder.is_open_at(host.now.clock))?;
-        let (halt, events) = recorder.host().run(stream, done, |ops, done, track| {
-            let halt = host.run_host(ops, done, output, returned, (prices, track));
-            (halt, host.now.clock)
+        let recorder = self.recorder.as_mut().filter(|recorder| recorder.is_open_at(host.now.clock));
+        let mut waits = self.causes.as_mut().map(|causes| causes.host(batch));
+        let Some(recorder) = recorder else {
+            return waits.as_mut().map(|waits| host.run_host(stream.ops(), output, returned, (prices, waits)));
+        };
+        let (halt, events) = recorder.host().run(stream, host.now.done, |ops, track| {
+            let halt = host.run_host(ops, output, returned, (prices, (track, waits.as_mut())));
+            (halt, host.now)
         });
         recorder.count(events);
         Some(halt)
     }
 
-    /// Does a cell's ops as [`Cell::run`], if somebody watches it at this time. Kept apart from the cells that nobody watches.
+    /// Does a cell's ops of a batch as [`Cell::run`], if somebody watches it at this time. Kept apart from the cells that
+    /// nobody watches.
     #[inline(never)]
     pub fn run_cell(
         &mut self,
         index: usize,
         cell: &mut Cell,
-        stream: &OpStream,
-        done: &mut usize,
+        (batch, stream): (usize, &OpStream),
         (input, output): (&mut Link, &mut Link),
         (prices, is_last): (&Prices, bool),
     ) -> Option<Halt> {
         let recorder = self.recorder.as_mut().filter(|recorder| recorder.is_open_at(cell.now.clock));
-        match (self.probe.as_mut().map(|probe| probe.cell(index)), recorder) {
-            (None, None) => None,
-            (Some(lane), None) => Some(cell.run(stream.ops(), done, (input, output), is_last, (prices, lane))),
-            (mut lane, Some(recorder)) => {
-                let (halt, events) = recorder.cell(index).run(stream, done, |ops, done, track| {
-                    let halt = cell.run(ops, done, (input, output), is_last, (prices, (lane.as_deref_mut(), track)));
-                    (halt, cell.now.clock)
-                });
-                recorder.count(events);
-                Some(halt)
-            }
-        }
+        let mut lane = self.probe.as_mut().map(|probe| probe.cell(index));
+        let mut waits = self.causes.as_mut().map(|causes| causes.cell(index, batch));
+        let Some(recorder) = recorder else {
+            return match (lane, waits.as_mut()) {
+                (None, None) => None,
+                (Some(lane), None) => Some(cell.run(stream.ops(), (input, output), is_last, (prices, lane))),
+                (None, Some(waits)) => Some(cell.run(stream.ops(), (input, output), is_last, (prices, waits))),
+                both => Some(cell.run(stream.ops(), (input, output), is_last, (prices, both))),
+            };
+        };
+        let (halt, events) = recorder.cell(index).run(stream, cell.now.done, |ops, track| {
+            let watchers = (lane.as_deref_mut(), (track, waits.as_mut()));
+            let halt = cell.run(ops, (input, output), is_last, (prices, watchers));
+            (halt, cell.now)
+        });
+        recorder.count(events);
+        Some(halt)
     }
 
-    /// Lets the host spend the cycles up to the limit as [`Cell::stall_to_limit`].
-    pub fn stall_host_to_limit(&mut self, host: &mut Cell, (halt, op): (Halt, Op), output: &Link, prices: &Prices) {
+    /// Lets the host spend the cycles up to the limit as [`Cell::stall_to_limit`], in a batch.
+    pub fn stall_host_to_limit(
+        &mut self,
+        host: &mut Cell,
+        (batch, halt, op): (usize, Halt, Op),
+        output: &Link,
+        prices: &Prices,
+    ) {
         let mut track = self.recorder.as_mut().map(Recorder::host);
-        host.stall_to_limit(halt, op, output, (prices, track.as_mut()));
+        let mut waits = self.causes.as_mut().map(|causes| causes.host(batch));
+        host.stall_to_limit(halt, op, output, (prices, (track.as_mut(), waits.as_mut())));
     }
 
     /// Lets a cell do so.
     pub fn stall_cell_to_limit(
         &mut self,
         (index, cell): (usize, &mut Cell),
-        (halt, op): (Halt, Op),
+        (batch, halt, op): (usize, Halt, Op),
         input: &Link,
         prices: &Prices,
     ) {
         let lane = self.probe.as_mut().map(|probe| probe.cell(index));
         let mut track = self.recorder.as_mut().map(|recorder| recorder.cell(index));
-        cell.stall_to_limit(halt, op, input, (prices, (lane, track.as_mut())));
+        let mut waits = self.causes.as_mut().map(|causes| causes.cell(index, batch));
+        cell.stall_to_limit(halt, op, input, (prices, (lane, (track.as_mut(), waits.as_mut()))));
     }
 
     /// Follows the FIFOs of a link, after each stretch of reads or writes.
@@ -99,17 +118,24 @@ impl Observers {
         self.probe.iter_mut().for_each(|probe| probe.returned(cycle));
     }
 
-    /// All that was seen in a run of `cycles` cycles. `clocks` are those of the host and of the cells at its end.
+    /// All that was seen in a run of `cycles` cycles.
     pub fn finish(
         self,
-        topology: &Arc<Topology>,
-        links: &[Link],
-        clocks: impl Iterator<Item = u64> + Clone,
+        past: &Past<'_>,
+        (topology, vocabulary): (&Arc<Topology>, &Vocabulary),
         cycles: u64,
     ) -> Observed {
+        let clocks = || past.stands.iter().map(|stand| stand.clock);
+        let explained = self.causes.map(|causes| causes.finish(past, (topology, vocabulary), cycles));
+        let (path, looked_at, snapshot) =
+            explained.map_or((None, None, None), |(path, at, seen)| (Some(path), at, seen));
+        let profile = |probe: Probe| probe.finish(topology, past.links, clocks().skip(1), cycles);
         Observed {
-            profile: self.probe.map(|probe| probe.finish(topology, links, clocks.clone().skip(1), cycles)),
-            recording: self.recorder.map(|recorder| recorder.finish(topology, links, clocks, cycles)),
+            profile: self.probe.map(profile),
+            recording: self.recorder.map(|recorder| recorder.finish(topology, past.links, clocks(), cycles)),
+            path,
+            looked_at,
+            snapshot,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Who sees where a cell's cycles go.
 
+use super::hold::Held;
 use crate::measure::StateId;
 
 /// Sees where a cell's cycles go, all but those in which it moves a word or has nothing left to do. `()` sees nothing and
@@ -7,6 +8,10 @@ use crate::measure::StateId;
 pub(super) trait Watcher {
     /// The cell spent `cycles` cycles, from cycle `from` on, in one state.
     fn spent(&mut self, state: StateId, from: u64, cycles: u64);
+
+    /// The cell waited for at least a cycle, in a state that it spent.
+    #[inline(always)]
+    fn held(&mut self, _: Held) {}
 }
 
 impl Watcher for () {
@@ -21,6 +26,13 @@ impl<W: Watcher> Watcher for Option<W> {
             watcher.spent(state, from, cycles);
         }
     }
+
+    #[inline(always)]
+    fn held(&mut self, held: Held) {
+        if let Some(watcher) = self {
+            watcher.held(held);
+        }
+    }
 }
 
 /// Both see all.
@@ -29,5 +41,11 @@ impl<A: Watcher, B: Watcher> Watcher for (A, B) {
     fn spent(&mut self, state: StateId, from: u64, cycles: u64) {
         self.0.spent(state, from, cycles);
         self.1.spent(state, from, cycles);
+    }
+
+    #[inline(always)]
+    fn held(&mut self, held: Held) {
+        self.0.held(held);
+        self.1.held(held);
     }
 }

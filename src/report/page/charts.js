@@ -109,6 +109,29 @@ function describeFifo(fifo, bin) {
   return `${min[bin]} to ${max[bin]} words, mean ${figure(mean[bin])}, full ${full[bin].toFixed(1)} %`;
 }
 
+// For each cell, and the host behind them, the critical path's share of each bin by state.
+const path = run.path?.map((place) => memo(() => place.map(shares)));
+const onPath = (place, bin) => path[place]().reduce((sum, part) => sum + part[bin], 0);
+
+function describePath(place, bin) {
+  const parts = run.states.map((state, at) => [state.name, path[place]()[at][bin]]).filter(([, share]) => share > 0);
+  return parts.length === 0 ? null : `critical path ${parts.map(([name, share]) => `${name} ${share.toFixed(1)} %`).join(", ")}`;
+}
+
+// Marks the bins in which something is, the stronger the larger its share.
+function mark(chart, color, strength) {
+  const { ctx, bbox } = chart;
+  ctx.save();
+  ctx.fillStyle = color;
+  for (let bin = 0; bin < run.bins; bin++) {
+    const from = Math.max(chart.valToPos(times[bin], "x", true), bbox.left);
+    const to = Math.min(chart.valToPos(times[bin + 1], "x", true), bbox.left + bbox.width);
+    ctx.globalAlpha = to > from ? strength(bin) : 0;
+    if (ctx.globalAlpha > 0) ctx.fillRect(from, bbox.top, Math.max(to - from, 1), 6 * devicePixelRatio);
+  }
+  ctx.restore();
+}
+
 function addCell(cell, index) {
   // From the highest band down, each over the one before it.
   const sums = [];
@@ -116,7 +139,9 @@ function addCell(cell, index) {
   const order = run.states.map((_, state) => state).reverse();
   const series = order.map((state) => ({ fill: run.states[state].color, stroke: "transparent", width: 0, paths: stepped }));
   addChart(`{% if is_line %}cell ${index} {% endif %}${cell.name}`, index, order.map((state) => held(sums[state])), series,
-    { height: 130, scale: { range: [0, 100] }, label: "% of time" }, (bin) => describeCell(cell, bin));
+    { height: 130, scale: { range: [0, path ? 110 : 100] }, label: "% of time",
+      draw: path && ((chart) => mark(chart, "#000", (bin) => Math.min(onPath(index, bin) / 100, 1))) },
+    (bin) => [describeCell(cell, bin), path && describePath(index, bin)].filter(Boolean).join("; "));
 }
 
 // The level that fills a chart: the capacity belongs into it unless it would press the curve to the ground.
@@ -127,16 +152,10 @@ function addFifo(fifo, station, reader) {
   const series = [
     { stroke: run.colors.range, width: 1, paths: stepped }, { stroke: run.colors.range, width: 1, paths: stepped },
     { stroke: run.colors.amount, width: 1.5, paths: stepped }];
-  const mark = (chart) => {
+  const draw = (chart) => {
+    mark(chart, run.colors.full, (bin) => full[bin] > 0 ? 1 : 0);
     const { ctx, bbox } = chart;
     ctx.save();
-    ctx.fillStyle = run.colors.full;
-    full.forEach((share, bin) => {
-      if (share === 0) return;
-      const from = Math.max(chart.valToPos(times[bin], "x", true), bbox.left);
-      const to = Math.min(chart.valToPos(times[bin + 1], "x", true), bbox.left + bbox.width);
-      if (to > from) ctx.fillRect(from, bbox.top, Math.max(to - from, 1), 6 * devicePixelRatio);
-    });
     const capacity = chart.valToPos(fifo.capacity, "y", true);
     if (capacity >= bbox.top) {
       ctx.setLineDash([6, 4]);
@@ -148,7 +167,7 @@ function addFifo(fifo, station, reader) {
     ctx.restore();
   };
   addChart(`FIFO ${fifo.name} into ${reader}, holds ${fifo.capacity}`, station, [held(max), held(min), held(mean)], series,
-    { height: 116, scale: { range: [0, levelShown(fifo.most, fifo.capacity) * 1.12] }, label: "words", draw: mark,
+    { height: 116, scale: { range: [0, levelShown(fifo.most, fifo.capacity) * 1.12] }, label: "words", draw,
       bands: [{ series: [1, 2], fill: run.colors.range }] }, (bin) => describeFifo(fifo, bin));
 }
 

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 use super::Page;
-use crate::measure::{FifoInfo, FifoProfile, FifoStats, State as CellState};
+use crate::measure::{CriticalPath, FifoInfo, FifoProfile, FifoStats, State as CellState, StateTimes};
 use crate::quantities::Cycles;
 use crate::report::palette::{self, Rgb};
 use crate::report::time_unit::TimeUnit;
@@ -25,6 +25,8 @@ pub struct Data<'a> {
     /// For each bus the share of the run in which it carries messages, in percent.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     buses: Vec<f64>,
+    /// For each cell, and the host behind them, the critical path's share of each bin by state.
+    path: Option<Vec<Vec<Shares>>>,
     /// Rays done in each bin, per unit of time.
     rays: Numbers,
     colors: Colors,
@@ -79,20 +81,27 @@ struct Fifo<'a> {
 
 impl<'a> Data<'a> {
     pub fn new(page: &Page<'a>) -> Data<'a> {
-        let Page { clock, stats, profile, .. } = *page;
+        let Page { clock, stats, profile, path, .. } = *page;
+        let places = path.map(CriticalPath::places);
         let (all, names) = (&stats.topology.states, &stats.topology.names.stations);
         let unit = TimeUnit::of(clock.seconds(profile.cycles));
         let cycle = clock.seconds(Cycles(1)) / unit.seconds;
         let lengths: Vec<u64> = (0..profile.jobs.len() as u64)
             .map(|bin| profile.bin.0.min(profile.cycles.0 - bin * profile.bin.0))
             .collect();
-        let occurs = |state: &&CellState| stats.stations.iter().any(|times| times.of(state.id) > Cycles(0));
+        let of_path = places.iter().flatten().flatten();
+        let occurs = |state: &&CellState| {
+            stats.stations.iter().chain(of_path.clone()).any(|times| times.of(state.id) > Cycles(0))
+        };
         let states: Vec<&CellState> = all.all().iter().filter(occurs).collect();
         let cells = profile.stations.iter().zip(&stats.stations).enumerate().map(|(index, (bins, whole))| Cell {
             name: page.cell_names.get(index).or(names.get(index)).map_or("", String::as_str),
             works: percent(all.works(whole), stats.cycles),
             states: states.iter().map(|state| Shares::new(bins, &lengths, |bin| bin.of(state.id))).collect(),
         });
+        let by_state = |bins: &Vec<StateTimes>| {
+            states.iter().map(|state| Shares::new(bins, &lengths, |bin| bin.of(state.id))).collect()
+        };
         let fifos = stats.topology.fifos.iter().zip(profile.fifos.iter().zip(&stats.fifos));
         let buses = stats.links.iter().filter(|link| link.into.is_none());
         let rate = |(&rays, &cycles): (&u64, &u64)| rays as f64 / (cycles as f64 * cycle);
@@ -109,6 +118,7 @@ impl<'a> Data<'a> {
             cells: cells.collect(),
             fifos: fifos.map(|(info, (fifo, whole))| Fifo::new(info, fifo, (whole, stats.cycles), &lengths)).collect(),
             buses: buses.map(|bus| percent(bus.busy, stats.cycles)).collect(),
+            path: places.as_ref().map(|places| places.iter().map(by_state).collect()),
             rays: Numbers::new(profile.jobs.iter().zip(&lengths).map(rate)),
             colors: Colors {
                 amount: palette::AMOUNT.to_string(),

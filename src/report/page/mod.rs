@@ -11,7 +11,8 @@ use super::palette;
 use super::plot::Caption;
 use super::stats::Configuration;
 use super::summary::{self, Rows};
-use crate::measure::{Clock, Measured, Profile, Shape};
+use super::why;
+use crate::measure::{Clock, CriticalPath, Measured, Profile, Shape};
 
 /// What a page shows.
 #[derive(Debug)]
@@ -26,6 +27,8 @@ pub struct Page<'a> {
     pub losses: Option<&'a Losses>,
     /// The run over time.
     pub profile: &'a Profile,
+    /// Why it took as long, if that was asked for.
+    pub path: Option<&'a CriticalPath>,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
     /// All parameters, if they are known.
@@ -72,6 +75,11 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
         state_colors => state_colors(page.stats),
+        why => page.path.map(|path| context! {
+            sentence => why::sentence(path),
+            times => value(why::time_rows(path, false)),
+            places => value(why::place_rows(path)),
+        }),
         configuration,
         image => page.image.map(|png| base64::engine::general_purpose::STANDARD.encode(png)).unwrap_or_default(),
         // No text in it may end the script that it stands in.

@@ -42,7 +42,7 @@ function addOverview(title, rows, first, paint, describe) {
   const rowAt = (chart) => Math.max(0, Math.min(rows - 1, Math.floor(chart.posToVal(chart.cursor.top, "y"))));
   const chart = addChart(title, null, [times.map(() => null)], [{ show: false }],
     { height: Math.min(Math.max(rows * pixels, 160), 520) + 44, scale: { range: [0, rows], dir: -1 }, label: "{{ station }}", draw, into: "overview",
-      axis: { values: (chart, ticks) => ticks.map((tick) => tick < rows ? `${first + tick < rows ? first + tick : "host"}` : ""), incrs: [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024], grid: { show: false } } },
+      axis: { values: (chart, ticks) => ticks.map((tick) => tick < rows ? `${first + tick < count ? first + tick : "host"}` : ""), incrs: [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024], grid: { show: false } } },
     (bin, chart) => inside ? describe(rowAt(chart), bin) : null);
   let down = null;
   chart.over.addEventListener("mouseenter", () => { inside = true; });
@@ -51,6 +51,14 @@ function addOverview(title, rows, first, paint, describe) {
   chart.over.addEventListener("click", (event) => {
     if (Math.abs(event.clientX - down) < 4) toggle(first + rowAt(chart));
   });
+}
+
+function addPath() {
+  const colors = run.states.map((state) => rgb(state.color));
+  addOverview("where the critical path is, and why", count + 1, 0, (row, bin) => {
+    let sum = 0;
+    return path[row]().map((share, at) => [(sum += share[bin]) / 100, colors[at]]);
+  }, (row, bin) => `${row < count ? `cell ${row}` : "the host"}: ${describePath(row, bin) ?? "not on the critical path"}`);
 }
 
 function addOverviews() {

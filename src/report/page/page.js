@@ -77,6 +77,7 @@ const telling = () => [...new Set([0, 1, 2, count - 1])];
 drawLegend();
 if (run.bins > 0) {
   addRays();
+  if (path) addPath();
   if (count > MOST_ALL) addOverviews();
   select(count > MOST_ALL ? telling() : all());
 }

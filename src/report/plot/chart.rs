@@ -7,7 +7,7 @@ use plotters::prelude::*;
 
 use super::Caption;
 use super::render::{Drawn, FONT_NAME};
-use crate::measure::{Clock, Profile};
+use crate::measure::Clock;
 use crate::quantities::Cycles;
 use crate::report::palette::Rgb;
 use crate::report::time_unit::TimeUnit;
@@ -40,11 +40,11 @@ pub struct TimeScale {
 }
 
 impl TimeScale {
-    /// The scale of a run.
-    pub fn new(profile: &Profile, clock: Clock) -> TimeScale {
-        let unit = TimeUnit::of(clock.seconds(profile.cycles));
+    /// The scale of a run of so many cycles, whose bins are so wide.
+    pub fn new(cycles: Cycles, bin: Cycles, clock: Clock) -> TimeScale {
+        let unit = TimeUnit::of(clock.seconds(cycles));
         let cycle = clock.seconds(Cycles(1)) / unit.seconds;
-        TimeScale { unit, cycle, bin: profile.bin.0, cycles: profile.cycles.0 }
+        TimeScale { unit, cycle, bin: bin.0, cycles: cycles.0 }
     }
 
     /// The end of the run.

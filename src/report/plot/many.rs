@@ -90,25 +90,56 @@ fn frame<'a, DB: DrawingBackend>(
 /// Each cell's states over time, as bands.
 pub struct Bands<'a> {
     caption: &'a Caption,
+    what: String,
     scale: TimeScale,
     rows: Vec<Row<StateTimes>>,
     topology: &'a Topology,
     occurring: Vec<&'a State>,
-    together: usize,
 }
 
 impl<'a> Bands<'a> {
-    pub fn new(
+    /// What the stations do.
+    pub fn of_stations(
         caption: &'a Caption,
         scale: TimeScale,
         topology: &'a Topology,
         all: &'a [Vec<StateTimes>],
     ) -> Bands<'a> {
-        let together = all.len().div_ceil(MOST_ROWS).max(1);
+        let stations = format!("{}s", topology.names.station);
+        let what = together(&cells::what(topology), &stations, all.len().div_ceil(MOST_ROWS).max(1));
         let rows = rows(all, |index| topology.station(index), Vec::as_slice, StateTimes::sum);
-        Bands { caption, scale, rows, topology, occurring: cells::occurring(&topology.states, all.iter()), together }
+        Bands { caption, what, scale, rows, topology, occurring: cells::occurring(&topology.states, all.iter()) }
+    }
+
+    /// Where the critical path is, and why: a row for each cell that it stays in, and for the host, which is the last of
+    /// `all`. What is higher is there for more of the time, so that the rows add up to a full one.
+    pub fn of_path(
+        caption: &'a Caption,
+        scale: TimeScale,
+        topology: &'a Topology,
+        all: &[Vec<StateTimes>],
+    ) -> Bands<'a> {
+        let cycles = |bins: &Vec<StateTimes>| bins.iter().map(|bin| bin.total().0).sum::<u64>();
+        let whole: u64 = all.iter().map(cycles).sum();
+        let stays_in = |bins: &Vec<StateTimes>| cycles(bins).saturating_mul(SHORTEST_STAY) >= whole.max(1);
+        let (places, visited): (Vec<usize>, Vec<Vec<StateTimes>>) =
+            all.iter().cloned().enumerate().filter(|(_, bins)| stays_in(bins)).unzip();
+        let name = |index: usize| match places[index] {
+            place if place + 1 == all.len() => "host".to_owned(),
+            place => topology.station(place),
+        };
+        let what = together(PATH, "cells", visited.len().div_ceil(MOST_ROWS).max(1));
+        let mut rows = rows(&visited, name, Vec::as_slice, StateTimes::sum);
+        rows.iter_mut().for_each(|row| row.members = 1.0);
+        Bands { caption, what, scale, rows, topology, occurring: cells::occurring(&topology.states, all.iter()) }
     }
 }
+
+/// A critical path that is in a cell for less than one part in so many only passes through it.
+const SHORTEST_STAY: u64 = 1000;
+
+/// What the picture of a critical path is called.
+const PATH: &str = "Where the critical path is, and why";
 
 impl Figure for Bands<'_> {
     fn size(&self) -> (u32, u32) {
@@ -116,10 +147,8 @@ impl Figure for Bands<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let Topology { states, names, .. } = self.topology;
-        let stations = format!("{}s", names.station);
-        let what = together(&cells::what(self.topology), &stations, self.together);
-        chart::head(area, self.caption, &what, &cells::legend(states, &self.occurring))?;
+        let states = &self.topology.states;
+        chart::head(area, self.caption, &self.what, &cells::legend(states, &self.occurring))?;
         let names = self.rows.iter().map(|row| row.name.as_str());
         let mut chart = frame(area, names, 0.0..self.scale.end(), &self.scale.label())?;
         let count = self.rows.len();

@@ -10,7 +10,7 @@ mod render;
 
 use rayon::prelude::*;
 
-use crate::measure::{Clock, FifoInfo, FifoProfile, Profile};
+use crate::measure::{Clock, CriticalPath, FifoInfo, FifoProfile, Profile};
 
 pub use render::{PlotError, Rendered};
 
@@ -42,15 +42,16 @@ type Fifo<'a> = (&'a FifoInfo, &'a FifoProfile);
 type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
 
 /// Draws all that a profile shows: the FIFOs' levels, their histograms, the cells' states, the rays done, and how long rays
-/// took. `names` tells what each cell runs, as far as that is known. There are seven pictures at the most (nine
-/// with words on Z), however many cells there are. A machine without FIFOs has three.
+/// took; and the critical path, if it is known. `names` tells what each cell runs, as far as that is known. There are eight
+/// pictures at the most (ten with words on Z), however many cells there are. A machine without FIFOs has three.
 pub fn pictures(
     profile: &Profile,
+    path: Option<&CriticalPath>,
     clock: Clock,
     caption: &Caption,
     names: &[String],
 ) -> Result<Vec<Picture>, PlotError> {
-    let scale = chart::TimeScale::new(profile, clock);
+    let scale = chart::TimeScale::new(profile.cycles, profile.bin, clock);
     let fifos: Vec<Fifo<'_>> = profile.topology.fifos.iter().zip(&profile.fifos).collect();
     let cycles = profile.cycles;
     let mut pictures: Vec<(String, Draw<'_>)> = Vec::new();
@@ -71,9 +72,15 @@ pub fn pictures(
     let draw: Draw<'_> = if cells.len() <= MOST_PANELS {
         Box::new(move || render::render(&cells::Bands { caption, scale, topology, cells, names }))
     } else {
-        Box::new(move || render::render(&many::Bands::new(caption, scale, topology, cells)))
+        Box::new(move || render::render(&many::Bands::of_stations(caption, scale, topology, cells)))
     };
     pictures.push((format!("{}s", called.station), draw));
+    if let Some(path) = path {
+        let scale = chart::TimeScale::new(path.cycles, path.bin, clock);
+        let places = path.places();
+        let draw = move || render::render(&many::Bands::of_path(caption, scale, topology, &places));
+        pictures.push(("critical-path".to_owned(), Box::new(draw)));
+    }
     let rays = &profile.jobs;
     let draw = move || render::render(&rays::Rays { caption, scale, called, rays });
     pictures.push((format!("{}s", called.job), Box::new(draw)));

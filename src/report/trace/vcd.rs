@@ -13,7 +13,9 @@ pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> Resul
     let signals = Signals::new(trace, &names);
     let mut writer = Writer::new(out);
     writer.version(concat!("pcs-sim ", env!("CARGO_PKG_VERSION")))?;
-    writer.comment(&format!("{}\n    {}", trace.caption.title, trace.caption.machine))?;
+    // The word would end the comment, and whatever follows be no part of a dump.
+    let comment = format!("{}\n    {}", trace.caption.title, trace.caption.machine);
+    writer.comment(&comment.replace("$end", "$ end"))?;
     writer.timescale(1, unit(scale))?;
     writer.add_module(&trace.recording.topology.names.machine)?;
     let mut ids = Vec::new();

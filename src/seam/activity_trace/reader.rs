@@ -99,7 +99,7 @@ impl ActivityTrace {
         self.read_heading()?;
         let mut survey = Survey::default();
         self.for_each_line(|line| survey.take(&line))?;
-        survey.check(&self.path)?;
+        survey.check(&self.path, self.costs.vocabulary().answer_words)?;
         (self.cells, self.jobs, self.order) = (survey.cells, survey.jobs, survey.order);
         Ok(())
     }

@@ -43,6 +43,8 @@ pub struct RayPlan {
     computes: Vec<Vec<(OpKind, u32)>>,
     waits: bool,
     host_time: u32,
+    /// What everybody does behind the last ray, if this is the last: nothing, or what the digits say.
+    late: Option<u64>,
 }
 
 fn ray_plan(cells: usize) -> impl Strategy<Value = RayPlan> {
@@ -53,14 +55,16 @@ fn ray_plan(cells: usize) -> impl Strategy<Value = RayPlan> {
         prop::collection::vec(prop::collection::vec(compute(), 0..4), cells),
         prop::bool::weighted(0.2),
         prop_oneof![Just(0u32), 0u32..40],
+        prop::option::weighted(0.4, any::<u64>()),
     )
-        .prop_map(|(words, back, seeds, computes, waits, host_time)| RayPlan {
+        .prop_map(|(words, back, seeds, computes, waits, host_time, late)| RayPlan {
             words,
             back,
             seeds,
             computes,
             waits,
             host_time,
+            late,
         })
 }
 
@@ -86,10 +90,14 @@ pub fn batch_of(cells: usize, rays: &[RayPlan], range: std::ops::Range<usize>) -
         }
         batch.host.push(OpKind::Work(Unit(3)), plan.host_time as u64);
         batch.host.push(OpKind::WriteX, 8);
+        let late = plan.late.filter(|_| index + 1 == rays.len());
+        late.into_iter().for_each(|late| push_late(&mut batch.host, &[OpKind::WriteX], late));
         batch.host.end_line(ray);
         for cell in 0..cells {
             let last = cell + 1 == cells;
             push_line(&mut batch.cells[cell], plan, before, cell, last);
+            let late = late.map(|late| late.rotate_right(9 * (cell as u32 + 1)));
+            late.into_iter().for_each(|late| push_late(&mut batch.cells[cell], late_moves(cell, last), late));
             batch.cells[cell].end_line(ray);
         }
     }
@@ -117,6 +125,25 @@ fn push_line(stream: &mut OpStream, plan: &RayPlan, before: Option<&RayPlan>, ce
     items.extend(split(sent, seed >> 8).map(|count| vec![(OpKind::WriteY, count)]));
     for (kind, count) in shuffle(items, seed >> 16).into_iter().flatten() {
         stream.push(kind, count as u64);
+    }
+}
+
+/// Work and words that outlive the run, or stay in a FIFO: what the digits of a number say.
+fn push_late(stream: &mut OpStream, moves: &[OpKind], late: u64) {
+    stream.push(OpKind::Work(Unit(3)), if late & 1 == 0 { 0 } else { (late >> 3) % 60 });
+    if let Some(&kind) = moves.get(late as usize / 2 % 4) {
+        stream.push(kind, 1 + (late >> 5) % 12);
+    }
+}
+
+/// What a cell may move of which nobody else need know: words that it writes stay where they are. What it reads must have
+/// been written late too.
+fn late_moves(cell: usize, last: bool) -> &'static [OpKind] {
+    match (cell, last) {
+        (0, true) => &[],
+        (0, false) => &[OpKind::WriteX, OpKind::WriteY, OpKind::ReadX],
+        (_, true) => &[OpKind::WriteZ],
+        (_, false) => &[OpKind::WriteX, OpKind::WriteY, OpKind::WriteZ],
     }
 }
 

@@ -1,11 +1,11 @@
 //! The judge: the machine ticked cycle by cycle, written as plainly as the machine's description and sharing no code
 //! with the simulator's timing half but the types of its input and output.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use pcs_sim::machine::line::{IDLE, MOVING, blocked, waiting, working};
 use pcs_sim::machine::{Cycles, MachineSpec, RateCounts, Words};
-use pcs_sim::measure::{FifoStats, Measured, StateId, StateTimes};
+use pcs_sim::measure::{self, FifoStats, LinkStats, Measured, StateId, StateTimes};
 use pcs_sim::seam::{Channel, Costs, Op, OpBatch, OpKind};
 
 /// What the judge counts.
@@ -16,6 +16,7 @@ pub struct Ticked {
     pub stations: Vec<StateTimes>,
     /// Each FIFO's name, how many words it holds, and its figures.
     pub fifos: Vec<(String, Words, FifoStats)>,
+    pub links: Vec<LinkStats>,
 }
 
 impl From<&Measured> for Ticked {
@@ -26,6 +27,7 @@ impl From<&Measured> for Ticked {
             jobs: run.jobs,
             stations: run.stations.clone(),
             fifos: infos.zip(&run.fifos).map(|((name, capacity), fifo)| (name, capacity, *fifo)).collect(),
+            links: run.links.clone(),
         }
     }
 }
@@ -39,6 +41,8 @@ pub struct History {
     pub at: Vec<Vec<usize>>,
     /// For each FIFO, in the order of the statistics, its occupancy at the end of each cycle.
     pub occupancies: Vec<Vec<u64>>,
+    /// For each link and channel (0, 1, 2 for X, Y, Z), the cycles in which words were written and in which they were read.
+    pub words: BTreeMap<(usize, usize), [Vec<u64>; 2]>,
     /// The cycles in which the host wrote the words of X.
     pub sent: Vec<u64>,
     /// The cycles in which the host read the last words of messages.
@@ -53,7 +57,7 @@ struct Queue {
     at_start: usize,
     words: u64,
     max: u64,
-    word_cycles: u64,
+    word_cycles: u128,
     full: u64,
     empty: u64,
 }
@@ -77,6 +81,8 @@ pub struct Ticking<'a> {
     z: Vec<Queue>,
     /// Per link (0 is the host's) and channel, the first cycle in which the wire is free.
     wire_free: Vec<[u64; 3]>,
+    /// Per link, for how many cycles the wire of X and that of Y, which may be one, carried a word.
+    wire_busy: Vec<[u64; 2]>,
     returned_words: u64,
     returned: Vec<u64>,
     now: u64,
@@ -115,7 +121,7 @@ impl Queue {
     fn observe(&mut self) {
         let occupancy = self.written_in.len() as u64;
         self.max = self.max.max(occupancy);
-        self.word_cycles += occupancy;
+        self.word_cycles += occupancy as u128;
         self.full += (occupancy == self.capacity) as u64;
         self.empty += (occupancy == 0) as u64;
     }
@@ -169,6 +175,7 @@ impl<'a> Ticking<'a> {
                 .collect(),
             z: (1..cells).map(|cell| Queue::new(format!("Z{}", cell - 1), spec)).collect(),
             wire_free: vec![[0; 3]; cells + 1],
+            wire_busy: vec![[0; 2]; cells + 1],
             returned_words: 0,
             returned: Vec::new(),
             now: 0,
@@ -239,6 +246,9 @@ impl<'a> Ticking<'a> {
         for (queue, occupancies) in queues.zip(&mut self.history.occupancies) {
             queue.observe();
             occupancies.push(queue.written_in.len() as u64);
+        }
+        for (busy, free) in self.wire_busy.iter_mut().zip(&self.wire_free) {
+            busy.iter_mut().zip(free).for_each(|(busy, free)| *busy += (*free > self.now) as u64);
         }
         self.now += 1;
         active
@@ -311,7 +321,7 @@ impl<'a> Ticking<'a> {
         *self.cells[index].times.of_mut(state) += Cycles(1);
         if moved {
             if let Some(channel) = reads {
-                self.queue(from(channel), channel).unwrap().written_in.pop_front();
+                self.take(from(channel), channel);
             }
             if let Some(channel) = writes {
                 self.put(to(channel), channel);
@@ -340,8 +350,14 @@ impl<'a> Ticking<'a> {
         wire_free && self.queue(link, channel).is_some_and(|q| (q.at_start as u64) < q.capacity)
     }
 
+    fn take(&mut self, link: usize, channel: usize) {
+        self.queue(link, channel).unwrap().written_in.pop_front();
+        self.history.words.entry((link, channel)).or_default()[1].push(self.now);
+    }
+
     fn put(&mut self, link: usize, channel: usize) {
         let now = self.now;
+        self.history.words.entry((link, channel)).or_default()[0].push(now);
         let queue = self.queue(link, channel).unwrap();
         queue.written_in.push_back(now);
         queue.words += 1;
@@ -357,7 +373,7 @@ impl<'a> Ticking<'a> {
         let link = self.cells.len();
         let read = self.word(link, 1);
         if read {
-            self.queue(link, 1).unwrap().written_in.pop_front();
+            self.take(link, 1);
             self.returned_words += 1;
             if self.returned_words.is_multiple_of(self.costs.vocabulary().answer_words) {
                 self.returned.push(self.now);
@@ -369,11 +385,14 @@ impl<'a> Ticking<'a> {
     fn stats(&self, batches: &[OpBatch]) -> Ticked {
         let used = |queue: &&Queue| queue.words > 0;
         let fifos = self.x.iter().chain(&self.y).chain(self.z.iter().filter(used));
+        let ends = (0..self.cells.len()).map(measure::Actor::Station).chain([measure::Actor::Host]);
+        let links = ends.zip(&self.wire_busy);
         Ticked {
             cycles: Cycles(self.now),
             jobs: batches.iter().map(|batch| batch.host.lines().len() as u64).sum(),
             stations: self.cells.iter().map(|cell| cell.times).collect(),
             fifos: fifos.map(Queue::stats).collect(),
+            links: links.map(|(into, [x, y])| LinkStats { into: Some(into), busy: Cycles(*x.max(y)) }).collect(),
         }
     }
 }

@@ -227,7 +227,7 @@ impl Tally {
         bin.hold(far, turn - there, far == self.capacity);
         if apart > 1 {
             // On the way and on the way back.
-            bin.word_cycles += (near + far) * (apart - 1);
+            bin.word_cycles += (near + far) as u128 * (apart - 1) as u128;
             self.pass(near.min(far) + 1, apart - 1, 2);
         }
         true
@@ -261,7 +261,7 @@ impl FifoBin {
     fn hold(&mut self, occupancy: u64, cycles: u64, full: bool) {
         self.min = self.min.min(Words(occupancy));
         self.max = self.max.max(Words(occupancy));
-        self.word_cycles += occupancy * cycles;
+        self.word_cycles += occupancy as u128 * cycles as u128;
         self.full += Cycles(if full { cycles } else { 0 });
     }
 
@@ -270,7 +270,7 @@ impl FifoBin {
     fn pass(&mut self, from: u64, to: u64, cycles: u64) {
         self.min = self.min.min(Words(from.min(to)));
         self.max = self.max.max(Words(from.max(to)));
-        self.word_cycles += (from + to) * cycles / 2;
+        self.word_cycles += (from + to) as u128 * cycles as u128 / 2;
     }
 }
 

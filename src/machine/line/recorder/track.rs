@@ -1,7 +1,7 @@
 //! What the host or one cell did.
 
 use super::Window;
-use crate::machine::line::cursor::Halt;
+use crate::machine::line::cursor::{Cursor, Halt};
 use crate::machine::line::states::{IDLE, MOVING, is_waiting};
 use crate::machine::line::watcher::Watcher;
 use crate::measure::{JobSpan, StateId, StationRecord, Stretch};
@@ -57,23 +57,24 @@ impl<'a> Recorded<'a> {
         Recorded { track, window }
     }
 
-    /// Does the ops of a stream from `done` on line by line, so that it is known which job they are for. `run` does some
-    /// ops as far as it can, and tells at which cycle it stands then. Returns also how many events were recorded.
+    /// Does the ops of a stream from number `done` on line by line, so that it is known which job they are for. `run` does
+    /// some ops as far as it can, and tells where it stands then. Returns also how many events were recorded.
     pub fn run(
         mut self,
         stream: &OpStream,
-        done: &mut usize,
-        mut run: impl FnMut(&[Op], &mut usize, &mut Recorded<'_>) -> (Halt, u64),
+        mut done: usize,
+        mut run: impl FnMut(&[Op], &mut Recorded<'_>) -> (Halt, Cursor),
     ) -> (Halt, usize) {
         let before = self.track.events();
         let ops = stream.ops();
         loop {
-            let line = stream.line_of(*done);
+            let line = stream.line_of(done);
             let end = line.map_or(ops.len(), |line| line.end as usize);
             self.track.line.get_or_insert(Line { job: line.map(|line| line.job), entered: None });
-            let (halt, clock) = run(&ops[..end], done, &mut self);
+            let (halt, now) = run(&ops[..end], &mut self);
+            done = now.done;
             if halt == Halt::OutOfOps {
-                self.track.end_line(clock, self.window);
+                self.track.end_line(now.clock, self.window);
             }
             if halt != Halt::OutOfOps || end == ops.len() {
                 return (halt, self.track.events() - before);

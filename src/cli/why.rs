@@ -1,0 +1,29 @@
+//! `pcs-sim why`: why a run, or a recorded trace, took as long as it did.
+
+use pcs_sim::error::InputError;
+
+use super::args::{ReplayArgs, RunArgs, Typed, WhyArgs};
+use super::{Failure, MomentOf, Told, moot_flags, replay, run};
+
+/// Times the trace or the scene's rays, and tells the critical path, or what happens in one moment.
+pub fn why(args: &WhyArgs, typed: &Typed) -> Result<(), Failure> {
+    let told = told(args)?;
+    let mut of_run = args.run.clone();
+    of_run.views.why = true;
+    let Some(ops) = args.recorded.clone() else { return run::run(&of_run, typed, told) };
+    moot_flags::check_why(&of_run, &of_run.options(typed))?;
+    let RunArgs { machine_file, machine, results, views, .. } = of_run;
+    replay::replay(&ReplayArgs { ops: Some(ops), config: None, machine_file, machine, results, views }, told)
+}
+
+fn told(args: &WhyArgs) -> Result<Told, InputError> {
+    let moment = args.at.map(MomentOf::At).or(args.ray.map(MomentOf::Ray));
+    match (args.cell, moment) {
+        (Some(cell), Some(moment)) => Ok(Told::Moment(cell, moment)),
+        (Some(_), None) => {
+            let error = InputError::new("--cell is about one moment, and none is given");
+            Err(error.help("say which: --at 12.3ms, --at CYCLE or --ray N; the times of all cells tells --by-cell"))
+        }
+        (None, _) => Ok(Told::Why { by_cell: args.by_cell }),
+    }
+}
