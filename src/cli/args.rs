@@ -377,6 +377,9 @@ pub struct SizeArgs {
     /// The run that a file describes: statistics, or their configuration. Flags beside it change that.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+    /// A speed, in percent of that with unlimited FIFOs; may be given several times [default: 100, 99.9, 99, 95 and 90].
+    #[arg(long, value_name = "PERCENT")]
+    pub speed: Vec<f64>,
     /// Write a table of what was found: FILE.csv, and the same as FILE.parquet.
     #[arg(short = 'o', long, value_name = "FILE", help_heading = "Results")]
     pub table: Option<PathBuf>,

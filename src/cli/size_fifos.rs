@@ -1,5 +1,6 @@
 //! `pcs-sim size-fifos`: the fewest words that FIFOs need, for a run or for a recorded trace.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -47,7 +48,8 @@ enum Ops {
 
 /// Records the run or reads the trace, and searches.
 pub fn size_fifos(args: &SizeArgs, typed: &Typed) -> Result<(), Failure> {
-    let files = Outputs::open(args)?;
+    let speeds = speeds(&args.speed)?;
+    let files = Outputs::open(args, &speeds)?;
     let workers = Workers::on_all_cores();
     let tables = args.table.as_ref().map(|table| ["csv", "parquet"].map(|ending| table.with_extension(ending)));
     let named: Vec<Option<&PathBuf>> = tables.iter().flatten().map(Some).collect();
@@ -64,9 +66,9 @@ pub fn size_fifos(args: &SizeArgs, typed: &Typed) -> Result<(), Failure> {
     let (spec, least_z_words) = (&machine.spec, *least_z_words);
     let bar = progress::waiting("sizing the FIFOs");
     let note = |Searching { replays, points }| {
-        bar.set_message(format!("sizing the FIFOs: {points} of {} machines found, {replays} replays", SLOWER.len()));
+        bar.set_message(format!("sizing the FIFOs: {points} of {} machines found, {replays} replays", speeds.len()));
     };
-    let front = run::size_fifos(Recorded { batches, costs, spec, least_z_words }, &workers.cancel, note)?;
+    let front = run::size_fifos(Recorded { batches, costs, spec, least_z_words }, &speeds, &workers.cancel, note)?;
     bar.finish_and_clear();
     let (machine, table) = (account::machine_line(spec), sizing::to_text(&front));
     print(&format!("FIFOs of {title}\n{machine}\n\n{table}\n{}", sizing::sentences(&front)))?;
@@ -120,8 +122,25 @@ fn of_trace(args: &SizeArgs, typed: &Typed, path: &Path) -> Result<Recording, Fa
     Ok(Recording { title, ops: Ops::Read(batches), costs, machine, file: spec.machine, least_z_words: Words(1) })
 }
 
+/// The speeds that are asked for, as the thousandths by which a run may be slower: each once, the fastest first.
+fn speeds(percent: &[f64]) -> Result<Vec<u64>, InputError> {
+    if percent.is_empty() {
+        return Ok(SLOWER.to_vec());
+    }
+    let slower = |&percent: &f64| {
+        let thousandths = (1000.0 - 10.0 * percent).round();
+        let possible = (50.0..=100.0).contains(&percent) && (1000.0 - thousandths - 10.0 * percent).abs() < 1e-9;
+        possible.then_some(thousandths as u64).ok_or_else(|| {
+            let error = InputError::new(format!("a speed of {percent} % cannot be asked for"));
+            error.help("speeds are from 50 to 100 %, with one decimal at the most")
+        })
+    };
+    let all: BTreeSet<u64> = percent.iter().map(slower).collect::<Result<_, _>>()?;
+    Ok(all.into_iter().collect())
+}
+
 impl Outputs {
-    fn open(args: &SizeArgs) -> Result<Outputs, InputError> {
+    fn open(args: &SizeArgs, speeds: &[u64]) -> Result<Outputs, InputError> {
         let Some(path) = &args.table else {
             return Ok(Outputs { csv: None, parquet: None, pictures: Vec::new(), machines: Vec::new() });
         };
@@ -138,7 +157,7 @@ impl Outputs {
             Ok::<_, InputError>([create(&beside(format!("{name}.svg")))?, create(&beside(format!("{name}.png")))?])
         };
         let pictures = if args.plot { &sizing::PICTURES[..] } else { &[] };
-        let machines = if args.machines { &SLOWER[..] } else { &[] };
+        let machines = if args.machines { speeds } else { &[] };
         Ok(Outputs {
             csv: Some(create(&path.with_extension("csv"))?),
             parquet: Some(create(&path.with_extension("parquet"))?),

@@ -8,7 +8,7 @@
 //! Only depths are tried at which some word would have had to wait: less than a FIFO holds if all are unlimited, and in each run that
 //! is fast enough, no more than it came to hold there.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
@@ -35,7 +35,7 @@ pub struct Recorded<'a> {
     pub least_z_words: Words,
 }
 
-/// How fast the machines of a [`Front`] are, each as the share of cycles that they may take more than with unlimited FIFOs, in
+/// How fast machines are that are worth a look, each as the cycles that they may take more than with unlimited FIFOs, in
 /// thousandths. At 1 % more the speed is 99 % at the least, and so on.
 pub const SLOWER: [u64; 5] = [0, 1, 10, 50, 100];
 
@@ -46,7 +46,7 @@ pub struct Front {
     pub fifos: Vec<FifoName>,
     /// What each must hold so that no word ever waits for room: with more, nothing changes. It is no more than can be simulated.
     pub unlimited: Depths,
-    /// For each of [`SLOWER`], depths of which none can be lowered by itself.
+    /// For each speed, the fastest first, depths of which none can be lowered by itself.
     pub points: Vec<Point>,
     /// All FIFOs as shallow as they can be, and what comes of it.
     pub least: (Vec<Words>, Fewer),
@@ -108,13 +108,15 @@ impl Front {
     }
 }
 
-/// Sizes the FIFOs of a recorded run, on all cores. `note` is told after each run how far that is.
+/// Sizes the FIFOs of a recorded run, on all cores, for some speeds ([`Point::slower`]). `note` is told after each run how far
+/// that is.
 ///
 /// # Errors
 ///
 /// If the ops are none of such an array's, or never come to an end whatever the depths; and if it is told to stop.
 pub fn size_fifos(
     recorded: Recorded<'_>,
+    speeds: &[u64],
     cancel: &Cancel,
     note: impl Fn(Searching) + Sync,
 ) -> Result<Front, SizingError> {
@@ -125,14 +127,15 @@ pub fn size_fifos(
     };
     let mut search = Search::new(recorded, cancel, &timed);
     let unlimited = search.unlimited()?;
+    let least = (search.least.clone(), search.fewer(&search.least)?);
+    let speeds: BTreeSet<u64> = speeds.iter().copied().collect();
     let mut points: Vec<Point> = Vec::new();
-    for slower in SLOWER {
+    for slower in speeds {
         let faster = points.last().map(|point| point.depths.words.clone());
-        let depths = search.fewest(&unlimited, slower, faster)?;
+        let depths = search.fewest(&unlimited, &least, slower, faster)?;
         points.push(Point { slower, fewer: search.one_fewer(&depths.words)?, depths });
         found.fetch_add(1, Ordering::Relaxed);
     }
-    let least = (search.least.clone(), search.fewer(&search.least)?);
     let fifos = search.fifos.clone();
     Ok(Front { fifos, unlimited, points, least, replays: replays.load(Ordering::Relaxed) })
 }
@@ -282,16 +285,32 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
             words[index] = trial.most[index].max(self.least[index]);
             Ok(if self.time(&words, UNLIMITED)?.seen == trial.seen { words[index] } else { enough[index] })
         };
-        let words = (0..enough.len()).into_par_iter().map(exact).collect::<Result<Vec<Words>, SizingError>>()?;
+        let held: Vec<Words> = trial.most.iter().zip(&self.least).map(|(&most, &least)| most.max(least)).collect();
+        let words = match self.time(&held, UNLIMITED)?.seen == trial.seen {
+            true => held,
+            false => (0..enough.len()).into_par_iter().map(exact).collect::<Result<Vec<Words>, SizingError>>()?,
+        };
         self.works = last_op_answers(self.recorded.batches).then_some(trial.works);
         Ok(Depths { words, cycles })
     }
 
-    /// The fewest words with which the run takes no more than so many thousandths longer than with unlimited FIFOs. `faster` are depths
+    /// The fewest words with which the run takes no more than so many thousandths longer than with unlimited FIFOs. `least` is what
+    /// comes of the least, `faster` are depths
     /// that are found for a faster one.
-    fn fewest(&self, unlimited: &Depths, slower: u64, faster: Option<Vec<Words>>) -> Result<Depths, SizingError> {
+    fn fewest(
+        &self,
+        unlimited: &Depths,
+        least: &(Vec<Words>, Fewer),
+        slower: u64,
+        faster: Option<Vec<Words>>,
+    ) -> Result<Depths, SizingError> {
         let Cycles(cycles) = unlimited.cycles;
         let most = Cycles(cycles + (u128::from(cycles) * u128::from(slower) / 1000) as u64);
+        if let (words, Fewer::Cycles(cycles)) = least
+            && *cycles <= most
+        {
+            return Ok(Depths { words: words.clone(), cycles: *cycles });
+        }
         let deepest = unlimited.words.iter().map(|words| words.0).max().unwrap_or(1);
         // Where the search begins: at what is fast enough already, at the unlimited depths, at the least one that all may share, or at
         // the least share of each. Each of these leads to other depths; the first is the shortest way.
@@ -303,7 +322,12 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
             (2, _) => self.least_of(deepest, most, capped),
             _ => self.least_of(PARTS, most, shared),
         };
-        let starts: Vec<usize> = (usize::from(faster.is_none())..4).take(self.starts).collect();
+        let starts = match (&faster, slower) {
+            (Some(_), _) => vec![0, 1, 2, 3],
+            (None, 0) => vec![1, 2, 3],
+            (None, _) => vec![2, 1, 3],
+        };
+        let starts: Vec<usize> = starts.into_iter().take(self.starts).collect();
         let descend = |start: usize| self.descend(begin(start)?, most);
         let found = starts.into_par_iter().map(descend).collect::<Result<Vec<Depths>, SizingError>>()?;
         let found = found.into_iter().min_by_key(|depths| (depths.total(), depths.cycles));
@@ -341,16 +365,20 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
             // Many cannot be lowered any more.
             let mut next = words[index].0 - 1;
             while words[index].0 - too_few > 1 {
-                let mut tried = words.clone();
-                tried[index] = Words(next);
-                match self.fits(&tried, most)? {
-                    None => too_few = next,
+                let tried = self.tried(index, too_few, next, words[index].0);
+                let fits = |&depth: &u64| {
+                    let mut tried = words.clone();
+                    tried[index] = Words(depth);
+                    Ok((self.fits(&tried, most)?, tried))
+                };
+                let found = tried.par_iter().map(fits).collect::<Result<Vec<_>, SizingError>>()?;
+                // Of the depths, which rise, those that are enough come last.
+                let enough = found.iter().position(|(held, _)| held.is_some());
+                too_few = tried[..enough.unwrap_or(tried.len())].last().copied().unwrap_or(too_few);
+                if let Some((Some(held), tried)) = enough.map(|first| &found[first]) {
                     // No word needs more places than the FIFO holds, but the one in which another is read in the same cycle.
-                    Some(held) => {
-                        let enough = tried.iter().zip(&held).zip(&self.least);
-                        words =
-                            enough.map(|((&tried, held), &least)| tried.min(Words(held.0 + 1)).max(least)).collect();
-                    }
+                    let enough = tried.iter().zip(held).zip(&self.least);
+                    words = enough.map(|((&tried, held), &least)| tried.min(Words(held.0 + 1)).max(least)).collect();
                 }
                 next = self.next(index, too_few, words[index].0);
             }
@@ -359,6 +387,18 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
             End::Done(cycles) => Ok(Depths { words, cycles }),
             End::Stuck(stuck) => Err(stuck.into()),
             End::TooSlow => Ok(Depths { words, cycles: most }),
+        }
+    }
+
+    /// The depths of a FIFO that are tried at once, rising: the next one, and where there is but one search, on a core that would have
+    /// nothing to do, another one beside it.
+    fn tried(&self, index: usize, too_few: u64, next: u64, enough: u64) -> Vec<u64> {
+        if self.starts == 1 && enough - next > 1 {
+            vec![next, self.next(index, next, enough)]
+        } else if self.starts == 1 && next - too_few > 1 {
+            vec![self.next(index, too_few, next), next]
+        } else {
+            vec![next]
         }
     }
 

@@ -13,7 +13,7 @@ use serde_json::Value;
 fn sized(spec: &MachineSpec, batches: &[OpBatch]) -> Result<Front, SizingError> {
     let costs = costs();
     let recorded = Recorded { batches, costs: &costs, spec, least_z_words: Words(1) };
-    size_fifos(recorded, &Cancel::default(), |_| ())
+    size_fifos(recorded, &SLOWER, &Cancel::default(), |_| ())
 }
 
 /// The machine with these depths.
@@ -141,6 +141,18 @@ fn the_machines_it_writes_are_what_it_says() {
 }
 
 #[test]
+fn speeds_can_be_chosen() {
+    let folder = Folder::new();
+    let run = "size-fifos --scene room --size 24x18 --mode pipeline";
+    folder.run(&format!("{run} --speed 97.5 --speed 99 --speed 97.5 -o t.csv --machines")).success();
+    let fewest: Vec<_> = rows(&folder, "t.csv").into_iter().filter(|row| row["depths"] == "fewest").collect();
+    assert_eq!(fewest.iter().map(|row| row["speed_wanted"].as_str()).collect::<Vec<_>>(), ["0.99", "0.975"]);
+    let number = |row: &std::collections::BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+    assert!(fewest.iter().all(|row| number(row, "speed") >= number(row, "speed_wanted")));
+    assert!(folder.path("t-99.ron").exists() && folder.path("t-97.5.ron").exists());
+}
+
+#[test]
 fn a_depth_that_can_never_do_is_a_row_that_says_so() {
     let folder = Folder::new();
     // Cell 1 wants its ray before the words on Y, which cell 0 sends before the ray.
@@ -173,6 +185,8 @@ fn what_it_would_not_look_at_is_refused() {
         ("--ops a.ops --scene room", "--scene is about what the trace has recorded"),
         ("--ops a.ops --order stride", "--order is about what the trace has recorded"),
         ("--ops a.ops --memory-words 5", "--memory-words is about what the trace has recorded"),
+        ("--scene room --speed 101", "speeds are from 50 to 100 %"),
+        ("--scene room --speed 99.95", "with one decimal"),
         ("--scene room -o table.txt", "must end in .csv or .parquet"),
         ("--scene room --plot", "--table"),
     ] {
