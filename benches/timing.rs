@@ -1,14 +1,18 @@
-//! The timing half alone: words a second on one core, with all statistics on: alone, with a probe, and with the critical path.
+//! The timing half alone: words a second on one core, with all statistics on: alone, with a probe, and with the critical path;
+//! and how long a farm takes.
 //!
 //! `cargo bench --bench timing`
 
+use std::convert::Infallible;
 use std::hint::black_box;
 use std::time::Instant;
 
+use pcs_sim::cancel::Cancel;
 use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::{Array, MachineSpec, Words};
 use pcs_sim::measure::CriticalPath;
 use pcs_sim::program::work::{self, GRID_START, GRID_VOXEL, INTERSECTION_POLYGON, SLABS_POLYGON, SLABS_START};
+use pcs_sim::run::{FarmRunOptions, FarmSpec, Watching, Workers};
 use pcs_sim::seam::{Costs, OpBatch, OpKind};
 
 const RAYS: u32 = 1024;
@@ -154,4 +158,26 @@ fn main() {
             println!("{name:<22} {fifo_words:>10} {alone:>16.0} {probed:>12.0} {explained:>12.0}");
         }
     }
+    if only.is_none_or(|only| only == "farm") {
+        println!("farm of 8 workers, 640 x 512 pixels, and of one: {:.3} s", median_farm());
+    }
+}
+
+/// Seconds in which the tasks of a farm run, and those of the one worker that it is compared with.
+fn median_farm() -> f64 {
+    let mut options = FarmRunOptions::default();
+    options.set("size", "640x512").expect("it is a size");
+    let spec = FarmSpec::new(&options, None).expect("it is possible");
+    let machine = spec.machine.build().expect("it is possible");
+    let scene = spec.lay_out(&Workers::new(1), |_| Ok::<_, Infallible>(())).expect("it fits");
+    let items = spec.cut(&scene, &machine).expect("it can be counted");
+    let seconds = || {
+        let start = Instant::now();
+        let outcome = spec.run((&scene, &machine, &items), &Watching::default(), &Cancel::default());
+        black_box(outcome.expect("it ends"));
+        start.elapsed().as_secs_f64()
+    };
+    let mut seconds: Vec<f64> = (0..7).map(|_| seconds()).collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds[seconds.len() / 2]
 }

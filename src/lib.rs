@@ -20,7 +20,8 @@
 //!   read 8 words, walk 12 voxels, write a word. Rays are independent of each other; all cores work on them.
 //!   The cells take Figure 7's times, or run programs that compute the hits themselves ([`isa`], [`program::cells`]);
 //! - the **timing half** ([`machine`], above all [`machine::line`]) knows what a unit of work costs, and turns ops into
-//!   cycles. It knows no rays. What it saw is in the terms of [`measure`], which fit any machine;
+//!   cycles. It knows no rays. What it saw is in the terms of [`measure`], which fit any machine. Machines whose stations serve
+//!   whoever comes first, such as CAPITAN's farm of workers ([`program::farm`]), act in [`machine::events`];
 //! - the **[`seam`]** between them is the op. Recorded, ops are an [activity trace](seam::activity_trace), which can be
 //!   timed again under any machine without the scene.
 //!
@@ -68,7 +69,6 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use pcs_sim::machine::{Cycles, MachineFile, MachineOptions, Words};
 //! use pcs_sim::program::work;
-//! use pcs_sim::seam::Channel;
 //!
 //! let mut file = MachineFile::standard()?;
 //! let none = MachineOptions::default();
@@ -76,7 +76,7 @@
 //! let machine = file.build()?;
 //!
 //! assert_eq!(machine.spec.link_rate().cycles_per_word, 4); // 4 bytes at 20 Mbyte/s, in cycles of 50 ns
-//! assert_eq!(machine.spec.fifo_words_of(Channel::Y), Words(64));
+//! assert_eq!(machine.spec.fifo_words_of("Y1".parse()?), Words(64));
 //! let costs = work::costs(&work::vocabulary(false), &machine.times, None);
 //! assert_eq!((costs.of(work::GRID_START), costs.of(work::GRID_VOXEL)), (Cycles(600), Cycles(78)));
 //! # Ok(())
@@ -178,6 +178,34 @@
 //! # }
 //! ```
 //!
+//! # A farm of workers
+//!
+//! The second kind of machine: tasks that serve whoever comes first ([`machine::events`]), as SKY's did on CAPITAN in 1988.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use std::convert::Infallible;
+//!
+//! use pcs_sim::cancel::Cancel;
+//! use pcs_sim::machine::Cycles;
+//! use pcs_sim::run::{FarmRunOptions, FarmSpec, Watching, Workers};
+//!
+//! let mut options = FarmRunOptions::default(); // CAPITAN, and a made-up scene of rectangles, unless told otherwise
+//! options.set("size", "100x100")?;
+//! options.set("tasks", "8")?;
+//! let spec = FarmSpec::new(&options, None)?;
+//!
+//! let machine = spec.machine.build()?;
+//! let scene = spec.lay_out(&Workers::new(2), |_| Ok::<_, Infallible>(()))?;
+//! let items = spec.cut(&scene, &machine)?;
+//! let farm = spec.run((&scene, &machine, &items), &Watching::default(), &Cancel::default())?;
+//!
+//! // Cycles are nanoseconds; the thesis has 6.4 s.
+//! assert_eq!((farm.stats.cycles, farm.items), (Cycles(6_238_637_921), 936));
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Guarantees
 //!
 //! Each with the test in `tests/it` that holds it.
@@ -191,6 +219,7 @@
 //! - **Accounted for.** Every cycle of every cell is in exactly one state, so the states sum to the run
 //!   (`timing_is_exact`, `sweep`).
 //! - **A replay is the run.** A recorded trace gives the very statistics of the run that recorded it (`replay`).
+//! - **A farm is exact, too.** To the nanosecond, in every state of every task (`farm`: against a model that ticks).
 //! - **No run hangs.** One that cannot end is told apart, with its waits (`deadlock`).
 
 pub mod cancel;
@@ -205,6 +234,7 @@ pub mod model;
 mod parameters;
 pub mod program;
 pub mod quantities;
+mod random;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod run;

@@ -49,3 +49,8 @@ macro_rules! arithmetic {
 
 arithmetic!(Cycles, "cycle");
 arithmetic!(Words, "word");
+
+/// The largest number that both can be divided by; the other one if one of them is 0.
+pub(crate) fn common_divisor(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { common_divisor(b, a % b) }
+}

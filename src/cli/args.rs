@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueEnum};
-use pcs_sim::machine::{Cycles, MachineOptions};
+use pcs_sim::machine::{CapitanOptions, Cycles, MachineOptions};
 use pcs_sim::measure::Actor;
 use pcs_sim::run::{
-    CellsOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions, RayOptions, RunOptions, SceneOptions,
-    ShapeOptions,
+    CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions,
+    ProgramOptions, RayOptions, RunOptions, SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
 
@@ -31,8 +31,12 @@ pub struct Cli {
 pub enum Command {
     /// Makes a whole image: the host shades the hits and sends shadow, reflected and refracted rays.
     Image(Box<ImageArgs>),
+    /// Runs a farm of workers on the machine CAPITAN: a master hands out parts of an image, and each worker has the scene.
+    Farm(Box<FarmArgs>),
     /// Times a recorded activity trace again, under any machine, without its scene.
     Replay(Box<ReplayArgs>),
+    /// Finds the fewest words that the FIFOs need, each by itself, for 90 to 100 % of the speed that they could give.
+    SizeFifos(Box<SizeArgs>),
     /// Tells why a run, or a recorded activity trace, took as long as it did, and what would make it faster.
     Why(Box<WhyArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
@@ -70,6 +74,8 @@ pub struct RunArgs {
     #[command(flatten)]
     pub rays: RayOptions,
     #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
@@ -94,6 +100,7 @@ impl RunArgs {
             scene: self.scene.clone(),
             shape: self.shape.clone(),
             rays: self.rays.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -111,6 +118,7 @@ impl ImageArgs {
         let mut options = RunOptions {
             scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -131,7 +139,27 @@ impl ModelArgs {
             scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
             rays: self.rays.clone(),
+            order: self.order.clone(),
             program: self.program.clone(),
+            machine_file: self.machine_file.clone(),
+            machine: self.machine.clone(),
+            ..RunOptions::default()
+        };
+        options.retain(|name| typed.has(name));
+        options
+    }
+}
+
+impl SizeArgs {
+    /// What is asked of the run.
+    pub fn options(&self, typed: &Typed) -> RunOptions {
+        let mut options = RunOptions {
+            scene: self.scene.clone(),
+            shape: self.shape.clone(),
+            rays: self.rays.clone(),
+            order: self.order.clone(),
+            program: self.program.clone(),
+            cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
             machine: self.machine.clone(),
             ..RunOptions::default()
@@ -174,6 +202,8 @@ pub struct ImageArgs {
     #[command(flatten)]
     pub shape: ShapeOptions,
     #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
     pub light: LightOptions,
     #[command(flatten)]
     pub host: HostOptions,
@@ -193,10 +223,56 @@ pub struct ImageArgs {
     pub views: ViewArgs,
 }
 
+/// `pcs-sim farm`.
+#[derive(Debug, Args)]
+pub struct FarmArgs {
+    /// A built-in scene (`pcs-sim scenes` lists them), a file (.ron, .obj, .ply, .nff), or rectangles: a made-up scene.
+    #[arg(value_name = "SCENE", required_unless_present = "config")]
+    pub scene: Option<String>,
+    /// Repeat the farm that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    #[command(flatten)]
+    pub farm: FarmOptions,
+    #[command(flatten)]
+    pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub light: LightOptions,
+    #[command(flatten)]
+    pub machine: CapitanOptions,
+    /// Write all statistics as JSON.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub stats: Option<PathBuf>,
+    /// Replace result files that exist.
+    #[arg(long, help_heading = "Results")]
+    pub force: bool,
+    #[command(flatten)]
+    pub views: ViewArgs,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+impl FarmArgs {
+    /// What is asked of the farm.
+    pub fn options(&self, typed: &Typed) -> FarmRunOptions {
+        let mut options = FarmRunOptions {
+            scene: SceneOptions { scene: self.scene.clone() },
+            shape: self.shape.clone(),
+            light: self.light.clone(),
+            farm: self.farm.clone(),
+            machine: self.machine.clone(),
+        };
+        options.retain(|name| typed.has(name));
+        options
+    }
+}
+
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
 #[derive(Clone, Debug, Args)]
 pub struct TracingArgs {
-    /// Write the hits as CSV, in the order in which the host sends the rays: ray, t, polygon, alpha, beta.
+    /// Write the hits as CSV: ray, t, polygon, alpha, beta. Primary rays are numbered as their pixels are, a whole image's as the
+    /// host sends them.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub hits: Option<PathBuf>,
     /// Write what the host and every cell did for every ray, for `pcs-sim replay`.
@@ -258,6 +334,45 @@ pub struct ReplayArgs {
     pub results: ResultArgs,
     #[command(flatten)]
     pub views: ViewArgs,
+}
+
+/// `pcs-sim size-fifos`.
+#[derive(Debug, Args)]
+pub struct SizeArgs {
+    /// A recorded trace, as --ops wrote it, in place of a run.
+    #[arg(long, value_name = "FILE", conflicts_with = "config")]
+    pub ops: Option<PathBuf>,
+    /// The run that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Write a table of what was found: FILE.csv, and the same as FILE.parquet.
+    #[arg(short = 'o', long, value_name = "FILE", help_heading = "Results")]
+    pub table: Option<PathBuf>,
+    /// Draw it, as SVG and PNG beside the table: speed over words, and the depths of the FIFOs.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub plot: bool,
+    /// Write the machine of each speed, as FILE-99.ron, ... beside the table.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub machines: bool,
+    /// Replace result files that exist.
+    #[arg(long, help_heading = "Results")]
+    pub force: bool,
+    #[command(flatten)]
+    pub program: ProgramOptions,
+    #[command(flatten)]
+    pub cells: CellsOptions,
+    #[command(flatten)]
+    pub scene: SceneOptions,
+    #[command(flatten)]
+    pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub rays: RayOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
+    #[command(flatten)]
+    pub machine_file: MachineFileOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
 }
 
 /// `pcs-sim why`.
@@ -369,6 +484,8 @@ pub struct ModelArgs {
     pub shape: ShapeOptions,
     #[command(flatten)]
     pub rays: RayOptions,
+    #[command(flatten)]
+    pub order: OrderOptions,
     #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]

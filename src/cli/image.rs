@@ -11,16 +11,19 @@ use pcs_sim::host::image;
 use pcs_sim::machine::Machine;
 use pcs_sim::program::Workload;
 use pcs_sim::report::kinds::{self, RaysByKind};
+use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, hits, why};
-use pcs_sim::run::{self, ImageSpec, Layers, OutputFile, Picture, PlannedRun, Rendered, RunSpec, Seen, Switch, Timed};
+use pcs_sim::run::{
+    self, ImageSpec, Layers, OutputFile, Picture, PlannedRun, Rendered, RunSpec, Seen, Shuffled, Switch, Timed, Timing,
+};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::TraceWriter;
 
 use super::args::{ImageArgs, Typed};
-use super::run::{cell_names, machine_line, memory_line, plural, workers};
+use super::run::{cell_names, in_order, machine_line, memory_line, plural, verdict, workers};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, moot_flags, outputs, print, progress};
@@ -69,9 +72,9 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let setup = Setup { spec, image, scene, machine, workload };
     setup.machine.notes.iter().chain(&setup.scene.notes).for_each(|note| eprintln!("note: {note}"));
     let mut found = Vec::new();
-    let rendered = render(args, &setup, &mut files, &mut found)?;
-    print(&report(&setup, &rendered))?;
-    let written = write_outputs(format, &setup, &rendered, &found, files)?;
+    let (rendered, losses) = render(args, &setup, &mut files, &mut found)?;
+    print(&report(&setup, &rendered, losses.as_ref()))?;
+    let written = write_outputs(format, &setup, (&rendered, losses.as_ref()), &found, files)?;
     print(&outputs::list(&written))
 }
 
@@ -106,7 +109,12 @@ fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError>
     })
 }
 
-fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<Hit>) -> Result<Rendered, Failure> {
+fn render(
+    args: &ImageArgs,
+    setup: &Setup,
+    files: &mut Outputs,
+    found: &mut Vec<Hit>,
+) -> Result<(Rendered, Option<Losses>), Failure> {
     let picture = Picture {
         scene: &setup.scene,
         workload: &setup.workload,
@@ -117,7 +125,7 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let timed = (setup.image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
-        rules: setup.image.rules(),
+        rules: setup.image.rules(setup.spec.order),
         watching: files.views.watching(),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
@@ -127,24 +135,31 @@ fn render(args: &ImageArgs, setup: &Setup, files: &mut Outputs, found: &mut Vec<
     let keeps_hits = files.hits.is_some();
     let watch = || Watch::new(setup.machine.spec.clock(), cell_names(&setup.workload));
     let mut live = Live::new(progress::samples(), args.results.watch.then(watch));
-    let result = run::render(&picture, timed, &workers(args.tracing.threads), |seen| match seen {
+    let mut shuffled = Shuffled::new(cells);
+    let workers = workers(args.tracing.threads);
+    let result = run::render(&picture, timed, &workers, |seen| match seen {
         Seen::Samples { done, of, array } => {
             live.set(done as u64, of as u64);
             array.into_iter().for_each(|array| live.show(array));
             Ok(())
         }
         Seen::Sent(ops, hit) => {
+            shuffled.take(ops);
             found.extend(keeps_hits.then_some(*hit));
             writer.as_mut().map_or(Ok(()), |writer| writer.write(ops)).map_err(unwritable)
         }
     });
     live.finish();
-    Ok(result?)
+    let rendered = result?;
+    let spec = &setup.machine.spec;
+    let losses = |timing: &Timing| bottleneck::losses(&timing.stats, || shuffled.time(spec, costs, &workers.cancel));
+    let losses = rendered.timing.as_ref().and_then(losses);
+    Ok((rendered, losses))
 }
 
 /// What runs, in one line.
 fn title(setup: &Setup, rendered: &Rendered) -> String {
-    let Setup { spec: RunSpec { program, .. }, scene, workload, .. } = setup;
+    let Setup { spec: RunSpec { program, order, .. }, scene, workload, .. } = setup;
     let rays: u64 = rendered.kinds.iter().map(|kind| kind.rays).sum();
     let polygons = grouped(workload.polygons().len() as u64);
     let per_pixel = rays as f64 / rendered.pixels.len().max(1) as f64;
@@ -153,10 +168,11 @@ fn title(setup: &Setup, rendered: &Rendered) -> String {
         return format!("image without timing: {what}");
     }
     let groups = plural(workload.groups(), "group");
-    format!("{} on {} cells in {groups} of {}: {what}", program.name, workload.cells(), program.stages.len())
+    let (name, cells, order) = (&program.name, workload.cells(), in_order(*order));
+    format!("{name} on {cells} cells in {groups} of {}: {what}{order}", program.stages.len())
 }
 
-fn report(setup: &Setup, rendered: &Rendered) -> String {
+fn report(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String {
     let title = title(setup, rendered);
     let Some(timing) = &rendered.timing else {
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
@@ -172,7 +188,7 @@ fn report(setup: &Setup, rendered: &Rendered) -> String {
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n{why}", bottleneck::sentence(stats)),
+        format!("{}\n{why}", verdict(stats, losses, spec.clock())),
     ]
     .join("\n")
 }
@@ -180,7 +196,7 @@ fn report(setup: &Setup, rendered: &Rendered) -> String {
 fn write_outputs(
     format: Format,
     setup: &Setup,
-    rendered: &Rendered,
+    (rendered, losses): (&Rendered, Option<&Losses>),
     found: &[Hit],
     files: Outputs,
 ) -> Result<Vec<PathBuf>, Failure> {
@@ -195,14 +211,9 @@ fn write_outputs(
         outputs::finish(files.stats, &mut written, |file| {
             let kinds = RaysByKind::new(&rendered.kinds, timing);
             let (spec, counts) = (&setup.machine.spec, &rendered.counts);
-            let json = stats::image_to_json(
-                &timing.stats,
-                timing.observed.path.as_ref(),
-                spec.clock(),
-                counts,
-                &kinds,
-                &configuration,
-            )?;
+            let (path, clock) = (timing.observed.path.as_ref(), spec.clock());
+            let counted = (counts, &kinds);
+            let json = stats::image_to_json((&timing.stats, path), clock, losses, counted, &configuration)?;
             file.write_all(json.as_bytes())
         })?;
         let spec = &setup.machine.spec;
@@ -215,6 +226,7 @@ fn write_outputs(
             caption: &Caption { title: title(setup, rendered), machine: machine_line(spec) },
             clock: spec.clock(),
             stats: &timing.stats,
+            losses,
             observed: &timing.observed,
             cell_names: &cell_names(&setup.workload),
             configuration: &configuration,

@@ -7,6 +7,7 @@ mod cell_args;
 mod compare;
 mod diagnostics;
 mod disasm;
+mod farm;
 mod figure7;
 mod image;
 mod interrupt;
@@ -18,6 +19,7 @@ mod progress;
 mod replay;
 mod run;
 mod scenes;
+mod size_fifos;
 mod step;
 mod sweep;
 mod views;
@@ -110,7 +112,7 @@ impl<E: std::fmt::Display> From<RunError<E>> for Failure {
             RunError::Fault(fault) => fault.into(),
             RunError::Unfit(error) => error.into(),
             RunError::Batch(error) => InputError::new(error.to_string()).into(),
-            RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
+            RunError::Standstill(_) | RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
                 Failure::Output(error.to_string())
             }
         }
@@ -156,7 +158,9 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
     match &cli.command {
         None => run::run(&cli.run, typed, Told::All),
         Some(Command::Image(args)) => image::image(args, typed),
+        Some(Command::Farm(args)) => farm::farm(args, typed),
         Some(Command::Replay(args)) => replay::replay(args, Told::All),
+        Some(Command::SizeFifos(args)) => size_fifos::size_fifos(args, typed),
         Some(Command::Why(args)) => why::why(args, typed),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Model(args)) => model::model(args, typed),

@@ -7,14 +7,15 @@ use std::path::Path;
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::model::Survey;
-use pcs_sim::program::{ArrayProgram, Workload};
+use pcs_sim::program::Workload;
+use pcs_sim::report::losses::Losses;
 use pcs_sim::report::summary::grouped;
 use pcs_sim::report::{bottleneck, prediction};
-use pcs_sim::run::{self, CellsRun, Layers, Outcome, PlannedRun, Prepared, RunSpec};
+use pcs_sim::run::{self, CellsRun, Layers, Outcome, PlannedRun, Prepared, RunSpec, Shuffled};
 use pcs_sim::scene::Scene;
 
 use super::args::{ModelArgs, Typed};
-use super::run::{machine_line, plural, workers};
+use super::run::{in_order, machine_line, plural, verdict, workers};
 use super::{Failure, moot_flags, outputs, print, progress};
 
 /// `pcs-sim model SCENE [...]`
@@ -41,7 +42,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
         eprintln!("note: {note}");
     }
     let outcome = if args.predict_only { None } else { Some(simulate(&mut layers, &run, args.threads)?) };
-    let run = outcome.as_ref().map(|(workload, outcome)| prediction::Run {
+    let run = outcome.as_ref().map(|(workload, outcome, _)| prediction::Run {
         workload,
         counts: &outcome.counts,
         stats: &outcome.stats,
@@ -49,13 +50,13 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     let rows = prediction::rows(&predicted, &array, run);
     print(&format!(
         "{}\n{}\n\n{}\n{}",
-        title(&scene, program, surfaces.polygons().len(), rays.len()),
+        title(&scene, spec, surfaces.polygons().len(), rays.len()),
         machine_line(&machine.spec),
         prediction::to_table(&rows),
         prediction::sentences(&predicted, &best, &array),
     ))?;
-    if let Some((_, outcome)) = &outcome {
-        print(&format!("Measured: {}\n", bottleneck::sentence(&outcome.stats)))?;
+    if let Some((_, outcome, losses)) = &outcome {
+        print(&format!("Measured: {}\n", verdict(&outcome.stats, losses.as_ref(), machine.spec.clock())))?;
     }
     let mut written = Vec::new();
     outputs::finish(stats, &mut written, |file| {
@@ -93,21 +94,30 @@ fn check_outputs(args: &ModelArgs, spec: &RunSpec) -> Result<(), InputError> {
 }
 
 /// The run that the model is held against.
-fn simulate(layers: &mut Layers, run: &PlannedRun, threads: Option<u16>) -> Result<(Workload, Outcome), Failure> {
+fn simulate(
+    layers: &mut Layers,
+    run: &PlannedRun,
+    threads: Option<u16>,
+) -> Result<(Workload, Outcome, Option<Losses>), Failure> {
     let workers = workers(threads);
     let (workload, prepared) = (layers.workload(run, &workers.cancel)?, layers.prepared(run)?);
     let bar = progress::rays(prepared.rays.len() as u64);
+    let mut shuffled = Shuffled::new(workload.cells());
     let outcome = run::run(&workload, &run.machine.spec, &prepared.rays, &workers, |batch| {
+        shuffled.take(&batch.ops);
         bar.inc(batch.hits.len() as u64);
         Ok::<_, Infallible>(())
     });
     bar.finish_and_clear();
-    Ok((workload, outcome?))
+    let (outcome, spec) = (outcome?, &run.machine.spec);
+    let losses = bottleneck::losses(&outcome.stats, || shuffled.time(spec, workload.costs(), &workers.cancel));
+    Ok((workload, outcome, losses))
 }
 
-fn title(scene: &Scene, program: &ArrayProgram, polygons: usize, rays: usize) -> String {
+fn title(scene: &Scene, spec: &RunSpec, polygons: usize, rays: usize) -> String {
+    let program = &spec.program;
     format!(
-        "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays",
+        "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays{}",
         program.name,
         program.cells(),
         plural(program.groups, "group"),
@@ -116,5 +126,6 @@ fn title(scene: &Scene, program: &ArrayProgram, polygons: usize, rays: usize) ->
         scene.name,
         grouped(polygons as u64),
         grouped(rays as u64),
+        in_order(spec.order),
     )
 }

@@ -7,7 +7,10 @@ use std::path::Path;
 use pcs_sim::error::InputError;
 use pcs_sim::machine::MachineOptions;
 use pcs_sim::program::ArrayProgram;
-use pcs_sim::run::{CellsRun, ImageSpec, MachineFileOptions, RunOptions, RunSpec, Switch, is_builtin};
+use pcs_sim::program::farm::ItemKind;
+use pcs_sim::run::{
+    CellsRun, FarmRunOptions, FarmSpec, ImageSpec, MachineFileOptions, RunOptions, RunSpec, Switch, is_builtin,
+};
 use pcs_sim::scene::builtin;
 
 use super::args::{ImageArgs, ModelArgs, RunArgs};
@@ -15,7 +18,7 @@ use super::args::{ImageArgs, ModelArgs, RunArgs};
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
     check_shading(typed)?;
-    check_resolution(spec)?;
+    check_resolution(&spec.scene, spec.resolution)?;
     check_cells(typed, spec)?;
     check_program(typed, &spec.program)
 }
@@ -40,10 +43,10 @@ pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: 
         if let Some((flag, _)) = files.iter().find(|(_, typed)| *typed) {
             return Err(InputError::new(format!("{flag} {why}")).help(help));
         }
-        let names = [&["policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
+        let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
-    check_resolution(spec)?;
+    check_resolution(&spec.scene, spec.resolution)?;
     check_cells(typed, spec)?;
     check_program(typed, &spec.program)
 }
@@ -62,20 +65,36 @@ pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Resu
     }
     if args.predict_only {
         let (why, help) = ("is about the simulation, which --predict-only leaves out", "leave out one of the two");
-        let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
+        let names =
+            ["order", "fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
         refuse(typed, &names, why, help)?;
         if args.threads.is_some() {
             return Err(InputError::new(format!("--threads {why}")).help(help));
         }
     }
     check_shading(typed)?;
-    check_resolution(spec)?;
+    check_resolution(&spec.scene, spec.resolution)?;
     check_program(typed, program)
 }
 
 /// Refuses the flags that a replay would not look at.
 pub fn check_replay(typed: &RunOptions) -> Result<(), InputError> {
     refuse(typed, &["memory_words"], "is held against a scene, which a trace has not", "leave it out")
+}
+
+/// Refuses what sizing the FIFOs finds out.
+pub fn check_size_fifos(typed: &RunOptions) -> Result<(), InputError> {
+    let depths = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"];
+    refuse(typed, &depths, "is what is sought here", "leave it out")
+}
+
+/// Refuses what a trace has recorded already.
+pub fn check_size_fifos_of_trace(typed: &RunOptions) -> Result<(), InputError> {
+    let of_machine = |name: &str| MachineOptions::PARAMETERS.iter().any(|known| known.name == name);
+    let others =
+        RunOptions::parameters().map(|known| known.name).filter(|name| *name != "machine" && !of_machine(name));
+    let others: Vec<&str> = others.chain(["memory_words"]).collect();
+    refuse(typed, &others, "is about what the trace has recorded", "leave it out, or --ops")
 }
 
 /// Refuses the flags that only a run has, beside a trace that is timed again.
@@ -111,6 +130,28 @@ pub fn prices(typed: &RunOptions, unit: &str) -> bool {
     KERNELS.iter().chain(&HOST).any(|name| name.trim_end_matches("_us") == unit && typed.has(name))
 }
 
+/// Refuses the flags that a farm would not look at.
+pub fn check_farm(typed: &FarmRunOptions, spec: &FarmSpec) -> Result<(), InputError> {
+    let refuse = |names: &[&str], why: &str, help: &str| match names.iter().find(|name| typed.has(name)) {
+        Some(name) => Err(InputError::new(format!("--{} {why}", name.replace('_', "-"))).help(help)),
+        None => Ok(()),
+    };
+    let adaptive = "asks what the neighbours of a pixel show, which other workers know";
+    refuse(&["adaptive"], adaptive, "ask for more --samples in all pixels, as workers can take these by themselves")?;
+    if spec.items != ItemKind::Tiles {
+        refuse(&["tile"], "is about tiles, which the master does not hand out", "ask for --items tiles")?;
+    }
+    if spec.rectangles.is_none() {
+        let why = "is about the made-up scene, and this one has polygons";
+        refuse(&["rectangles", "seed", "pixel_ms"], why, "leave it out, or take the scene `rectangles`")?;
+        return check_resolution(&spec.scene, spec.resolution);
+    }
+    let shape = ["size_factor", "resolution", "samples", "depth", "min_contribution", "grid_coefficient"];
+    let why = "is about scenes of polygons, and this one is made up of rectangles";
+    let help = "leave it out, or take another scene";
+    refuse(&[&shape[..], &KERNELS, &["shade_hit"]].concat(), why, help)
+}
+
 fn check_shading(typed: &RunOptions) -> Result<(), InputError> {
     let why = "is about shading hits, which only a whole image does";
     refuse(typed, &["host_hit_us"], why, "`pcs-sim image` makes whole images")
@@ -138,15 +179,14 @@ fn check_program(typed: &RunOptions, program: &ArrayProgram) -> Result<(), Input
 }
 
 /// Slices matter to spheres and cones, so not to every scene.
-fn check_resolution(spec: &RunSpec) -> Result<(), InputError> {
-    let scene = &spec.scene;
+fn check_resolution(scene: &str, resolution: Option<u32>) -> Result<(), InputError> {
     let of_polygons = if is_builtin(scene) {
         builtin::all().iter().any(|known| known.name == scene && known.default_resolution.is_none())
     } else {
         let extension = Path::new(scene).extension().map(|extension| extension.to_string_lossy().to_lowercase());
         matches!(extension.as_deref(), Some("obj" | "ply"))
     };
-    if of_polygons && spec.resolution.is_some() {
+    if of_polygons && resolution.is_some() {
         let error = InputError::new("--resolution slices spheres and cones, and this scene is of polygons only");
         return Err(error.help("leave it out"));
     }

@@ -8,10 +8,11 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::machine::{Cycles, Machine};
 use pcs_sim::program::work;
+use pcs_sim::report::bottleneck;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::{self, Configuration};
 use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::run::{self, ReplaySpec, RunError, Watching};
+use pcs_sim::run::{self, ReplaySpec, RunError, RunOptions, Shuffled, Watching};
 use pcs_sim::seam::activity_trace::{ActivityTrace, Form};
 use pcs_sim::seam::{Costs, OpBatch};
 
@@ -37,16 +38,22 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
     let spinner = progress::waiting("reading the trace");
     let mut trace = ActivityTrace::open(&ops, &work::cycles_vocabulary())?;
     let cells = trace.cells();
-    let costs = costs(args, base.as_ref(), &machine, &trace)?;
+    let costs = costs(&args.options(), base.as_ref(), &machine, &trace)?;
     spinner.set_message("timing the trace");
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(machine.spec.clock(), Vec::new())));
     let moment = told.moment(machine.spec.clock())?;
     let watched = (&machine.spec, &Watching { moment, ..views.watching() });
+    let (mut shuffled, cancel) = (Shuffled::new(cells), Cancel::default());
     let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
-        trace.for_each_batch(|batch| take(batch).map(drop))
+        shuffled = Shuffled::new(cells);
+        trace.for_each_batch(|batch| {
+            shuffled.take(&batch);
+            take(batch).map(drop)
+        })
     };
-    let (result, observed) =
-        run::replay_watched(watched, (&costs, cells), &Cancel::default(), feed, |array| live.show(array))?;
+    let (result, observed) = run::replay_watched(watched, (&costs, cells), &cancel, feed, |array| live.show(array))?;
+    let losses = bottleneck::losses(&result, || shuffled.time(&machine.spec, &costs, &cancel));
+    let losses = losses.as_ref();
     live.finish();
     machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let caption = Caption {
@@ -54,7 +61,7 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
         machine: machine_line(&machine.spec),
     };
     let head = format!("{}\n{}\n{}\n", caption.title, caption.machine, summary::speed(&result, machine.spec.clock()));
-    print(&report(head, told, (&result, &[]), (&observed, machine.spec.clock()))?)?;
+    print(&report(head, told, (&result, losses, &[]), (&observed, machine.spec.clock()))?)?;
     let unit_cycles = match trace.form() {
         Form::Units => costs.by_name().map(|(name, cycles)| (name.to_owned(), cycles.0)).collect(),
         Form::Cycles => BTreeMap::new(),
@@ -63,13 +70,15 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
     let configuration = Configuration::Replay(Box::new(spec));
     let mut written = Vec::new();
     outputs::finish(stats_file, &mut written, |file| {
-        let json = stats::to_json(&result, observed.path.as_ref(), machine.spec.clock(), None, &configuration)?;
+        let seen = (&result, observed.path.as_ref());
+        let json = stats::to_json(seen, machine.spec.clock(), losses, None, &configuration)?;
         file.write_all(json.as_bytes())
     })?;
     let seen = Seen {
         caption: &caption,
         clock: machine.spec.clock(),
         stats: &result,
+        losses,
         observed: &observed,
         cell_names: &[],
         configuration: &configuration,
@@ -81,19 +90,18 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
 
 /// What the trace's units cost: what they did when it was recorded, or in the replay that is repeated, but for what the
 /// machine's file and the flags say.
-fn costs(
-    args: &ReplayArgs,
+pub fn costs(
+    options: &RunOptions,
     base: Option<&ReplaySpec>,
     machine: &Machine,
     trace: &ActivityTrace,
 ) -> Result<Costs, InputError> {
     let recorded = trace.costs();
     if trace.form() == Form::Cycles {
-        moot_flags::check_replay_of_cycles(&args.options())?;
+        moot_flags::check_replay_of_cycles(options)?;
         return Ok(recorded.clone());
     }
-    let options = args.options();
-    let asked = |name: &str| args.machine_file.machine.is_some() || moot_flags::prices(&options, name);
+    let asked = |name: &str| options.machine_file.machine.is_some() || moot_flags::prices(options, name);
     let price = |name: &str| work::price(name, &machine.times, machine.instructions.as_ref());
     Ok(Costs::new(recorded.vocabulary().clone(), |unit| {
         let name = recorded.vocabulary().unit(unit).map_or("", |unit| unit.name.as_str());

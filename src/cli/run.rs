@@ -4,16 +4,19 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::Vec3;
 use pcs_sim::error::InputError;
 use pcs_sim::host::image;
-use pcs_sim::machine::{Machine, MachineSpec, Observed};
-use pcs_sim::measure::{Actor, Clock, Measured, When};
+use pcs_sim::host::order::Order;
+use pcs_sim::machine::{Machine, MachineSpec};
+use pcs_sim::measure::{Actor, Clock, Measured, Observed, When};
 use pcs_sim::program::{Kernel, Workload};
+use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::summary::{self, grouped};
 use pcs_sim::report::{bottleneck, hits, moment, stats, why};
-use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, Prepared, RunSpec, Watching, Workers};
+use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, Prepared, RunSpec, Shuffled, Watching, Workers};
 use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
@@ -62,11 +65,11 @@ pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
     let setup = Setup { spec, scene, machine, prepared, workload };
     notes(&setup);
     let moment = told.moment(setup.machine.spec.clock())?;
-    let outcome = simulate(&setup, (workers, args.results.watch, form), moment, &mut files)?;
-    let names = cell_names(&setup.workload);
+    let (outcome, losses) = simulate(&setup, (workers, args.results.watch, form), moment, &mut files)?;
+    let (names, losses) = (cell_names(&setup.workload), losses.as_ref());
     let seen = (&outcome.observed, setup.machine.spec.clock());
-    print(&report(head(&setup, &outcome), told, (&outcome.stats, &names), seen)?)?;
-    let written = write_outputs(&setup, &outcome, files)?;
+    print(&report(head(&setup, &outcome), told, (&outcome.stats, losses, &names), seen)?)?;
+    let written = write_outputs(&setup, &outcome, losses, files)?;
     print(&outputs::list(&written))
 }
 
@@ -114,7 +117,7 @@ fn simulate(
     (workers, watch, form): (Workers, bool, Form),
     moment: Option<When>,
     files: &mut Outputs,
-) -> Result<Outcome, Failure> {
+) -> Result<(Outcome, Option<Losses>), Failure> {
     let spec = &setup.machine.spec;
     let mut live = Live::new(
         progress::rays(setup.prepared.rays.len() as u64),
@@ -126,20 +129,24 @@ fn simulate(
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
     let watched = (spec, &Watching { moment, ..views.watching() });
+    let mut shuffled = Shuffled::new(cells);
     let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
+        shuffled.take(&batch.ops);
         live.inc(batch.hits.len() as u64);
         live.show(array);
         writer.as_mut().map_or(Ok(()), |writer| writer.write(&batch.ops)).map_err(failed)
     });
     live.finish();
-    Ok(outcome?)
+    let outcome = outcome?;
+    let losses = bottleneck::losses(&outcome.stats, || shuffled.time(spec, costs, &workers.cancel));
+    Ok((outcome, losses))
 }
 
 /// What people read of a run: what ran, as `head` has it, and what is to be told of where its time went.
 pub fn report(
     head: String,
     told: Told,
-    (stats, names): (&Measured, &[String]),
+    (stats, losses, names): (&Measured, Option<&Losses>, &[String]),
     (observed, clock): (&Observed, Clock),
 ) -> Result<String, InputError> {
     let path = observed.path.as_ref();
@@ -151,7 +158,7 @@ pub fn report(
             "{head}\n{}\n{}\n{}\n{}",
             summary::cells(stats, names),
             summary::fifos(stats),
-            bottleneck::sentence(stats),
+            verdict(stats, losses, clock),
             why(false),
         )),
     }
@@ -199,25 +206,47 @@ fn head(setup: &Setup, outcome: &Outcome) -> String {
     lines.join("\n")
 }
 
+/// What limits the machine, and where it is worth a word, to what it loses its time.
+pub fn verdict(stats: &Measured, losses: Option<&Losses>, clock: Clock) -> String {
+    let lost = losses.map(|losses| format!("\n{}", losses.sentence(stats, clock))).unwrap_or_default();
+    format!("{}{lost}", bottleneck::sentence(stats))
+}
+
 /// What runs, in one line.
 fn title(setup: &Setup) -> String {
-    let Setup { spec: RunSpec { program, .. }, scene, prepared, workload, .. } = setup;
+    let Setup { spec, scene, prepared, workload, .. } = setup;
+    run_title(spec, scene, workload, prepared.rays.len())
+}
+
+/// The same of a run that is described, laid out, and has so many rays.
+pub fn run_title(spec: &RunSpec, scene: &Scene, workload: &Workload, rays: usize) -> String {
+    let RunSpec { program, order, .. } = spec;
     format!(
-        "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays",
+        "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays{}",
         program.name,
         workload.cells(),
         plural(workload.groups(), "group"),
         program.stages.len(),
         scene.name,
         grouped(workload.polygons().len() as u64),
-        grouped(prepared.rays.len() as u64),
+        grouped(rays as u64),
+        in_order(*order),
     )
+}
+
+/// Names the order of the rays in a title, if it is not the usual one.
+pub fn in_order(order: Order) -> String {
+    if order == Order::Raster { String::new() } else { format!(", in the order {order}") }
 }
 
 /// The machine in one line.
 pub fn machine_line(spec: &MachineSpec) -> String {
+    let own = match spec.own_words.len() {
+        0 => String::new(),
+        count => format!(" ({count} with depths of their own)"),
+    };
     format!(
-        "machine: {} ns a cycle, {}-word FIFOs, {} Mbyte/s links ({}), latency {}",
+        "machine: {} ns a cycle, {}-word FIFOs{own}, {} Mbyte/s links ({}), latency {}",
         spec.clock_ns,
         spec.fifo_words.0,
         spec.link_mb_s,
@@ -266,29 +295,36 @@ pub fn plural(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
-fn write_outputs(setup: &Setup, outcome: &Outcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
+fn write_outputs(
+    setup: &Setup,
+    outcome: &Outcome,
+    losses: Option<&Losses>,
+    files: Outputs,
+) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let polygons = setup.workload.polygons();
     let configuration = Configuration::new(&setup.spec, &setup.workload);
     let path = outcome.observed.path.as_ref();
     outputs::finish(files.stats, &mut written, |file| {
         let spec = &setup.machine.spec;
-        let json = stats::to_json(&outcome.stats, path, spec.clock(), Some(&outcome.counts), &configuration)?;
+        let seen = (&outcome.stats, path);
+        let json = stats::to_json(seen, spec.clock(), losses, Some(&outcome.counts), &configuration)?;
         file.write_all(json.as_bytes())
     })?;
-    outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &outcome.hits))?;
+    let sequence = setup.spec.sequence(setup.prepared.rays.len());
+    let found = sequence.by_number(&outcome.hits);
+    outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, &found))?;
     outputs::finish(files.ops, &mut written, |_| Ok::<(), std::io::Error>(()))?;
     outputs::finish(files.image, &mut written, |file| {
-        let pixels = image::preview(&setup.scene, polygons, &setup.prepared.rays, &outcome.hits);
-        image::write_png(file, setup.spec.size, &pixels)
+        image::write_png(file, setup.spec.size, &preview(setup, outcome))
     })?;
-    write_views(setup, outcome, &configuration, files.views, &mut written)?;
+    write_views(setup, (outcome, losses), &configuration, files.views, &mut written)?;
     Ok(written)
 }
 
 fn write_views(
     setup: &Setup,
-    outcome: &Outcome,
+    (outcome, losses): (&Outcome, Option<&Losses>),
     configuration: &Configuration,
     views: Views,
     written: &mut Vec<PathBuf>,
@@ -301,6 +337,7 @@ fn write_views(
         caption,
         clock: spec.clock(),
         stats: &outcome.stats,
+        losses,
         observed: &outcome.observed,
         cell_names,
         configuration,
@@ -314,11 +351,17 @@ fn page_image(setup: &Setup, outcome: &Outcome, views: &Views) -> Result<Option<
     if !views.show_image() || setup.spec.rays.is_some() {
         return Ok(None);
     }
-    let (polygons, mut png) = (setup.workload.polygons(), Vec::new());
-    let pixels = image::preview(&setup.scene, polygons, &setup.prepared.rays, &outcome.hits);
-    image::write_png(&mut png, setup.spec.size, &pixels)
+    let mut png = Vec::new();
+    image::write_png(&mut png, setup.spec.size, &preview(setup, outcome))
         .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
     Ok(Some(png))
+}
+
+/// The picture of the primary rays' hits: its pixels, line by line.
+fn preview(setup: &Setup, outcome: &Outcome) -> Vec<Vec3> {
+    let Setup { spec, scene, prepared, workload, .. } = setup;
+    let pixels = image::preview(scene, workload.polygons(), &prepared.rays, &outcome.hits);
+    spec.sequence(prepared.rays.len()).by_number(&pixels)
 }
 
 /// What each cell runs.

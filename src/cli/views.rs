@@ -8,6 +8,7 @@ use pcs_sim::error::InputError;
 use pcs_sim::machine::Observed;
 use pcs_sim::measure::{Clock, Measured};
 use pcs_sim::quantities::Cycles;
+use pcs_sim::report::losses::Losses;
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
@@ -33,6 +34,8 @@ pub struct Seen<'a> {
     pub caption: &'a Caption,
     pub clock: Clock,
     pub stats: &'a Measured,
+    /// What is lost against the busiest cell's work, if that is worth a word.
+    pub losses: Option<&'a Losses>,
     /// What was seen of the array.
     pub observed: &'a Observed,
     /// What each cell runs, as far as that is known.
@@ -60,7 +63,12 @@ impl Views {
         })
     }
 
-    /// What the views need to see of an array.
+    /// No views.
+    pub fn none() -> Views {
+        Views { plot: None, page: None, trace: None, why: false, window: Cycles(0)..Cycles(0), force: false }
+    }
+
+    /// What the views need to see of a machine.
     pub fn watching(&self) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
         Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: self.why, moment: None }
@@ -73,10 +81,10 @@ impl Views {
 
     /// Writes the views of a run.
     pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
-        let &Seen { caption, clock, stats, cell_names, configuration, image, .. } = run;
+        let &Seen { caption, clock, stats, losses, cell_names, configuration, image, .. } = run;
         let path = run.observed.path.as_ref();
         if let Some(profile) = &run.observed.profile {
-            let page = Page { caption, clock, stats, profile, path, cell_names, configuration, image };
+            let page = Page { caption, clock, stats, losses, profile, path, cell_names, configuration, image };
             let (pictures, html) = rayon::join(
                 || self.plot.as_ref().map(|_| plot::pictures(profile, path, clock, caption, cell_names)).transpose(),
                 || self.page.as_ref().map(|_| page::html(&page)).transpose(),

@@ -2,6 +2,7 @@
 
 pub mod camera;
 pub mod image;
+pub mod order;
 pub mod policy;
 pub mod ray_file;
 pub mod sampling;

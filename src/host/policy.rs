@@ -1,5 +1,7 @@
 //! What a host that makes an image sends next, and how much it may have under way.
 
+use super::order::Order;
+
 /// What the host sends next when it can choose.
 ///
 /// Rays that hits asked for are sent in the order in which the hits came back.
@@ -25,6 +27,8 @@ pub enum Policy {
 /// What the host may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HostRules {
+    /// In which order it begins the pixels.
+    pub order: Order,
     /// What it sends next.
     pub policy: Policy,
     /// How many rays may be on their way, at least 1; `None` for as many as the array takes.
@@ -35,6 +39,6 @@ pub struct HostRules {
 
 impl Default for HostRules {
     fn default() -> Self {
-        HostRules { policy: Policy::default(), in_flight: None, open_samples: 1024 }
+        HostRules { order: Order::default(), policy: Policy::default(), in_flight: None, open_samples: 1024 }
     }
 }

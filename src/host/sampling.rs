@@ -1,6 +1,7 @@
 //! Where in its pixels an image is sampled.
 
 use super::camera::ImageSize;
+use super::order::{Order, Sequence};
 use crate::scene::Object;
 
 /// How many rays the eye sends through a pixel.
@@ -22,32 +23,25 @@ impl Default for Sampling {
 /// Samples to be taken one after the other: the same number in each of some pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pass {
-    pixels: Pixels,
+    /// The pixels, in the order in which they are begun.
+    pixels: Sequence,
+    /// For each of them, how many samples of the first pass decide whether it is one of these; without any, none do.
+    decided_by: Vec<usize>,
     side: u32,
     width: u32,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq)]
-enum Pixels {
-    All(usize),
-    /// Some of `count` pixels.
-    These {
-        pixels: Vec<u32>,
-        count: usize,
-    },
-}
-
 impl Pass {
     /// The first pass over an image, which looks into every pixel.
-    pub fn first(size: ImageSize, sampling: Sampling) -> Pass {
+    pub fn first(size: ImageSize, sampling: Sampling, order: Order) -> Pass {
         let side = if sampling.adaptive { 1 } else { sampling.side };
-        Pass { pixels: Pixels::All(size.pixels()), side, width: size.width }
+        Pass { pixels: order.of_pixels(size), decided_by: Vec::new(), side, width: size.width }
     }
 
-    /// The second pass of adaptive sampling: the pixels that have a neighbour with another object. `objects` is what the
-    /// first pass saw in each pixel, `None` for the background.
-    pub fn second(size: ImageSize, sampling: Sampling, objects: &[Option<Object>]) -> Pass {
-        let (width, count) = (size.width as usize, size.pixels());
+    /// The second pass of adaptive sampling: the pixels that have a neighbour with another object, in the order of the first
+    /// pass. `objects` is what that saw in each pixel, `None` for the background.
+    pub fn second(first: &Pass, sampling: Sampling, objects: &[Option<Object>]) -> Pass {
+        let (width, count) = (first.width as usize, first.pixels.len());
         let differs = |pixel: usize| {
             let beside = pixel % width + 1 < width && objects[pixel + 1] != objects[pixel];
             let before = !pixel.is_multiple_of(width) && objects[pixel - 1] != objects[pixel];
@@ -55,17 +49,28 @@ impl Pass {
             let above = pixel >= width && objects[pixel - width] != objects[pixel];
             beside || before || below || above
         };
-        let pixels = (0..count).filter(|&pixel| differs(pixel)).map(|pixel| pixel as u32).collect();
-        Pass { pixels: Pixels::These { pixels, count }, side: sampling.side, width: size.width }
+        let places = first.pixels.by_number(&(0..count).collect::<Vec<usize>>());
+        let decided_by = |pixel: usize| {
+            let beside = (pixel % width + 1 < width).then(|| pixel + 1);
+            let before = (!pixel.is_multiple_of(width)).then(|| pixel - 1);
+            let above = pixel.checked_sub(width);
+            // Nothing is below the last line; the image's last pixel stands for it.
+            let below = (pixel + width).min(count - 1);
+            let looked_at = [Some(pixel), beside, before, above, Some(below)];
+            looked_at.into_iter().flatten().map(|pixel| places[pixel] + 1).max().unwrap_or(0)
+        };
+        let pixels: Vec<usize> = first.pixels.numbers().filter(|&pixel| differs(pixel)).collect();
+        Pass {
+            decided_by: pixels.iter().map(|&pixel| decided_by(pixel)).collect(),
+            pixels: Sequence::of_numbers(pixels.into_iter().map(|pixel| pixel as u32).collect()),
+            side: sampling.side,
+            width: first.width,
+        }
     }
 
     /// How many samples it takes.
     pub fn len(&self) -> usize {
-        let pixels = match &self.pixels {
-            Pixels::All(count) => *count,
-            Pixels::These { pixels, .. } => pixels.len(),
-        };
-        pixels * self.per_pixel()
+        self.pixels.len() * self.per_pixel()
     }
 
     /// Whether it takes none.
@@ -76,11 +81,7 @@ impl Pass {
     /// How many samples of the first pass decide whether this one is taken: so many from its start on. Those of the first
     /// pass itself depend on none.
     pub fn decided_by(&self, sample: usize) -> usize {
-        match &self.pixels {
-            Pixels::All(_) => 0,
-            // The pixel below is the last of those that are looked at.
-            Pixels::These { count, .. } => (self.pixel(sample) + self.width as usize + 1).min(*count),
-        }
+        self.decided_by.get(sample / self.per_pixel()).copied().unwrap_or(0)
     }
 
     /// How many samples it takes in each of its pixels.
@@ -90,11 +91,7 @@ impl Pass {
 
     /// The pixel of a sample.
     pub fn pixel(&self, sample: usize) -> usize {
-        let index = sample / self.per_pixel();
-        match &self.pixels {
-            Pixels::All(_) => index,
-            Pixels::These { pixels, .. } => pixels[index] as usize,
-        }
+        self.pixels.number(sample / self.per_pixel())
     }
 
     /// Where a sample is, in pixels from the image's top left corner.

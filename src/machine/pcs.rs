@@ -1,71 +1,21 @@
 //! The machine file: the array's parameters and Figure 7's times.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
-use super::{Cycles, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
+use super::file::{impossible, machine_parameters, within};
+use super::{Cycles, FifoName, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
 use crate::isa::{Class, InstructionCycles};
-use crate::parameters::parameters;
-
-/// Declares the machine's parameters, each once: the machine file and the changes that are laid over it come of it.
-///
-/// A field of the file that may be missing has its `#[serde(default)]`; those among `optional` may be `None`.
-macro_rules! machine_parameters {
-    (
-        values { $($(#[$meta:meta])* $name:ident: $type:ty, $value:literal, $kind:ident, $label:literal;)* }
-        optional {
-            $($(#[$maybe_meta:meta])* $maybe:ident: $maybe_type:ty, $maybe_value:literal, $maybe_kind:ident, $maybe_label:literal;)*
-        }
-        host { $($(#[$host_meta:meta])* $host:ident: $host_label:literal;)* }
-        times_us { $($(#[$time_meta:meta])* $time:ident: $time_label:literal;)* }
-    ) => {
-        /// A machine as a file describes it, in the units that people use.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub struct MachineFile {
-            $($(#[$meta])* pub $name: $type,)*
-            $($(#[$maybe_meta])* #[serde(default, skip_serializing_if = "Option::is_none")] pub $maybe: Option<$maybe_type>,)*
-            $($(#[$host_meta])* #[serde(default)] pub $host: f64,)*
-            /// Figure 7.
-            pub times_us: TimesUs,
-            /// What instructions cost, for cells that run programs; `None` for a machine that is only told Figure 7.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            pub instruction_cycles: Option<InstructionCycles>,
-        }
-
-        /// Figure 7, in µs.
-        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub struct TimesUs {
-            $($(#[$time_meta])* pub $time: f64,)*
-        }
-
-        parameters! {
-            /// Changes to a machine file.
-            pub struct MachineOptions under "Machine" {
-                $($(#[$meta])* $name: $type, $value, $kind, $label;)*
-                $($(#[$maybe_meta])* $maybe: $maybe_type, $maybe_value, $maybe_kind, $maybe_label;)*
-                $($(#[$host_meta])* $host: f64, "US", Number, $host_label;)*
-                $($(#[$time_meta])* $time: f64, "US", Number, $time_label;)*
-            }
-        }
-
-        impl MachineOptions {
-            /// Lays the changes over a machine file.
-            pub fn change(&self, file: &mut MachineFile) {
-                $(file.$name = self.$name.unwrap_or(file.$name);)*
-                $(file.$maybe = self.$maybe.or(file.$maybe);)*
-                $(file.$host = self.$host.unwrap_or(file.$host);)*
-                $(file.times_us.$time = self.$time.unwrap_or(file.times_us.$time);)*
-            }
-        }
-    };
-}
 
 machine_parameters! {
+    /// A machine as a file describes it, in the units that people use.
+    pub struct MachineFile;
+    /// Figure 7, in µs.
+    pub struct TimesUs;
+    /// Changes to a machine file.
+    pub struct MachineOptions;
     values {
         /// Length of a cycle, in ns.
         clock_ns: f64, "NS", Number, "length of a cycle (ns)";
@@ -109,6 +59,14 @@ machine_parameters! {
         intersection_start: "intersection: start of a ray (µs)";
         /// Figure 7: the intersection's work, in µs a polygon.
         intersection_polygon: "intersection: test of a polygon (µs)";
+    }
+    beside {
+        /// Words that single FIFOs hold, by their names (`X0`, `Y3`, `Yhost`, `Z1`), whatever all the others do.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        fifo_words_of: BTreeMap<FifoName, u64>;
+        /// What instructions cost, for cells that run programs; `None` for a machine that is only told Figure 7.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        instruction_cycles: Option<InstructionCycles>;
     }
 }
 
@@ -160,6 +118,14 @@ impl MachineFile {
         Ok(file)
     }
 
+    /// The text of such a file.
+    ///
+    /// Fails if it cannot be written, which no machine that can be built does.
+    pub fn to_ron(&self) -> ron::Result<String> {
+        let text = ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::new())?;
+        Ok(text + "\n")
+    }
+
     /// The machine in cycles, or why it is impossible.
     pub fn build(&self) -> Result<Machine, InputError> {
         self.convert().map_err(Fault::in_flags)
@@ -176,6 +142,7 @@ impl MachineFile {
             latency: Cycles(self.latency_cycles),
             memory_words: self.memory_words.map(Words),
             channel_words: [self.x_fifo_words, self.y_fifo_words, self.z_fifo_words].map(|words| words.map(Words)),
+            own_words: self.fifo_words_of.iter().map(|(&fifo, &words)| (fifo, Words(words))).collect(),
         };
         let mut notes = Vec::new();
         if spec.rounds_link_rate() {
@@ -198,24 +165,26 @@ impl MachineFile {
             let possible = value.is_finite() && value > 0.0 && value <= most;
             if possible { Ok(()) } else { Err(impossible(name, value, format!("above 0 and at most {most}"))) }
         };
-        let within = |name: &'static str, value: u64, most: u64| {
-            let possible = (1..=most).contains(&value);
-            if possible { Ok(()) } else { Err(impossible(name, value, format!("from 1 to {most}"))) }
-        };
         positive("clock_ns", self.clock_ns, 1e9)?;
         positive("link_mb_s", self.link_mb_s, 1e9)?;
         for class in Class::ALL {
             if let Some(cycles) = self.instruction_cycles {
-                within(class.name(), cycles.of(class) as u64, InstructionCycles::MOST as u64)?;
+                within(class.name(), cycles.of(class) as u64, 1..=InstructionCycles::MOST as u64)?;
             }
         }
-        within("word_bytes", self.word_bytes as u64, 1024)?;
-        within("fifo_words", self.fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
-        within("latency_cycles", self.latency_cycles, MachineSpec::MAX_LATENCY_CYCLES)?;
-        let maybe_within = |name, value: Option<u64>, most| value.map_or(Ok(()), |value| within(name, value, most));
+        within("word_bytes", self.word_bytes as u64, 1..=1024)?;
+        within("fifo_words", self.fifo_words, 1..=MachineSpec::MAX_FIFO_WORDS)?;
+        within("latency_cycles", self.latency_cycles, 1..=MachineSpec::MAX_LATENCY_CYCLES)?;
+        let maybe_within = |name, value: Option<u64>, most| value.map_or(Ok(()), |value| within(name, value, 1..=most));
         maybe_within("x_fifo_words", self.x_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
         maybe_within("y_fifo_words", self.y_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
         maybe_within("z_fifo_words", self.z_fifo_words, MachineSpec::MAX_FIFO_WORDS)?;
+        for (fifo, &words) in &self.fifo_words_of {
+            if !(1..=MachineSpec::MAX_FIFO_WORDS).contains(&words) {
+                let range = format!("from 1 to {}", MachineSpec::MAX_FIFO_WORDS);
+                return Err(impossible("fifo_words_of", format!("{words} for {fifo}"), range));
+            }
+        }
         maybe_within("memory_words", self.memory_words, u64::MAX)
     }
 
@@ -250,8 +219,4 @@ impl MachineFile {
             },
         })
     }
-}
-
-fn impossible(name: &'static str, value: impl std::fmt::Display, range: impl std::fmt::Display) -> Fault {
-    Fault::new(name, format!("impossible machine: {name} is {value}, it must be {range}"))
 }

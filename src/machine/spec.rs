@@ -1,8 +1,11 @@
 //! The machine's parameters, as data.
 
+use std::collections::BTreeMap;
+
+use super::FifoName;
+use crate::error::InputError;
 use crate::measure::Clock;
 use crate::quantities::{Cycles, Words};
-use crate::seam::Channel;
 
 /// An array's clock, links and FIFOs (§4.2, and the readings that the machine file explains).
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +26,8 @@ pub struct MachineSpec {
     pub memory_words: Option<Words>,
     /// Words that the FIFOs of X, Y and Z hold, where that is not `fifo_words`.
     pub channel_words: [Option<Words>; 3],
+    /// Words that single FIFOs hold, whatever the others of their channel do.
+    pub own_words: BTreeMap<FifoName, Words>,
 }
 
 /// What a link's rate counts.
@@ -67,6 +72,7 @@ impl Default for MachineSpec {
             latency: Cycles(1),
             memory_words: None,
             channel_words: [None; 3],
+            own_words: BTreeMap::new(),
         }
     }
 }
@@ -81,10 +87,21 @@ impl MachineSpec {
     /// The slowest link that can be simulated, in cycles a word, so that no clock leaves 64 bits.
     pub const MAX_WORD_CYCLES: u64 = 1_000_000;
 
-    /// Words that each FIFO of a channel holds, from 1 to [`MachineSpec::MAX_FIFO_WORDS`].
-    pub fn fifo_words_of(&self, channel: Channel) -> Words {
-        let words = self.channel_words[channel as usize].unwrap_or(self.fifo_words);
+    /// Words that a FIFO holds, from 1 to [`MachineSpec::MAX_FIFO_WORDS`]: as many as its own entry says, else its channel's,
+    /// else that of all.
+    pub fn fifo_words_of(&self, fifo: FifoName) -> Words {
+        let own = self.own_words.get(&fifo).copied();
+        let words = own.or(self.channel_words[fifo.channel as usize]).unwrap_or(self.fifo_words);
         Words(words.0.clamp(1, Self::MAX_FIFO_WORDS))
+    }
+
+    /// Fails if a FIFO has a depth of its own that a row of so many cells has not.
+    pub fn check_fifos(&self, cells: usize) -> Result<(), InputError> {
+        let Some(name) = self.own_words.keys().find(|name| !name.is_among(cells)) else { return Ok(()) };
+        let row = if cells == 1 { "of 1 cell".to_owned() } else { format!("of {cells} cells") };
+        let error =
+            InputError::new(format!("the machine gives FIFO {name} a depth of its own, and a row {row} has none such"));
+        Err(error.help("take it out of fifo_words_of, or run as many cells as the machine is made for"))
     }
 
     /// Cycles from the write of a word to its first read, from 1 to [`MachineSpec::MAX_LATENCY_CYCLES`].

@@ -7,6 +7,7 @@
 
 mod clock;
 mod moment;
+mod observed;
 mod path;
 mod profile;
 mod recording;
@@ -18,6 +19,7 @@ mod topology;
 
 pub use clock::Clock;
 pub use moment::{Moment, StationMoment};
+pub use observed::Observed;
 pub use path::{Cause, CriticalPath, PathPart, PathUnit};
 pub use profile::{FifoBin, FifoProfile, Latency, Profile};
 pub use recording::{FifoLevels, JobSpan, Recording, StationRecord, Stretch};
@@ -25,4 +27,4 @@ pub use snapshot::{Doing, Snapshot, What, When};
 pub use so_far::SoFar;
 pub use state::{State, StateId, StateKind, StateTimes, States, Toward};
 pub use stats::{FifoStats, LinkStats, Measured};
-pub use topology::{Actor, FifoInfo, Topology};
+pub use topology::{Actor, FifoInfo, Names, Shape, Topology};

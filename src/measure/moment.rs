@@ -8,8 +8,8 @@ use crate::quantities::{Cycles, Words};
 pub struct Moment {
     /// The cycle.
     pub at: Cycles,
-    /// The host as it sends jobs.
-    pub host: StationMoment,
+    /// The host as it sends jobs, if there is one.
+    pub host: Option<StationMoment>,
     /// The answer that the host is reading: from its first word to its last.
     pub answer: Option<JobSpan>,
     /// The stations.
@@ -35,7 +35,7 @@ impl Recording {
         }
         Some(Moment {
             at,
-            host: self.host.moment(at)?,
+            host: self.host.as_ref().and_then(|host| host.moment(at)),
             answer: job_at(&self.answers, at),
             stations: self.stations.iter().map(|station| station.moment(at)).collect::<Option<_>>()?,
             levels: self.fifos.iter().map(|fifo| fifo.level(at)).collect::<Option<_>>()?,
@@ -58,7 +58,7 @@ impl Recording {
 
     /// The nearest change of each station, of the answers and of each FIFO. A job starts and ends with a stretch.
     fn changes(&self, seek: Seek) -> impl Iterator<Item = Cycles> + '_ {
-        let stations = std::iter::once(&self.host).chain(&self.stations);
+        let stations = self.host.iter().chain(&self.stations);
         let states = stations.map(move |station| seek.among(&station.states, |stretch| stretch.from));
         let answers = [|answer: &JobSpan| answer.from, |answer: &JobSpan| answer.until];
         let answers = answers.into_iter().map(move |end| seek.among(&self.answers, end));

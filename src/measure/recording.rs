@@ -18,8 +18,8 @@ pub struct Recording {
     pub cycles: Cycles,
     /// Whether the window ends earlier than was asked for, because more happened than a recording holds.
     pub cut: bool,
-    /// The host as it sends jobs. Waiting for an answer is waiting on Y.
-    pub host: StationRecord,
+    /// The host as it sends jobs, if there is one. Waiting for an answer is waiting on Y.
+    pub host: Option<StationRecord>,
     /// When the host read the answer to each job.
     pub answers: Vec<JobSpan>,
     /// The stations.

@@ -39,11 +39,11 @@ pub struct FifoStats {
     pub empty: Cycles,
 }
 
-/// How long the wire of a link was busy.
+/// How long the wire of a link, or a bus, was busy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkStats {
-    /// To whom it leads.
-    pub into: Actor,
+    /// To whom it leads; `None` for a bus, which leads to all.
+    pub into: Option<Actor>,
     /// Cycles in which it carried words; of wires that carry channels side by side, those of the busiest.
     pub busy: Cycles,
 }

@@ -29,18 +29,70 @@ pub struct FifoInfo {
     pub capacity: Words,
 }
 
+/// How the stations of a machine stand to each other, for reports that draw it or say what limits it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// In a row, from left to right, with the host at both ends.
+    #[default]
+    Line,
+    /// The first gives out the scene and takes what comes of it, the second hands out work, the others do it.
+    Farm,
+}
+
+/// What reports call the parts of a machine, each in the singular.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Names {
+    /// All of it.
+    pub machine: String,
+    /// A station.
+    pub station: String,
+    /// The stations, if they have names of their own and not just numbers.
+    pub stations: Vec<String>,
+    /// What comes in numbers, and is begun and done.
+    pub job: String,
+    /// From when to when the time of a job is counted.
+    pub job_time: String,
+}
+
 /// What a machine is made of. Figures of stations and FIFOs stand in this order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Topology {
-    /// How many stations there are: cells, from left to right.
+    /// How the stations stand to each other.
+    pub shape: Shape,
+    /// How many stations there are.
     pub stations: usize,
     /// The FIFOs that carry words.
     pub fifos: Vec<FifoInfo>,
     /// The states of stations, as far as they occur.
     pub states: States,
+    /// What reports call all this.
+    pub names: Names,
+}
+
+impl Default for Names {
+    /// Those of an array.
+    fn default() -> Names {
+        Names {
+            machine: "array".to_owned(),
+            station: "cell".to_owned(),
+            stations: Vec::new(),
+            job: "ray".to_owned(),
+            job_time: "from their first word sent to their last word back".to_owned(),
+        }
+    }
 }
 
 impl Topology {
+    /// The name of a station: `cell 3`, or its own.
+    pub fn station(&self, index: usize) -> String {
+        self.names.stations.get(index).map_or_else(|| format!("{} {index}", self.names.station), String::clone)
+    }
+
+    /// The same where it is clear that a station is meant: `3`, or its own.
+    pub fn station_number(&self, index: usize) -> String {
+        self.names.stations.get(index).map_or_else(|| index.to_string(), String::clone)
+    }
+
     /// The FIFO of a group that somebody reads, by its place.
     pub fn fifo_of(&self, group: &str, to: Actor) -> Option<usize> {
         self.fifos.iter().position(|fifo| fifo.group == group && fifo.to == to)

@@ -94,6 +94,20 @@ impl ArrayProgram {
         STANDARD.iter().map(|(name, _)| *name)
     }
 
+    /// All of the work in one cell, with a grid of so many voxels a polygon.
+    pub fn one_cell(grid_coefficient: f64) -> ArrayProgram {
+        ArrayProgram {
+            name: "one cell".to_owned(),
+            groups: 1,
+            stages: vec![vec![Kernel::Grid, Kernel::Slabs, Kernel::Intersection]],
+            partition: Partition::default(),
+            grid_coefficient,
+            mailbox: false,
+            stop_words: None,
+            forward_ahead: 0,
+        }
+    }
+
     /// Reads a program file.
     pub fn read(path: &Path) -> Result<ArrayProgram, InputError> {
         ArrayProgram::parse(path, &fields::read_text(path)?)

@@ -6,6 +6,7 @@
 mod array_program;
 pub mod cells;
 mod cut;
+pub mod farm;
 pub mod figure7;
 mod layout;
 pub mod messages;

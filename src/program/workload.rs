@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::error::InputError;
 use crate::geometry::{Grid, Polygons, slabs};
-use crate::machine::{HostTimes, KernelTimes, MachineSpec};
+use crate::machine::{FifoName, HostTimes, KernelTimes, MachineSpec};
+use crate::measure::Actor;
 use crate::quantities::Words;
 use crate::seam::{Channel, Costs, OpBatch};
 
@@ -169,15 +170,23 @@ impl Workload {
     /// replays a workload begins with it.
     pub fn check(&self, spec: &MachineSpec) -> Result<(), InputError> {
         self.check_memory(spec.memory_words)?;
-        self.check_fifos(spec.fifo_words_of(Channel::Z))
+        spec.check_fifos(self.cells())?;
+        self.check_stop_words(spec)
+    }
+
+    /// What each FIFO of Z must hold at the least, for stop words to find room.
+    pub fn least_z_words(&self) -> Words {
+        Words(self.stop_words.map_or(1, |words| words.least_fifo_words()))
     }
 
     /// Fails if the FIFOs are too shallow for the stop words that are on their way at the end of a run.
-    fn check_fifos(&self, fifo_words: Words) -> Result<(), InputError> {
-        let Some(words) = self.stop_words.filter(|words| words.least_fifo_words() > fifo_words.0) else {
-            return Ok(());
-        };
-        let (ahead, least) = (words.ahead, words.least_fifo_words());
+    fn check_stop_words(&self, spec: &MachineSpec) -> Result<(), InputError> {
+        let Some(StopWords { ahead, .. }) = self.stop_words else { return Ok(()) };
+        // A group's last cell reads no stop words.
+        let readers = (0..self.cells()).filter(|cell| (cell + 1) % self.stages.count() > 0).map(Actor::Station);
+        let words = readers.map(|reader| spec.fifo_words_of(FifoName { channel: Channel::Z, reader })).min();
+        let least = self.least_z_words().0;
+        let Some(fifo_words) = words.filter(|words| words.0 < least) else { return Ok(()) };
         let message = format!("stop words {ahead} voxels ahead need FIFOs of {least} words, these hold {fifo_words}");
         Err(InputError::new(message).help("use deeper FIFOs, or fewer voxels ahead"))
     }

@@ -1,13 +1,16 @@
 //! What a run tells: statistics, tables, hits, pictures, pages. Nothing here measures anything.
 
 pub mod bottleneck;
+pub mod farm;
 pub mod hits;
 pub mod kinds;
+pub mod losses;
 pub mod moment;
 pub mod page;
 pub mod palette;
 pub mod plot;
 pub mod prediction;
+pub mod sizing;
 pub mod stats;
 pub mod summary;
 pub mod table;

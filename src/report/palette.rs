@@ -36,8 +36,10 @@ const WORKS: [Rgb; 8] = [
     Rgb(170, 120, 60),
     Rgb(230, 180, 210),
 ];
+/// Black and grey: a station that moves words.
+const MOVES: [Rgb; 2] = [Rgb(0, 0, 0), Rgb(120, 120, 120)];
 /// Yellows: a station that waits.
-const WAITS: [Rgb; 3] = [Rgb(240, 228, 66), Rgb(250, 243, 176), Rgb(196, 180, 60)];
+const WAITS: [Rgb; 4] = [Rgb(240, 228, 66), Rgb(250, 243, 176), Rgb(196, 180, 60), Rgb(214, 206, 160)];
 /// Reds: a station that is blocked.
 const BLOCKED: [Rgb; 3] = [Rgb(213, 94, 0), Rgb(230, 159, 0), Rgb(150, 62, 0)];
 
@@ -47,7 +49,7 @@ pub fn of_state(states: &States, state: &State) -> Rgb {
     let of = |colors: &[Rgb]| colors[place.unwrap_or_default() % colors.len()];
     match state.kind {
         StateKind::Works => of(&WORKS),
-        StateKind::Moves => Rgb(0, 0, 0),
+        StateKind::Moves => of(&MOVES),
         StateKind::Waits => of(&WAITS),
         StateKind::Blocked => of(&BLOCKED),
         StateKind::Idle => Rgb(225, 225, 225),

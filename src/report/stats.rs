@@ -4,10 +4,11 @@ use serde::Serialize;
 
 use super::bottleneck;
 use super::kinds::RaysByKind;
+use super::losses::Losses;
 use super::why::PathJson;
 use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
 use crate::program::{CellMemory, Counts, Workload};
-use crate::run::{ReplaySpec, RunSpec};
+use crate::run::{FarmSpec, ReplaySpec, RunSpec};
 
 /// What was run, beside its statistics: enough to run it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -25,6 +26,8 @@ pub enum Configuration {
     },
     /// A replay.
     Replay(Box<ReplaySpec>),
+    /// A farm.
+    Farm(Box<FarmSpec>),
 }
 
 impl Configuration {
@@ -78,11 +81,13 @@ struct Report<'a> {
     rays_by_kind: Option<&'a RaysByKind>,
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
+    losses: Option<&'a Losses>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     why: Option<PathJson>,
     configuration: &'a Configuration,
 }
 
-/// A cell's cycles by state: `busy` by activity, then `moving`, `waiting_x`, ..., `idle`.
+/// A station's cycles by state: `busy` by activity, then `moving`, `waiting_x`, ..., `idle`.
 type Cell = serde_json::Map<String, serde_json::Value>;
 
 #[derive(Serialize)]
@@ -104,7 +109,8 @@ struct CountsJson {
     hits: u64,
 }
 
-fn cell(run: &Measured, times: &StateTimes) -> Cell {
+/// A station's cycles by state.
+pub(super) fn station(run: &Measured, times: &StateTimes) -> Cell {
     let key = |name: &str| name.to_lowercase().replace(' ', "_");
     let states = &run.topology.states;
     let busy: Cell = states.by_activity(times).map(|(name, cycles)| (key(name), cycles.0.into())).collect();
@@ -129,32 +135,31 @@ impl<'a> Fifo<'a> {
 
 /// The statistics of a run as indented JSON. A replay has no counts.
 pub fn to_json(
-    run: &Measured,
-    path: Option<&CriticalPath>,
+    seen: (&Measured, Option<&CriticalPath>),
     clock: Clock,
+    losses: Option<&Losses>,
     counts: Option<&Counts>,
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
-    json((run, path), clock, counts, None, configuration)
+    json(seen, clock, losses, (counts, None), configuration)
 }
 
 /// The same for an image, with its rays by kind.
 pub fn image_to_json(
-    run: &Measured,
-    path: Option<&CriticalPath>,
+    seen: (&Measured, Option<&CriticalPath>),
     clock: Clock,
-    counts: &Counts,
-    kinds: &RaysByKind,
+    losses: Option<&Losses>,
+    (counts, kinds): (&Counts, &RaysByKind),
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
-    json((run, path), clock, Some(counts), Some(kinds), configuration)
+    json(seen, clock, losses, (Some(counts), Some(kinds)), configuration)
 }
 
 fn json(
     (run, path): (&Measured, Option<&CriticalPath>),
     clock: Clock,
-    counts: Option<&Counts>,
-    rays_by_kind: Option<&RaysByKind>,
+    losses: Option<&Losses>,
+    (counts, rays_by_kind): (Option<&Counts>, Option<&RaysByKind>),
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
     let seconds = clock.seconds(run.cycles);
@@ -164,7 +169,7 @@ fn json(
         seconds,
         rays: run.jobs,
         rays_per_second: if seconds > 0.0 { run.jobs as f64 / seconds } else { 0.0 },
-        cells: run.stations.iter().map(|times| cell(run, times)).collect(),
+        cells: run.stations.iter().map(|times| station(run, times)).collect(),
         fifos: fifos.map(|(info, stats)| Fifo::new(info, stats, run)).collect(),
         counts: counts.map(|counts| CountsJson {
             voxels: counts.voxels,
@@ -174,6 +179,7 @@ fn json(
         }),
         rays_by_kind,
         bottleneck: bottleneck::sentence(run),
+        losses,
         why: path.map(PathJson::new),
         configuration,
     };

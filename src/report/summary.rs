@@ -24,11 +24,12 @@ pub fn speed(run: &Measured, clock: Clock) -> String {
     let seconds = clock.seconds(run.cycles);
     let rate = if seconds > 0.0 { run.jobs as f64 / seconds } else { 0.0 };
     format!(
-        "simulated time {} ({} cycles of {} ns), {} rays/s",
+        "simulated time {} ({} cycles of {} ns), {} {}s/s",
         time(seconds),
         grouped(run.cycles.0),
         clock.cycle_ns,
         grouped(rate.round() as u64),
+        run.topology.names.job,
     )
 }
 
@@ -41,16 +42,19 @@ pub struct Rows {
     pub rows: Vec<Vec<String>>,
 }
 
-/// Where every cell's cycles went: a row a cell. `names` tells what each cell runs, as far as that is known.
+/// Where every station's cycles went: a row a station. `names` tells what each runs, as far as that is known.
 pub fn cell_rows(run: &Measured, names: &[String]) -> Rows {
     let states: Vec<&State> = run.topology.states.used().collect();
     let row = |(index, times): (usize, &StateTimes)| {
-        let name = names.get(index).map_or(index.to_string(), |name| format!("{index} {name}"));
+        let number = run.topology.station_number(index);
+        let name = names.get(index).map_or_else(|| number.clone(), |name| format!("{number} {name}"));
         let shares = states.iter().map(|state| percent(times.of(state.id), run.cycles));
         std::iter::once(name).chain(shares).collect()
     };
     Rows {
-        header: std::iter::once("cell".to_owned()).chain(states.iter().map(|state| state.name.clone())).collect(),
+        header: std::iter::once(run.topology.names.station.clone())
+            .chain(states.iter().map(|state| state.name.clone()))
+            .collect(),
         rows: run.stations.iter().enumerate().map(row).collect(),
     }
 }
@@ -84,7 +88,8 @@ pub fn fifos(run: &Measured) -> String {
     text(fifo_rows(run))
 }
 
-fn text(rows: Rows) -> String {
+/// A table as text.
+pub fn text(rows: Rows) -> String {
     let header: Vec<&str> = rows.header.iter().map(String::as_str).collect();
     let mut table = table(&header);
     table.add_rows(rows.rows);

@@ -25,7 +25,7 @@ use crate::seam::OpBatch;
 pub struct Key(String);
 
 impl Key {
-    fn of(what: impl Debug) -> Key {
+    pub(super) fn of(what: impl Debug) -> Key {
         Key(format!("{what:?}"))
     }
 }
@@ -48,14 +48,14 @@ pub struct Keys {
 impl Keys {
     fn new(spec: &RunSpec, machine: &Machine) -> Keys {
         // All fields by name, so that a new one cannot be forgotten here.
-        let RunSpec { version: _, scene, size_factor, resolution, size, rays, image, program, .. } = spec;
+        let RunSpec { version: _, scene, size_factor, resolution, size, rays, order, image, program, .. } = spec;
         let RunSpec { cells_run, cell_programs, instruction_limit, machine: _, .. } = spec;
         let ArrayProgram { name: _, stages, groups, partition, grid_coefficient, .. } = program;
         let ArrayProgram { mailbox, stop_words, forward_ahead, .. } = program;
         let Machine { spec: array, times, instructions, notes: _ } = machine;
 
         let scene = Key::of((scene, size_factor, resolution));
-        let prepared = Key::of((&scene, rays.as_ref().ok_or(size)));
+        let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order));
         let sample = || (times.grid.each, times.slabs, times.intersection, program.placement().slabs.is_some());
         let cut = (*groups > 1).then(|| (partition, (*partition == Partition::Work).then(sample)));
         let laid_out = Key::of((&prepared, groups, cut, grid_coefficient));
@@ -224,6 +224,11 @@ impl Traced {
     /// What the array had to do.
     pub fn workload(&self) -> &Workload {
         &self.workload
+    }
+
+    /// What host and cells do, batch by batch.
+    pub fn batches(&self) -> &[OpBatch] {
+        &self.batches
     }
 
     /// What was counted.

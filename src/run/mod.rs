@@ -5,25 +5,31 @@
 
 mod ahead;
 mod closed_loop;
+mod farm;
 mod layers;
 mod modelled;
 mod options;
 mod outputs;
 mod render;
+mod shuffled;
+mod sizing;
 mod spec;
 mod timed;
 mod trace;
 mod trees;
 mod workers;
 
+pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSpec, TaskRange};
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, array_model};
 pub use options::{
-    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, ProgramOptions, RayOptions,
-    RunOptions, SceneOptions, ShapeOptions, Switch,
+    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, OrderOptions, ProgramOptions,
+    RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
 };
 pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
+pub use shuffled::{Reordered, Shuffled};
+pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos};
 pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::InputError;
 use crate::geometry::Partition;
 use crate::host::camera::ImageSize;
+use crate::host::order::Order;
 use crate::host::policy::Policy;
 use crate::machine::MachineOptions;
 use crate::parameters::{ParameterInfo, parameters};
@@ -40,6 +41,15 @@ parameters! {
         /// Take the rays from a CSV file (ox,oy,oz,dx,dy,dz and optionally tmax) instead of the camera.
         #[cfg_attr(feature = "cli", arg(conflicts_with = "size"))]
         rays: PathBuf, "FILE", Text, "rays";
+    }
+}
+
+parameters! {
+    /// In which order the rays are sent.
+    pub struct OrderOptions under "Scene and rays" {
+        /// In which order the host sends the rays, or begins the pixels: raster, columns, tiles:N (squares of N x N pixels),
+        /// hilbert, stride, shuffle:SEED [default: raster].
+        order: Order, "ORDER", Text, "order of the rays";
     }
 }
 
@@ -204,6 +214,8 @@ impl clap::ValueEnum for Switch {
     }
 }
 
+pub(super) use choice;
+
 choice!(Switch: "on" is On, "off" is Off);
 choice!(Policy: "secondaries" is SecondariesFirst, "primaries" is PrimariesFirst, "generation" is ByGeneration);
 
@@ -216,6 +228,8 @@ pub struct RunOptions {
     pub shape: ShapeOptions,
     /// The rays.
     pub rays: RayOptions,
+    /// Their order.
+    pub order: OrderOptions,
     /// The array program.
     pub program: ProgramOptions,
     /// How the cells work.
@@ -237,6 +251,7 @@ impl RunOptions {
             SceneOptions::PARAMETERS,
             ShapeOptions::PARAMETERS,
             RayOptions::PARAMETERS,
+            OrderOptions::PARAMETERS,
             ProgramOptions::PARAMETERS,
             CellsOptions::PARAMETERS,
             MachineFileOptions::PARAMETERS,
@@ -257,6 +272,7 @@ impl RunOptions {
         let known = self.scene.set(name, text)?
             || self.shape.set(name, text)?
             || self.rays.set(name, text)?
+            || self.order.set(name, text)?
             || self.program.set(name, text)?
             || self.cells.set(name, text)?
             || self.machine_file.set(name, text)?
@@ -271,6 +287,7 @@ impl RunOptions {
         self.scene.retain(&keep);
         self.shape.retain(&keep);
         self.rays.retain(&keep);
+        self.order.retain(&keep);
         self.program.retain(&keep);
         self.cells.retain(&keep);
         self.machine_file.retain(&keep);
@@ -284,6 +301,7 @@ impl RunOptions {
         self.scene.has(name)
             || self.shape.has(name)
             || self.rays.has(name)
+            || self.order.has(name)
             || self.program.has(name)
             || self.cells.has(name)
             || self.machine_file.has(name)

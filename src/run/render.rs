@@ -13,6 +13,7 @@ use super::{RunError, Watching, Workers};
 use crate::error::InputError;
 use crate::geometry::Hit;
 use crate::host::camera::{ImageSize, View};
+use crate::host::order::Order;
 use crate::host::policy::HostRules;
 use crate::host::sampling::{Pass, Sampling};
 use crate::host::shading::{Limits, Shader};
@@ -132,16 +133,17 @@ pub fn render<E>(
     workers: &Workers,
     mut observe: impl FnMut(Seen<'_>) -> Result<(), E>,
 ) -> Result<Rendered, RunError<E>> {
+    let order = timed.as_ref().map_or(Order::Raster, |timed| timed.rules.order);
     let mut host = timed.map(|timed| timed.host(picture.workload)).transpose()?;
     let mut canvas = Canvas::new(picture);
     let mut seen = |seen: Seen<'_>| {
         workers.cancel.check()?;
         observe(seen).map_err(RunError::Observer)
     };
-    let first = Pass::first(picture.size, picture.sampling);
+    let first = Pass::first(picture.size, picture.sampling, order);
     canvas.take_pass(picture, &first, workers.threads, &mut host, &mut seen)?;
     if picture.sampling.adaptive && picture.sampling.side > 1 {
-        let second = Pass::second(picture.size, picture.sampling, &canvas.objects);
+        let second = Pass::second(&first, picture.sampling, &canvas.objects);
         canvas.take_pass(picture, &second, workers.threads, &mut host, &mut seen)?;
     }
     if let Some(host) = &mut host {
@@ -237,6 +239,6 @@ impl Canvas {
 }
 
 /// The object that a hit shows.
-fn object(mesh: &Mesh, hit: &Hit) -> Option<Object> {
+pub(super) fn object(mesh: &Mesh, hit: &Hit) -> Option<Object> {
     hit.is_hit().then(|| mesh.object(&mesh.faces()[hit.polygon as usize]))
 }

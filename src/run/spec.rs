@@ -10,6 +10,7 @@ use super::options::{CellsRun, Mode, RunOptions, Switch};
 use crate::error::InputError;
 use crate::geometry::Ray;
 use crate::host::camera::{self, ImageSize};
+use crate::host::order::{Order, Sequence};
 use crate::host::policy::{HostRules, Policy};
 use crate::host::ray_file;
 use crate::host::sampling::Sampling;
@@ -43,6 +44,9 @@ pub struct RunSpec {
     /// The file of the rays, if they are not a camera's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rays: Option<PathBuf>,
+    /// In which order the host sends the rays, or begins the pixels.
+    #[serde(default, skip_serializing_if = "is_raster")]
+    pub order: Order,
     /// How a whole image is made; `None` for a run of primary rays.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageSpec>,
@@ -87,7 +91,7 @@ impl ReplaySpec {
 }
 
 /// Reads a configuration, or the one in statistics.
-fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
+pub(super) fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
     #[derive(Deserialize)]
     struct Statistics {
         configuration: serde_json::Value,
@@ -136,7 +140,11 @@ pub struct ImageSpec {
 /// What stands for the standard programs of the cells.
 const STANDARD_PROGRAMS: &str = "standard";
 
-fn standard_size() -> ImageSize {
+fn is_raster(order: &Order) -> bool {
+    *order == Order::Raster
+}
+
+pub(super) fn standard_size() -> ImageSize {
     ImageSize { width: 256, height: 256 }
 }
 
@@ -179,6 +187,8 @@ impl RunSpec {
         let instruction_limit = cells.instruction_limit.or(base.and_then(|base| base.instruction_limit));
         let instruction_limit = instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
         let rays = options.rays.rays.clone().or_else(|| base?.rays.clone().filter(|_| shape.size.is_none()));
+        let order = options.order.order.or(base.map(|base| base.order)).unwrap_or_default();
+        check_order(order, rays.as_deref())?;
         Ok(RunSpec {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             scene: scene.clone().or(base.map(|base| base.scene.clone())).unwrap_or_else(|| "teapot".to_owned()),
@@ -186,6 +196,7 @@ impl RunSpec {
             resolution: shape.resolution.or(of_same_scene.and_then(|base| base.resolution)),
             size,
             rays,
+            order,
             image: None,
             program,
             cells_run,
@@ -218,29 +229,31 @@ impl RunSpec {
         let spec: RunSpec = read_configuration(path, "run")?;
         spec.machine.build()?;
         spec.program.check()?;
+        check_order(spec.order, spec.rays.as_deref())?;
         spec.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
         Ok(spec)
     }
 
     /// Reads or generates the scene.
     pub fn load_scene(&self) -> Result<Scene, InputError> {
-        if is_builtin(&self.scene) {
-            return builtin::generate(&self.scene, self.size_factor, self.resolution);
-        }
-        if self.size_factor.is_some() {
-            let error = InputError::new("a size factor is for built-in scenes, not for files");
-            return Err(error.help("`pcs-sim scenes` lists the built-in scenes"));
-        }
-        let default = ReadOptions::default();
-        let options = ReadOptions { resolution: self.resolution.unwrap_or(default.resolution) };
-        crate::scene::load(Path::new(&self.scene), &options)
+        load_scene(&self.scene, self.size_factor, self.resolution)
     }
 
-    /// The rays: the camera's, or a file's.
+    /// The rays, the camera's or a file's, in the order in which the host sends them.
     pub fn load_rays(&self, scene: &Scene) -> Result<Vec<Ray>, InputError> {
+        let rays = match &self.rays {
+            Some(path) => ray_file::read(path)?,
+            None => camera::primary_rays(&scene.camera, self.size),
+        };
+        Ok(self.sequence(rays.len()).arrange(rays))
+    }
+
+    /// The numbers of that many rays, in the order in which the host sends them. The number of a camera's ray is its pixel's, line
+    /// by line; that of a file's, its place there.
+    pub fn sequence(&self, rays: usize) -> Sequence {
         match &self.rays {
-            Some(path) => ray_file::read(path),
-            None => Ok(camera::primary_rays(&scene.camera, self.size)),
+            Some(_) => self.order.of_list(rays).unwrap_or_else(|| Sequence::in_order(rays)),
+            None => self.order.of_pixels(self.size),
         }
     }
 
@@ -253,7 +266,7 @@ impl RunSpec {
 }
 
 impl ImageSpec {
-    fn check(&self) -> Result<(), InputError> {
+    pub(super) fn check(&self) -> Result<(), InputError> {
         let within = |what: &str, value: u64, least: u64, most: u64| match (least..=most).contains(&value) {
             true => Ok(()),
             false => Err(InputError::new(format!("{what} are {value}, they must be from {least} to {most}"))),
@@ -277,10 +290,33 @@ impl ImageSpec {
         Limits { depth: self.depth, contribution: self.min_contribution }
     }
 
-    /// What the host may do.
-    pub fn rules(&self) -> HostRules {
-        HostRules { policy: self.policy, in_flight: self.in_flight, open_samples: self.open_samples as usize }
+    /// What the host may do, which begins the pixels in that order.
+    pub fn rules(&self, order: Order) -> HostRules {
+        let open_samples = self.open_samples as usize;
+        HostRules { order, policy: self.policy, in_flight: self.in_flight, open_samples }
     }
+}
+
+/// Reads or generates a scene, with the size factor of a built-in one and the slices of spheres and cones if they are given.
+pub(super) fn load_scene(scene: &str, size_factor: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
+    if is_builtin(scene) {
+        return builtin::generate(scene, size_factor, resolution);
+    }
+    if size_factor.is_some() {
+        let error = InputError::new("a size factor is for built-in scenes, not for files");
+        return Err(error.help("`pcs-sim scenes` lists the built-in scenes"));
+    }
+    let options = ReadOptions { resolution: resolution.unwrap_or(ReadOptions::default().resolution) };
+    crate::scene::load(Path::new(scene), &options)
+}
+
+/// Fails if rays of a file are to be sent in an order of pixels.
+fn check_order(order: Order, rays: Option<&Path>) -> Result<(), InputError> {
+    if rays.is_none() || order.of_list(1).is_some() {
+        return Ok(());
+    }
+    let error = InputError::new(format!("{order} is an order of pixels, and the rays are a file's"));
+    Err(error.help("rays of a file can be sent as they stand there (raster), by stride and by shuffle:SEED"))
 }
 
 /// Whether a scene is the name of a built-in one, not that of a file.

@@ -7,6 +7,7 @@ use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::{Hit, Ray};
 use crate::isa::Fault;
+use crate::machine::events::Standstill;
 use crate::machine::{Array, Cycles, MachineSpec, Observed, Stuck, Unfinished};
 use crate::measure::{CriticalPath, Measured, Recording, When};
 use crate::program::{Counts, NotLaidOut, Workload};
@@ -74,6 +75,9 @@ pub enum RunError<E> {
     /// The array program does not go with what is to be run.
     #[error(transparent)]
     Unfit(#[from] InputError),
+    /// The tasks of a farm can go no further.
+    #[error(transparent)]
+    Standstill(#[from] Standstill),
     /// The ops are none of such an array's.
     #[error(transparent)]
     Batch(#[from] BatchError),
@@ -186,7 +190,8 @@ fn run_in<E>(
 ///
 /// # Errors
 ///
-/// If the ops are none of such an array's, or never come to an end; if `feed` fails.
+/// If the ops are none of such an array's, or never come to an end; if the machine has depths for FIFOs that are none of the array's; if
+/// `feed` fails.
 pub fn replay<E>(
     spec: &MachineSpec,
     costs: &Costs,
@@ -205,6 +210,7 @@ pub fn replay_watched<E>(
     mut feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<E>>) -> Result<(), RunError<E>>,
     mut observe: impl FnMut(&Array),
 ) -> Result<(Measured, Observed), RunError<E>> {
+    spec.check_fifos(cells)?;
     let mut attempt = |watching: &Watching, limit: Cycles| {
         let mut array = watching.array(spec, costs, cells, limit);
         feed(&mut |batch| {

@@ -1,20 +1,23 @@
 //! Running the points: those that share something do it once.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 
 use rayon::prelude::*;
 
 use super::Sweep;
+use super::farm_point::FarmPoint;
+use super::parameters::Points;
 use super::point::{self, Outcome};
 use crate::cancel::Cancelled;
 use crate::run::{Key, Keys, Layers, PlannedRun, Workers};
 
 impl Sweep {
     /// Runs points on all cores, and hands each one's results to `done` as they come: a cell for each of
-    /// [`super::COLUMNS`].
+    /// [`Sweep::results`].
     ///
     /// Those of a scene are run one after the other, and among them those that do the same work, so that a scene is
-    /// built once, and what its cells do is worked out once.
+    /// built once, and what its cells do, or what its pixels take, is worked out once.
     ///
     /// Fails if it is told to stop; the points that are not done by then are not handed to `done`.
     pub fn run(
@@ -25,11 +28,60 @@ impl Sweep {
     ) -> Result<(), Cancelled> {
         let stopped = || workers.cancel.check().is_err();
         // What a point comes to that was stopped is no result of it.
-        let done = |index, result| {
+        let done = |index, result: Result<Vec<String>, String>| {
             if !stopped() {
-                done(index, super::point::results(result))
+                done(index, result.unwrap_or_else(|reason| self.failed(reason)))
             }
         };
+        match self.of {
+            Points::Arrays => self.run_arrays(points, workers, |index, result: Result<Outcome, String>| {
+                done(index, result.map(|outcome| outcome.results()));
+            }),
+            Points::Farms => self.run_farms(points, workers, done),
+        }
+    }
+
+    /// The results of a point that failed: all empty but the last.
+    fn failed(&self, reason: String) -> Vec<String> {
+        let mut row = vec![String::new(); self.results().len() - 1];
+        row.push(reason);
+        row
+    }
+
+    /// Farms whose pixels take the same are laid out once.
+    fn run_farms(
+        &self,
+        points: &[usize],
+        workers: &Workers,
+        done: impl Fn(usize, Result<Vec<String>, String>) + Sync,
+    ) -> Result<(), Cancelled> {
+        let mut possible = Vec::new();
+        for &index in points {
+            match FarmPoint::new(self.values(index)) {
+                Ok(point) => possible.push((index, point)),
+                Err(reason) => done(index, Err(reason)),
+            }
+        }
+        for same_work in by_key(possible.iter().collect(), FarmPoint::work_key) {
+            workers.cancel.check()?;
+            let scene = same_work[0].1.lay_out(workers);
+            let run = |point: &FarmPoint| point.run(scene.as_ref().map_err(String::clone)?, &workers.cancel);
+            same_work.par_iter().for_each(|(index, point)| done(*index, run(point)));
+        }
+        workers.cancel.check()
+    }
+
+    /// The names of the parameters with their values in a point.
+    fn values(&self, index: usize) -> impl Iterator<Item = (&'static str, String)> {
+        self.parameters.iter().map(|parameter| parameter.column.name).zip(self.point(index))
+    }
+
+    fn run_arrays(
+        &self,
+        points: &[usize],
+        workers: &Workers,
+        done: impl Fn(usize, Result<Outcome, String>) + Sync,
+    ) -> Result<(), Cancelled> {
         let planned: Vec<Result<PlannedRun, String>> = points.par_iter().map(|&index| self.planned(index)).collect();
         let mut possible = Vec::new();
         for (&index, planned) in points.iter().zip(planned) {
@@ -48,8 +100,7 @@ impl Sweep {
 
     /// What is to be run for a point, or why it cannot be.
     fn planned(&self, index: usize) -> Result<PlannedRun, String> {
-        let names = self.parameters.iter().map(|parameter| parameter.column.name);
-        point::planned(names.zip(self.point(index)))
+        point::planned(self.values(index))
     }
 }
 
@@ -80,16 +131,16 @@ fn by_layers(points: &[Point]) -> Vec<Vec<&Point>> {
     let layers: [fn(&Keys) -> &Key; 4] =
         [|keys| &keys.scene, |keys| &keys.prepared, |keys| &keys.laid_out, |keys| &keys.traced];
     layers.iter().fold(vec![points.iter().collect()], |groups, key| {
-        groups.into_iter().flat_map(|group| by_key(group, key)).collect()
+        groups.into_iter().flat_map(|group| by_key(group, |planned| key(&planned.keys).clone())).collect()
     })
 }
 
 /// Puts points with the same key together, in the order in which the keys come first.
-fn by_key<'a>(points: Vec<&'a Point>, key: &impl Fn(&Keys) -> &Key) -> Vec<Vec<&'a Point>> {
+fn by_key<P, K: Eq + Hash>(points: Vec<&(usize, P)>, key: impl Fn(&P) -> K) -> Vec<Vec<&(usize, P)>> {
     let mut places = HashMap::new();
-    let mut groups: Vec<Vec<&Point>> = Vec::new();
+    let mut groups: Vec<Vec<&(usize, P)>> = Vec::new();
     for point in points {
-        let place = *places.entry(key(&point.1.keys)).or_insert(groups.len());
+        let place = *places.entry(key(&point.1)).or_insert(groups.len());
         if place == groups.len() {
             groups.push(Vec::new());
         }

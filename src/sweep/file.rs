@@ -2,16 +2,20 @@
 
 use std::path::Path;
 
-use super::parameters::{MOST_VALUES, Parameter, SweepFile};
+use super::parameters::{MOST_VALUES, Parameter, Points, SweepFile};
+use super::{farm_point, point};
 use crate::error::InputError;
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};
 use crate::isa::{Sources, assemble};
+use crate::report::table::Column;
 use crate::scene::ReadOptions;
 
 /// The points of a sweep: every combination of its parameters' values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sweep {
+    /// What its points are.
+    pub of: Points,
     /// The parameters that it sets or varies.
     pub parameters: Vec<Parameter>,
     points: usize,
@@ -21,14 +25,22 @@ impl Sweep {
     /// Reads the file of a sweep.
     pub fn read(path: &Path) -> Result<Sweep, InputError> {
         let file: SweepFile = fields::parse(path, &fields::read_text(path)?)?;
-        let parameters = file.parameters;
+        let SweepFile { points: of, parameters } = file;
         let count = parameters.iter().try_fold(1usize, |count, parameter| count.checked_mul(parameter.values.len()));
         match count.filter(|&count| count <= MOST_VALUES) {
-            Some(points) => Ok(Sweep { parameters, points }),
+            Some(points) => Ok(Sweep { of, parameters, points }),
             None => {
                 let error = InputError::in_file(path, format!("has more than {MOST_VALUES} points"));
                 Err(error.help("a point is a combination of one value each"))
             }
+        }
+    }
+
+    /// What its table tells of a point, behind the parameters.
+    pub fn results(&self) -> &'static [Column<'static>] {
+        match self.of {
+            Points::Arrays => &point::COLUMNS,
+            Points::Farms => &farm_point::COLUMNS,
         }
     }
 

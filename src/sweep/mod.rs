@@ -1,6 +1,7 @@
 //! Many runs at once: which points a sweep has, and the record that lets a killed one go on.
 
 mod engine;
+mod farm_point;
 mod file;
 mod journal;
 mod parameters;
@@ -8,6 +9,5 @@ mod point;
 mod record;
 
 pub use file::Sweep;
-pub use parameters::Parameter;
-pub use point::COLUMNS;
+pub use parameters::{Parameter, Points};
 pub use record::Record;

@@ -9,7 +9,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unex
 
 use crate::parameters::{Kind as Form, ParameterInfo};
 use crate::report::table::{Column, Kind};
-use crate::run::RunOptions;
+use crate::run::{FarmRunOptions, RunOptions};
 
 /// A parameter that a sweep sets, and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,21 +23,53 @@ pub struct Parameter {
 /// More values are surely a mistake.
 pub(super) const MOST_VALUES: usize = 1_000_000;
 
+/// What the points of a sweep are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Points {
+    /// Runs of an array.
+    Arrays,
+    /// Farms of workers.
+    Farms,
+}
+
 /// The file of a sweep: the parameters that it sets, in the order of tables.
 pub(super) struct SweepFile {
+    pub points: Points,
     pub parameters: Vec<Parameter>,
 }
 
 /// Whether a point is a whole image. It is one, too, if it has a parameter that only images have.
 pub(super) const IMAGE: ParameterInfo = ParameterInfo { name: "image", kind: Form::Truth, label: "whole image" };
 
-/// All that a sweep can set, in the order of tables.
-fn known_parameters() -> impl Iterator<Item = &'static ParameterInfo> {
-    RunOptions::parameters().chain([&IMAGE]).chain(RunOptions::image_parameters())
+/// Whether a point is a farm. It is one, too, if it has a parameter that only farms have.
+pub(super) const FARM: ParameterInfo = ParameterInfo { name: "farm", kind: Form::Truth, label: "farm" };
+
+impl Points {
+    /// All that a sweep of such points can set, in the order of tables.
+    fn parameters(self) -> Vec<&'static ParameterInfo> {
+        let images = || [&IMAGE].into_iter().chain(RunOptions::image_parameters());
+        match self {
+            Points::Arrays => RunOptions::parameters().chain(images()).collect(),
+            Points::Farms => [&FARM].into_iter().chain(FarmRunOptions::parameters()).collect(),
+        }
+    }
+
+    /// The name of a parameter that the other kind of points does not have.
+    fn alone_has(self, name: &str) -> bool {
+        let other = if self == Points::Arrays { Points::Farms } else { Points::Arrays };
+        let has = |points: Points| points.parameters().iter().any(|known| known.name == name);
+        has(self) && !has(other)
+    }
 }
 
-/// The names of all parameters, in the order of tables.
-static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| known_parameters().map(|known| known.name).collect());
+/// All parameters by their names, those of arrays first.
+static KNOWN: LazyLock<Vec<&'static ParameterInfo>> = LazyLock::new(|| {
+    let farms = Points::Farms.parameters().into_iter().filter(|known| Points::Farms.alone_has(known.name));
+    Points::Arrays.parameters().into_iter().chain(farms).collect()
+});
+
+/// Their names.
+static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| KNOWN.iter().map(|known| known.name).collect());
 
 impl<'de> Deserialize<'de> for SweepFile {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<SweepFile, D::Error> {
@@ -52,19 +84,42 @@ impl<'de> Deserialize<'de> for SweepFile {
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SweepFile, A::Error> {
                 let mut given: Vec<Option<Vec<String>>> = vec![None; NAMES.len()];
                 while let Some(Name(index)) = map.next_key()? {
-                    let known = known_parameters().nth(index);
-                    let known = known.filter(|_| given[index].is_none());
-                    let known = known.ok_or_else(|| A::Error::duplicate_field(NAMES[index]))?;
-                    given[index] = Some(map.next_value_seed(known.kind)?);
+                    if given[index].is_some() {
+                        return Err(A::Error::duplicate_field(NAMES[index]));
+                    }
+                    given[index] = Some(map.next_value_seed(KNOWN[index].kind)?);
                 }
-                let column =
-                    |known: &ParameterInfo| Column { name: known.name, kind: known.kind.into(), label: known.label };
-                let all = known_parameters().zip(given);
-                let set = all.filter_map(|(known, values)| Some(Parameter { column: column(known), values: values? }));
-                Ok(SweepFile { parameters: set.collect() })
+                SweepFile::new(given).map_err(A::Error::custom)
             }
         }
         deserializer.deserialize_struct("SweepFile", &NAMES, Fields)
+    }
+}
+
+impl SweepFile {
+    /// Takes the values of the parameters, in the order of [`KNOWN`].
+    fn new(mut given: Vec<Option<Vec<String>>>) -> Result<SweepFile, String> {
+        let names = || KNOWN.iter().zip(&given).filter(|(_, values)| values.is_some()).map(|(known, _)| known.name);
+        let of_farms = names().find(|name| Points::Farms.alone_has(name));
+        let points = if of_farms.is_some() { Points::Farms } else { Points::Arrays };
+        let of_arrays = names().find(|name| Points::Arrays.alone_has(name));
+        if let (Some(farm), Some(array)) = (of_farms, of_arrays) {
+            return Err(format!(
+                "{farm} is for farms of workers and {array} for arrays: a sweep is of one or the other"
+            ));
+        }
+        let column = |known: &ParameterInfo| Column { name: known.name, kind: known.kind.into(), label: known.label };
+        let mut take = |known: &ParameterInfo| given[NAMES.iter().position(|name| *name == known.name)?].take();
+        let all = points.parameters().into_iter();
+        let parameters: Vec<Parameter> =
+            all.filter_map(|known| Some(Parameter { column: column(known), values: take(known)? })).collect();
+        let no_farm = |parameter: &Parameter| {
+            parameter.column.name == FARM.name && parameter.values.iter().any(|value| value != "true")
+        };
+        match parameters.iter().any(no_farm) {
+            true => Err("farm can only be true: leave it out for arrays".to_owned()),
+            false => Ok(SweepFile { points, parameters }),
+        }
     }
 }
 

@@ -18,38 +18,34 @@ use crate::scene::Scene;
 /// What the table tells of a point, behind its parameters. `grid_us` to `idle_us` are what all cells together spend on a
 /// ray in each state; they add up to `array_cells` times `us_per_ray`, but for what the cells' programs do beside the kernels.
 pub const COLUMNS: [Column<'static>; 27] = [
-    column("array_cells", Kind::Whole, "cells of the array"),
-    column("polygons", Kind::Whole, "polygons of the scene"),
-    column("placed_polygons", Kind::Whole, "polygons of all sub-volumes together"),
-    column("ray_count", Kind::Whole, "rays"),
-    column("cycles", Kind::Whole, "simulated time (cycles)"),
-    column("seconds", Kind::Number, "simulated time (s)"),
-    column("rays_per_second", Kind::Number, "rays a second of simulated time"),
-    column("us_per_ray", Kind::Number, "simulated time (µs a ray)"),
-    column("hits", Kind::Whole, "rays that hit"),
-    column("voxels", Kind::Whole, "voxels visited"),
-    column("slab_tests", Kind::Whole, "slabs tests"),
-    column("intersection_tests", Kind::Whole, "intersection tests"),
-    column("grid_us", Kind::Number, "time of all cells on the grid (µs a ray)"),
-    column("slabs_us", Kind::Number, "time of all cells on slabs tests (µs a ray)"),
-    column("intersection_us", Kind::Number, "time of all cells on intersection tests (µs a ray)"),
-    column("moving_us", Kind::Number, "time of all cells moving words (µs a ray)"),
-    column("waiting_us", Kind::Number, "time of all cells waiting for words (µs a ray)"),
-    column("blocked_us", Kind::Number, "time of all cells blocked (µs a ray)"),
-    column("idle_us", Kind::Number, "time of all cells with nothing left to do (µs a ray)"),
-    column("mean_works", Kind::Number, "share of the time that a cell works, mean of all cells"),
-    column("busiest_cell", Kind::Whole, "number of the busiest cell"),
-    column("busiest_cell_works", Kind::Number, "share of the time that the busiest cell works"),
-    column("busiest_link_words", Kind::Whole, "words through the busiest link"),
-    column("fullest_fifo", Kind::Text, "fullest FIFO"),
-    column("fullest_fifo_words", Kind::Whole, "most that a FIFO held (words)"),
-    column("fullest_memory_words", Kind::Whole, "most that a cell's memory holds (words)"),
-    column("error", Kind::Text, "why the point failed"),
+    Column::new("array_cells", Kind::Whole, "cells of the array"),
+    Column::new("polygons", Kind::Whole, "polygons of the scene"),
+    Column::new("placed_polygons", Kind::Whole, "polygons of all sub-volumes together"),
+    Column::new("ray_count", Kind::Whole, "rays"),
+    Column::new("cycles", Kind::Whole, "simulated time (cycles)"),
+    Column::new("seconds", Kind::Number, "simulated time (s)"),
+    Column::new("rays_per_second", Kind::Number, "rays a second of simulated time"),
+    Column::new("us_per_ray", Kind::Number, "simulated time (µs a ray)"),
+    Column::new("hits", Kind::Whole, "rays that hit"),
+    Column::new("voxels", Kind::Whole, "voxels visited"),
+    Column::new("slab_tests", Kind::Whole, "slabs tests"),
+    Column::new("intersection_tests", Kind::Whole, "intersection tests"),
+    Column::new("grid_us", Kind::Number, "time of all cells on the grid (µs a ray)"),
+    Column::new("slabs_us", Kind::Number, "time of all cells on slabs tests (µs a ray)"),
+    Column::new("intersection_us", Kind::Number, "time of all cells on intersection tests (µs a ray)"),
+    Column::new("moving_us", Kind::Number, "time of all cells moving words (µs a ray)"),
+    Column::new("waiting_us", Kind::Number, "time of all cells waiting for words (µs a ray)"),
+    Column::new("blocked_us", Kind::Number, "time of all cells blocked (µs a ray)"),
+    Column::new("idle_us", Kind::Number, "time of all cells with nothing left to do (µs a ray)"),
+    Column::new("mean_works", Kind::Number, "share of the time that a cell works, mean of all cells"),
+    Column::new("busiest_cell", Kind::Whole, "number of the busiest cell"),
+    Column::new("busiest_cell_works", Kind::Number, "share of the time that the busiest cell works"),
+    Column::new("busiest_link_words", Kind::Whole, "words through the busiest link"),
+    Column::new("fullest_fifo", Kind::Text, "fullest FIFO"),
+    Column::new("fullest_fifo_words", Kind::Whole, "most that a FIFO held (words)"),
+    Column::new("fullest_memory_words", Kind::Whole, "most that a cell's memory holds (words)"),
+    Column::new("error", Kind::Text, "why the point failed"),
 ];
-
-const fn column(name: &'static str, kind: Kind, label: &'static str) -> Column<'static> {
-    Column { name, kind, label }
-}
 
 /// What a point gives.
 pub struct Outcome {
@@ -101,7 +97,8 @@ fn render(
 ) -> Result<Outcome, String> {
     let (size, sampling, limits) = (point.spec.size, image.sampling(), image.limits());
     let picture = Picture { scene, workload, size, sampling, limits };
-    let timed = Timed { spec: &point.machine.spec, rules: image.rules(), watching: Watching::default() };
+    let timed =
+        Timed { spec: &point.machine.spec, rules: image.rules(point.spec.order), watching: Watching::default() };
     let rendered = run::render(&picture, Some(timed), workers, |_| Ok::<_, Infallible>(())).map_err(reason)?;
     let timing = rendered.timing.ok_or("the image was not timed")?;
     Ok(Outcome::new(point, workload, timing.stats, rendered.counts))
@@ -130,18 +127,6 @@ pub fn reason(error: impl Display) -> String {
     error.to_string()
 }
 
-/// The results of a point that is done, or that failed.
-pub fn results(result: Result<Outcome, String>) -> Vec<String> {
-    match result {
-        Ok(outcome) => outcome.results(),
-        Err(reason) => {
-            let mut row = vec![String::new(); COLUMNS.len() - 1];
-            row.push(reason);
-            row
-        }
-    }
-}
-
 impl Outcome {
     fn new(point: &PlannedRun, workload: &Workload, stats: Measured, counts: Counts) -> Outcome {
         let seconds = point.machine.spec.seconds(stats.cycles);
@@ -151,7 +136,8 @@ impl Outcome {
         Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words }
     }
 
-    fn results(&self) -> Vec<String> {
+    /// A cell for each of [`COLUMNS`].
+    pub fn results(&self) -> Vec<String> {
         let Outcome { stats, counts, seconds, polygons, placed_polygons, memory_words } = self;
         let states = &stats.topology.states;
         let count = stats.stations.len();

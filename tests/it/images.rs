@@ -110,7 +110,7 @@ fn do_not_depend_on_mode_cells_threads_policy_or_timing() {
             let picture = picture(&scene, &workload, 40, sampling);
             assert!(untimed(&picture, 3).pixels == reference.pixels, "{program} {groups}");
             for policy in POLICIES {
-                let rules = HostRules { policy, in_flight: Some(7), open_samples: 10 };
+                let rules = HostRules { policy, in_flight: Some(7), open_samples: 10, ..HostRules::default() };
                 let (rendered, _) = timed(&picture, &MachineSpec::default(), rules);
                 assert!(rendered.pixels == reference.pixels, "{program} {groups} {policy:?}");
                 let rays = |rendered: &Rendered| rendered.kinds.map(|kind| (kind.rays, kind.hits));
@@ -131,7 +131,7 @@ fn timing_in_a_closed_loop_is_what_ticking_its_ops_gives() {
             for (policy, sampling) in POLICIES.map(|policy| (policy, plain(1))).into_iter().chain([refined]) {
                 let picture = picture(&scene, &workload, 6, sampling);
                 for (in_flight, open_samples) in [(None, 1024), (Some(2), 3)] {
-                    let rules = HostRules { policy, in_flight, open_samples };
+                    let rules = HostRules { policy, in_flight, open_samples, ..HostRules::default() };
                     let (rendered, batches) = timed(&picture, &narrow, rules);
                     let stats = timing(rendered).stats;
                     let ticked = ticking::run(&narrow, workload.costs(), &batches).unwrap();

@@ -49,6 +49,7 @@ const CHANGES: &[(&str, &str, Layer)] = &[
     ("resolution", "9", Layer::Scene),
     ("size", "8x8", Layer::Prepared),
     ("rays", "some.csv", Layer::Prepared),
+    ("order", "stride", Layer::Prepared),
     ("mode", "pipeline", Layer::LaidOut),
     ("cells", "4", Layer::LaidOut),
     ("groups", "3", Layer::LaidOut),

@@ -30,7 +30,7 @@ fn profile(spec: &MachineSpec, costs: &Costs, batches: &[OpBatch]) -> Option<(Me
 }
 
 /// The naive profile: what happened in every cycle, sorted into bins of a given width.
-fn naive_profile(spec: &MachineSpec, stats: &Ticked, history: &History, seen: &Profile) -> Profile {
+fn naive_profile(stats: &Ticked, history: &History, seen: &Profile) -> Profile {
     let bin = seen.bin;
     let width = bin.0 as usize;
     let bins = (stats.cycles.0 as usize).div_ceil(width);
@@ -45,7 +45,9 @@ fn naive_profile(spec: &MachineSpec, stats: &Ticked, history: &History, seen: &P
         bin,
         cycles: stats.cycles,
         stations: history.states.iter().map(|states| states.chunks(width).map(count_states).collect()).collect(),
-        fifos: history.occupancies.iter().map(|occupancies| naive_fifo(spec, occupancies, width)).collect(),
+        fifos: (stats.fifos.iter().zip(&history.occupancies))
+            .map(|((_, capacity, _), occupancies)| naive_fifo(*capacity, occupancies, width))
+            .collect(),
         jobs,
         latency,
     }
@@ -57,8 +59,8 @@ fn count_states(states: &[StateId]) -> StateTimes {
     times
 }
 
-fn naive_fifo(spec: &MachineSpec, occupancies: &[u64], width: usize) -> FifoProfile {
-    let capacity = spec.fifo_words.0;
+fn naive_fifo(capacity: Words, occupancies: &[u64], width: usize) -> FifoProfile {
+    let capacity = capacity.0;
     let mut histogram = vec![Cycles(0); capacity as usize + 1];
     occupancies.iter().for_each(|&occupancy| histogram[occupancy as usize] += Cycles(1));
     let bin = |part: &[u64]| FifoBin {
@@ -75,7 +77,7 @@ fn assert_exact(spec: &MachineSpec, costs: &Costs, batches: &[OpBatch]) -> Profi
     let (stats, profile) = profile(spec, costs, batches).expect("it ends");
     let (ticked, history) = ticking::run_recorded(spec, costs, batches).expect("it ends");
     assert_eq!(Ticked::from(&stats), ticked);
-    let naive = naive_profile(spec, &ticked, &history, &profile);
+    let naive = naive_profile(&ticked, &history, &profile);
     for ((fifo, naive), info) in profile.fifos.iter().zip(&naive.fifos).zip(&profile.topology.fifos) {
         assert_eq!(fifo.bins, naive.bins, "bins of {}", info.name);
     }
@@ -162,7 +164,7 @@ fn assert_burst(spec: &MachineSpec, batch: &OpBatch) {
     let (stats, profile) = profile(spec, &costs(), std::slice::from_ref(batch)).expect("it ends");
     let (ticked, history) = ticking::run_recorded(spec, &costs(), std::slice::from_ref(batch)).expect("it ends");
     assert_eq!(Ticked::from(&stats), ticked);
-    let naive = naive_profile(spec, &ticked, &history, &profile);
+    let naive = naive_profile(&ticked, &history, &profile);
     assert_eq!(profile.fifos, naive.fifos);
     assert_eq!(profile.stations, naive.stations);
 }

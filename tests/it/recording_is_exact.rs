@@ -103,7 +103,7 @@ fn assert_exact(recording: &Recording, batches: &[OpBatch], history: &History) {
     for ((info, fifo), naive) in fifos.zip(&history.occupancies) {
         assert_eq!(levels(&fifo.levels, window), naive[cycles.clone()], "levels of {}", info.name);
     }
-    let host = states(&recording.host, window);
+    let host = states(recording.host.as_ref().unwrap(), window);
     let moving = cycles.clone().zip(host).filter(|(_, state)| *state == MOVING).map(|(cycle, _)| cycle as u64);
     let sent = history.sent.iter().copied().filter(|&cycle| cycles.contains(&(cycle as usize)));
     assert_eq!(moving.collect::<Vec<_>>(), sent.collect::<Vec<_>>());
@@ -153,7 +153,11 @@ fn assert_moments(recording: &Recording, batches: &[OpBatch], history: &History)
         assert_eq!(moment.stations, stations.iter().map(|cell| cell[place]).collect::<Vec<_>>(), "cycle {cycle}");
         let levels = history.occupancies.iter().map(|fifo| Words(fifo[cycle]));
         assert_eq!(moment.levels, levels.collect::<Vec<_>>(), "cycle {cycle}");
-        assert_eq!(moment.host.stretch.state == MOVING, history.sent.contains(&(cycle as u64)), "cycle {cycle}");
+        assert_eq!(
+            moment.host.unwrap().stretch.state == MOVING,
+            history.sent.contains(&(cycle as u64)),
+            "cycle {cycle}"
+        );
         let ends = moment.answer.is_some_and(|answer| answer.until == moment.at + Cycles(1));
         // The window may end within one.
         let cut = ends && moment.at + Cycles(1) == window.end;
@@ -175,7 +179,8 @@ fn assert_moments(recording: &Recording, batches: &[OpBatch], history: &History)
 
 fn events(recording: &Recording) -> usize {
     let activity = |activity: &StationRecord| activity.states.len() + activity.jobs.len();
-    let activities = activity(&recording.host) + recording.stations.iter().map(activity).sum::<usize>();
+    let activities =
+        activity(recording.host.as_ref().unwrap()) + recording.stations.iter().map(activity).sum::<usize>();
     activities + recording.answers.len()
 }
 

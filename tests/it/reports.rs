@@ -8,6 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::program::ArrayProgram;
+use pcs_sim::run::FarmSpec;
 use pcs_sim::scene::builtin;
 use pcs_sim::sweep::Sweep;
 
@@ -24,7 +25,7 @@ fn reports() -> Vec<PathBuf> {
     let folders = fs::read_dir(root().join("reports")).unwrap().map(|entry| entry.unwrap().path());
     let mut found: Vec<PathBuf> = folders.filter(|folder| folder.join("README.md").exists()).collect();
     found.sort();
-    assert_eq!(found.len(), 11, "{found:?}");
+    assert_eq!(found.len(), 12, "{found:?}");
     found
 }
 
@@ -34,7 +35,7 @@ fn experiments() -> Vec<PathBuf> {
         fs::read_to_string(folder.join("run.sh")).is_ok_and(|script| script.contains("\n. ../sweeps.sh\n"))
     };
     let found: Vec<PathBuf> = reports().into_iter().filter(is_experiment).collect();
-    assert_eq!(found.len(), 9, "{found:?}");
+    assert_eq!(found.len(), 10, "{found:?}");
     found
 }
 
@@ -178,7 +179,9 @@ fn sweeps_name_scenes_and_programs_that_exist() {
                 found.map(|parameter| parameter.values.clone()).unwrap_or_default()
             };
             for scene in values("scene") {
-                assert!(builtin::all().iter().any(|other| other.name == scene), "{name}: {scene}");
+                let is_builtin = builtin::all().iter().any(|other| other.name == scene);
+                let is_there = is_builtin || scene == FarmSpec::RECTANGLES || folder.join(&scene).exists();
+                assert!(is_there, "{name}: {scene}");
             }
             for program in values("program") {
                 let is_there = ArrayProgram::standard(&program).is_some() || folder.join(&program).exists();

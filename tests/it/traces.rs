@@ -57,7 +57,7 @@ impl Run {
     fn activities(&self) -> Vec<(String, &StationRecord)> {
         let cells = self.recording.stations.iter().zip(NAMES).enumerate();
         let named = cells.map(|(index, (activity, name))| (format!("cell {index} {name}"), activity));
-        std::iter::once(("host sends".to_owned(), &self.recording.host)).chain(named).collect()
+        std::iter::once(("host sends".to_owned(), self.recording.host.as_ref().unwrap())).chain(named).collect()
     }
 }
 
@@ -190,8 +190,7 @@ fn read_perfetto(bytes: &[u8]) -> Read {
                 assert_eq!(event.terminating_flow_ids > 0, name.starts_with("HIT"));
                 if event.name.is_empty() {
                     let category = named(&interned.event_categories, event.category_iids);
-                    let of_state = name.split(' ').next().unwrap();
-                    assert!(category == of_state || category == "busy", "{name} is {category}");
+                    assert!(category == category_of(&name) || category == "busy", "{name} is {category}");
                 }
                 let arguments = arguments.collect();
                 stack.push(read.slices.len());
@@ -204,6 +203,40 @@ fn read_perfetto(bytes: &[u8]) -> Read {
     }
     assert!(open.values().all(Vec::is_empty), "every slice ends");
     read
+}
+
+/// What a state is grouped into, unless it is work.
+fn category_of(state: &str) -> &str {
+    match state {
+        "sending" | "receiving" => "moving",
+        "waiting master" => "blocked",
+        _ => state.split(' ').next().unwrap(),
+    }
+}
+
+#[test]
+fn a_farm_has_a_lane_for_each_task() {
+    let folder = Folder::new();
+    folder.run("farm rectangles --size 30x20 --tasks 2 --trace run.pftrace --stats run.json").success();
+    let read = read_perfetto(&std::fs::read(folder.path("run.pftrace")).unwrap());
+    let stats: serde_json::Value = serde_json::from_str(&folder.read("run.json")).unwrap();
+    assert!(read.counters.is_empty());
+    let mut jobs = 0;
+    for task in stats["tasks"].as_array().unwrap() {
+        let name = task["name"].as_str().unwrap();
+        let on_track = || read.slices.iter().filter(|slice| slice.track == name);
+        let computing = &task["busy"]["computing"];
+        let others = task.as_object().unwrap().iter().filter(|(_, time)| time.is_u64());
+        for (state, time) in others.chain([(&"computing".to_owned(), computing)]) {
+            let slices = on_track().filter(|slice| slice.name == state.replace('_', " "));
+            assert_eq!(Some(slices.map(|slice| slice.until - slice.from).sum()), time.as_u64(), "{name} {state}");
+        }
+        let items: Vec<&Slice> = on_track().filter(|slice| slice.name.starts_with("segment ")).collect();
+        assert!(items.iter().all(|item| item.name == format!("segment {}", item.arguments["segment"])));
+        assert!(items.is_empty() || name.starts_with("CAP "));
+        jobs += items.len() as u64;
+    }
+    assert_eq!(Some(jobs), stats["items"].as_u64());
 }
 
 #[test]

@@ -72,13 +72,7 @@ setTimeout(() => {
 
 #[test]
 fn a_page_opens_in_a_browser_and_its_charts_move_together() {
-    let browsers = ["chromium", "chromium-browser", "google-chrome"];
-    let is_there =
-        |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
-    let Some(browser) = browsers.into_iter().find(is_there) else {
-        eprintln!("skipped: there is no browser among {browsers:?}");
-        return;
-    };
+    let Some(browser) = browser() else { return };
     let folder = Folder::new();
     // Four cells, the rays, eight FIFOs.
     folder.run(&format!("{RUN} --page few.html")).success();
@@ -92,6 +86,33 @@ fn a_page_opens_in_a_browser_and_its_charts_move_together() {
         assert!(many.contains("data-fits=\"true\""), "nothing is wider than a window of {window}");
         assert!(many.contains("all FIFOs on Y") && many.contains("class=\"station"), "{window}");
     }
+}
+
+#[test]
+fn a_farms_page_opens_in_a_browser() {
+    let Some(browser) = browser() else { return };
+    let folder = Folder::new();
+    // Five tasks and the segments; and 22 tasks, of which four are shown beside the picture of all.
+    folder.run("farm rectangles --size 20x15 --tasks 3 --page few.html").success();
+    let few = opened(browser, &folder, "few", "1280,800");
+    assert!(few.contains("data-zoomed=\"6\"") && few.contains("data-charts=\"5\""), "charts move, and can be hidden");
+    folder.run("farm rectangles --size 20x15 --tasks 20 --processors 21 --page many.html").success();
+    for window in ["1280,800", "900,800"] {
+        let many = opened(browser, &folder, "many", window);
+        assert!(many.contains("data-zoomed=\"6\"") && many.contains("data-fits=\"true\""), "{window}");
+    }
+}
+
+/// A browser, if there is one.
+fn browser() -> Option<&'static str> {
+    let browsers = ["chromium", "chromium-browser", "google-chrome"];
+    let is_there =
+        |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
+    let found = browsers.into_iter().find(is_there);
+    if found.is_none() {
+        eprintln!("skipped: there is no browser among {browsers:?}");
+    }
+    found
 }
 
 /// What is in a page after it was opened in a window of that size, and used.

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use console::{Term, truncate_str};
 use indicatif::ProgressBar;
 use pcs_sim::report::summary::grouped;
-use pcs_sim::sweep::Sweep;
+use pcs_sim::sweep::{Points, Sweep};
 
 use super::columns;
 
@@ -17,7 +17,8 @@ pub struct Latest<'a> {
     bar: &'a ProgressBar,
     /// The parameters that vary: their places in a row, and their names.
     varying: Vec<(usize, &'static str)>,
-    rate: usize,
+    /// The place of the figure that is shown, and its unit.
+    told: (usize, &'static str),
     error: usize,
     lines: VecDeque<String>,
     is_shown: bool,
@@ -28,11 +29,16 @@ impl Latest<'_> {
     pub fn new<'a>(sweep: &Sweep, bar: &'a ProgressBar, watch: bool) -> Latest<'a> {
         let parameters = sweep.parameters.iter().enumerate();
         let varying = parameters.filter(|(_, parameter)| parameter.values.len() > 1);
-        let place = |name: &str| columns(sweep).iter().position(|column| column.name == name).unwrap_or(0);
+        let columns = columns(sweep);
+        let place = |name: &str| columns.iter().position(|column| column.name == name).unwrap_or(0);
+        let (told, unit) = match sweep.of {
+            Points::Arrays => ("rays_per_second", "rays/s"),
+            Points::Farms => ("seconds", "s"),
+        };
         Latest {
             bar,
             varying: varying.map(|(index, parameter)| (index, parameter.column.name)).collect(),
-            rate: place("rays_per_second"),
+            told: (place(told), unit),
             error: place("error"),
             lines: VecDeque::new(),
             is_shown: watch && !bar.is_hidden(),
@@ -55,8 +61,10 @@ impl Latest<'_> {
 
     fn line(&self, row: &[String]) -> String {
         let point: Vec<String> = self.varying.iter().map(|(index, name)| format!("{name} {}", row[*index])).collect();
-        let result = match row[self.rate].parse::<f64>() {
-            Ok(rate) => format!("{} rays/s", grouped(rate.round() as u64)),
+        let (place, unit) = self.told;
+        let result = match row[place].parse::<f64>() {
+            Ok(seconds) if unit == "s" => format!("{seconds:.3} s"),
+            Ok(figure) => format!("{} {unit}", grouped(figure.round() as u64)),
             Err(_) => format!("failed: {}", row[self.error]),
         };
         format!("{}: {result}", point.join(", "))

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use pcs_sim::report::table::Column;
 use pcs_sim::run::Workers;
-use pcs_sim::sweep::{COLUMNS, Record, Sweep};
+use pcs_sim::sweep::{Record, Sweep};
 
 use super::args::SweepArgs;
 use super::{Failure, outputs, print, progress};
@@ -48,5 +48,5 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
 
 /// The columns of the table: the parameters, then the results.
 fn columns(sweep: &Sweep) -> Vec<Column<'static>> {
-    sweep.parameters.iter().map(|parameter| parameter.column).chain(COLUMNS).collect()
+    sweep.parameters.iter().map(|parameter| parameter.column).chain(sweep.results().iter().copied()).collect()
 }

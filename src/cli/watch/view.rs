@@ -230,7 +230,7 @@ mod tests {
             to: Actor::Host,
             capacity: Words(512),
         };
-        Arc::new(Topology { stations: cells, fifos: fifos.iter().map(info).collect(), states })
+        Arc::new(Topology { stations: cells, fifos: fifos.iter().map(info).collect(), states, ..Topology::default() })
     }
 
     fn lines(before: &SoFar, now: &SoFar, width: usize, height: usize) -> String {

@@ -8,15 +8,15 @@ use super::causes::{Causes, Past, Stand};
 use super::cell::Cell;
 use super::cursor::Halt;
 use super::fifo::Fifo;
-use super::link::Link;
-use super::observers::{Observed, Observers};
+use super::link::{Link, ends};
+use super::observers::Observers;
 use super::prices::Prices;
 use super::probe::Probe;
 use super::recorder::Recorder;
 use super::states::{blocked, states, waiting};
 use super::stuck::{self, Stuck};
-use crate::machine::MachineSpec;
-use crate::measure::{Actor, FifoInfo, LinkStats, Measured, SoFar, StateTimes, Topology, When};
+use crate::machine::{FifoName, MachineSpec};
+use crate::measure::{Actor, FifoInfo, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology, When};
 use crate::quantities::{Cycles, Words};
 use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 
@@ -106,7 +106,7 @@ impl Array {
         let cells = cells.max(1);
         let station = || CellAt { cell: Cell::new(limit.0), batch: 0, halt: Halt::OutOfOps };
         Array {
-            links: (0..=cells).map(|_| Link::new(spec)).collect(),
+            links: (0..=cells).map(|link| Link::new(spec, link, cells)).collect(),
             host: station(),
             cells: (0..cells).map(|_| station()).collect(),
             batches: VecDeque::new(),
@@ -123,7 +123,7 @@ impl Array {
 
     /// The same with a probe, so that [`Array::finish_observed`] gives a profile. To be asked for before any ops are fed.
     pub fn probed(mut self) -> Array {
-        let probe = Probe::new(self.cells.len(), &self.links[0]);
+        let probe = Probe::new(&self.links);
         self.observers.get_or_insert_default().probe = Some(probe);
         self
     }
@@ -381,7 +381,7 @@ impl Array {
             jobs: self.jobs,
             stations: self.cells.iter().map(|at| at.cell.times(cycles)).collect(),
             fifos: self.fifos().map(|(link, channel)| self.links[link].fifo(channel).stats(cycles)).collect(),
-            links: links.map(|(link, into)| LinkStats { into, busy: Cycles(link.busy()) }).collect(),
+            links: links.map(|(link, into)| LinkStats { into: Some(into), busy: Cycles(link.busy()) }).collect(),
         }
     }
 
@@ -398,25 +398,21 @@ impl Array {
     /// What the array is made of, as far as it is in use.
     fn topology(&self) -> Topology {
         let fifos = self.fifos().map(|(link, channel)| {
-            let (from, to) = self.ends(link, channel);
-            let reader = match to {
-                Actor::Host => "host".to_owned(),
-                Actor::Station(cell) => cell.to_string(),
-            };
+            let (from, to) = ends(link, self.cells.len(), channel);
+            let name = FifoName { channel, reader: to }.to_string();
             let capacity = Words(self.links[link].fifo(channel).capacity());
-            FifoInfo { name: format!("{channel}{reader}"), group: channel.to_string(), from, to, capacity }
+            FifoInfo { name, group: channel.to_string(), from, to, capacity }
         });
         let at_z = |times: &StateTimes| times.of(waiting(Channel::Z)) + times.of(blocked(Channel::Z)) > Cycles(0);
         let uses_z = self.fifos().any(|(_, channel)| channel == Channel::Z)
             || self.cells.iter().any(|station| at_z(&station.cell.times));
-        Topology { stations: self.cells.len(), fifos: fifos.collect(), states: states(&self.vocabulary, uses_z) }
-    }
-
-    /// Who writes to a channel of a link, and who reads from it.
-    fn ends(&self, link: usize, channel: Channel) -> (Actor, Actor) {
-        let left = link.checked_sub(1).map_or(Actor::Host, Actor::Station);
-        let right = if link < self.cells.len() { Actor::Station(link) } else { Actor::Host };
-        if channel == Channel::Z { (right, left) } else { (left, right) }
+        Topology {
+            shape: Shape::Line,
+            stations: self.cells.len(),
+            fifos: fifos.collect(),
+            states: states(&self.vocabulary, uses_z),
+            names: Names::default(),
+        }
     }
 
     /// Who waits for whom, in an array that does not go on.

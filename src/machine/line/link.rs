@@ -1,8 +1,17 @@
 //! A link between neighbours: its FIFOs, and the wires that lead to them.
 
 use super::fifo::Fifo;
+use crate::machine::FifoName;
 use crate::machine::spec::{LinkRate, MachineSpec, RateCounts};
+use crate::measure::Actor;
 use crate::seam::Channel;
+
+/// Who writes to a channel of a link of a row of so many cells, and who reads from it.
+pub(super) fn ends(link: usize, cells: usize, channel: Channel) -> (Actor, Actor) {
+    let left = link.checked_sub(1).map_or(Actor::Host, Actor::Station);
+    let right = if link < cells { Actor::Station(link) } else { Actor::Host };
+    if channel == Channel::Z { (right, left) } else { (left, right) }
+}
 
 /// The FIFOs at both ends of a link, and the wires that lead to them.
 #[derive(Debug)]
@@ -19,8 +28,12 @@ pub(super) struct Link {
 }
 
 impl Link {
-    pub fn new(spec: &MachineSpec) -> Link {
-        let [x, y, z] = Channel::ALL.map(|channel| Fifo::new(spec.fifo_words_of(channel).0, spec.link_latency().0));
+    /// Link number `index` of a row of so many cells: the one into that cell, or the one behind the last.
+    pub fn new(spec: &MachineSpec, index: usize, cells: usize) -> Link {
+        let [x, y, z] = Channel::ALL.map(|channel| {
+            let reader = ends(index, cells, channel).1;
+            Fifo::new(spec.fifo_words_of(FifoName { channel, reader }).0, spec.link_latency().0)
+        });
         Link { x, y, z, rate: spec.link_rate(), wire_free: [0; 2], wire_back_free: 0 }
     }
 

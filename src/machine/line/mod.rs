@@ -30,6 +30,5 @@ mod stuck;
 mod watcher;
 
 pub use array::{Array, Unfinished};
-pub use observers::Observed;
 pub use states::{IDLE, MOVING, blocked, waiting, working};
 pub use stuck::{Stuck, StuckKind, Wait, WaitFor};

@@ -9,24 +9,8 @@ use super::link::Link;
 use super::prices::Prices;
 use super::probe::Probe;
 use super::recorder::Recorder;
-use crate::measure::{CriticalPath, Profile, Recording, Snapshot, Topology};
-use crate::quantities::Cycles;
+use crate::measure::{Observed, Topology};
 use crate::seam::{Op, OpBatch, OpStream, Vocabulary};
-
-/// What was seen of a run.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Observed {
-    /// The run over time, if the array was [probed](super::Array::probed).
-    pub profile: Option<Profile>,
-    /// A window of it cycle by cycle, if the array was [recorded](super::Array::recorded).
-    pub recording: Option<Recording>,
-    /// The chain of causes that the run's length is made of, if the array was [explained](super::Array::explained).
-    pub path: Option<CriticalPath>,
-    /// The cycle that was [looked for](super::Array::looking_at), if it was come to.
-    pub looked_at: Option<Cycles>,
-    /// What everybody did in that cycle, if it was known before.
-    pub snapshot: Option<Snapshot>,
-}
 
 /// Those that watch an array.
 #[derive(Debug, Default)]

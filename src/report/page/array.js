@@ -1,6 +1,7 @@
 "use strict";
-// Draws the array as it is: the host, the cells, the FIFOs between them. A click on a cell shows or hides its charts.
-
+{% if is_line %}// Draws the array as it is: the host, the cells, the FIFOs between them. A click on a cell shows or hides its charts.
+{% else %}// Draws the tasks, and the buses that join them. A click on a task shows or hides its chart.
+{% endif %}
 const svg = (name, attributes, text) => {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
@@ -18,7 +19,7 @@ const shade = (percent) => {
 const LARGE = { box: 76, height: 92, link: 72, row: 122, bar: 15, x: 30, y: 72, z: 108, font: 13 };
 const SMALL = { box: 32, height: 36, link: 26, row: 50, bar: 8, x: 8, y: 24, z: 38, font: 11 };
 
-// What stands in the row: the host as sender, the cells, the host as receiver. FIFOs lead into each but the first.
+{% if is_line %}// What stands in the row: the host as sender, the cells, the host as receiver. FIFOs lead into each but the first.
 function drawArray() {
   const place = document.getElementById("array");
   const count = run.cells.length;
@@ -86,7 +87,43 @@ function drawArray() {
   markSelected();
 }
 
-function markSelected() {
+{% else %}// The tasks in rows, each on the buses below it.
+function drawArray() {
+  const place = document.getElementById("array");
+  const count = run.cells.length;
+  const size = count <= 24 ? LARGE : SMALL;
+  const step = size.box + 12, buses = 3 * run.buses.length;
+  const across = Math.max(1, Math.min(Math.floor((place.clientWidth - 8) / step), count));
+  const height = size.height + 16 + buses;
+  const drawing = svg("svg", { width: across * step + 4, height: Math.ceil(count / across) * height + 4 });
+  run.cells.forEach((cell, index) => {
+    const left = (index % across) * step + 2, top = Math.floor(index / across) * height + 2;
+    const group = svg("g", { class: "station", "data-station": index, tabindex: 0, role: "button" });
+    group.append(svg("title", {}, `${cell.name} works ${cell.works.toFixed(1)} % of the time`));
+    const box = { width: size.box, height: size.height, rx: 5, fill: shade(cell.works), stroke: "#444" };
+    group.append(svg("rect", { x: left, y: top, ...box }));
+    const lines = size === LARGE ? [cell.name, `${cell.works.toFixed(1)} %`] : [`${index}`];
+    const middle = top + size.height / 2 + size.font / 3, ink = cell.works > 50 ? "#fff" : "#000";
+    lines.forEach((line, row) => group.append(svg("text", { x: left + size.box / 2, "text-anchor": "middle", fill: ink,
+      y: middle + (size.font + 6) * (row - (lines.length - 1) / 2) }, line)));
+    group.addEventListener("click", () => toggle(index));
+    group.addEventListener("keydown", (event) => { if (event.key === "Enter") toggle(index); });
+    group.addEventListener("mouseenter", () => point(index));
+    group.addEventListener("mouseleave", () => point(null));
+    const stem = left + size.box / 2, foot = top + size.height;
+    drawing.append(svg("line", { x1: stem, x2: stem, y1: foot, y2: foot + 4 + buses, stroke: "#444" }), group);
+    run.buses.forEach((busy, bus) => {
+      const y = foot + 6 + 3 * bus;
+      const line = svg("line", { x1: left, x2: left + step, y1: y, y2: y, stroke: run.colors.amount, "stroke-width": 2 });
+      line.append(svg("title", {}, `bus ${bus + 1} carries messages for ${busy.toFixed(1)} % of the time`));
+      drawing.append(line);
+    });
+  });
+  place.replaceChildren(drawing);
+  markSelected();
+}
+
+{% endif %}function markSelected() {
   for (const group of document.querySelectorAll(".station")) {
     group.classList.toggle("selected", selected.has(Number(group.dataset.station)));
   }

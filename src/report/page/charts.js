@@ -138,7 +138,7 @@ function addCell(cell, index) {
   cell.shares().forEach((part, state) => sums.push(part.map((share, bin) => share + (state ? sums[state - 1][bin] : 0))));
   const order = run.states.map((_, state) => state).reverse();
   const series = order.map((state) => ({ fill: run.states[state].color, stroke: "transparent", width: 0, paths: stepped }));
-  addChart(`cell ${index} ${cell.name}`, index, order.map((state) => held(sums[state])), series,
+  addChart(`{% if is_line %}cell ${index} {% endif %}${cell.name}`, index, order.map((state) => held(sums[state])), series,
     { height: 130, scale: { range: [0, path ? 110 : 100] }, label: "% of time",
       draw: path && ((chart) => mark(chart, "#000", (bin) => Math.min(onPath(index, bin) / 100, 1))) },
     (bin) => [describeCell(cell, bin), path && describePath(index, bin)].filter(Boolean).join("; "));
@@ -173,8 +173,8 @@ function addFifo(fifo, station, reader) {
 
 function addRays() {
   const rays = decode(run.rays, Float32Array);
-  addChart("rays done", null, [held(rays)],
+  addChart("{{ job }}s done", null, [held(rays)],
     [{ stroke: run.colors.amount, fill: run.colors.range, width: 1, paths: stepped }],
     { height: 130, scale: { range: (chart, min, max) => [0, max * 1.1 || 1] }, label: `per ${run.unit}`, into: "overview" },
-    (bin) => `${figure(rays[bin])} rays per ${run.unit}`);
+    (bin) => `${figure(rays[bin])} {{ job }}s per ${run.unit}`);
 }

@@ -22,6 +22,9 @@ pub struct Data<'a> {
     states: Vec<State<'a>>,
     cells: Vec<Cell<'a>>,
     fifos: Vec<Fifo<'a>>,
+    /// For each bus the share of the run in which it carries messages, in percent.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    buses: Vec<f64>,
     /// For each cell, and the host behind them, the critical path's share of each bin by state.
     path: Option<Vec<Vec<Shares>>>,
     /// Rays done in each bin, per unit of time.
@@ -53,6 +56,7 @@ struct State<'a> {
 
 #[derive(Serialize)]
 struct Cell<'a> {
+    /// What it runs, as far as that is known, or its own name.
     name: &'a str,
     /// Share of the run in which it computes or moves words, in percent.
     works: f64,
@@ -79,7 +83,7 @@ impl<'a> Data<'a> {
     pub fn new(page: &Page<'a>) -> Data<'a> {
         let Page { clock, stats, profile, path, .. } = *page;
         let places = path.map(CriticalPath::places);
-        let all = &stats.topology.states;
+        let (all, names) = (&stats.topology.states, &stats.topology.names.stations);
         let unit = TimeUnit::of(clock.seconds(profile.cycles));
         let cycle = clock.seconds(Cycles(1)) / unit.seconds;
         let lengths: Vec<u64> = (0..profile.jobs.len() as u64)
@@ -91,7 +95,7 @@ impl<'a> Data<'a> {
         };
         let states: Vec<&CellState> = all.all().iter().filter(occurs).collect();
         let cells = profile.stations.iter().zip(&stats.stations).enumerate().map(|(index, (bins, whole))| Cell {
-            name: page.cell_names.get(index).map_or("", String::as_str),
+            name: page.cell_names.get(index).or(names.get(index)).map_or("", String::as_str),
             works: percent(all.works(whole), stats.cycles),
             states: states.iter().map(|state| Shares::new(bins, &lengths, |bin| bin.of(state.id))).collect(),
         });
@@ -99,6 +103,7 @@ impl<'a> Data<'a> {
             states.iter().map(|state| Shares::new(bins, &lengths, |bin| bin.of(state.id))).collect()
         };
         let fifos = stats.topology.fifos.iter().zip(profile.fifos.iter().zip(&stats.fifos));
+        let buses = stats.links.iter().filter(|link| link.into.is_none());
         let rate = |(&rays, &cycles): (&u64, &u64)| rays as f64 / (cycles as f64 * cycle);
         let Rgb(red, green, blue) = palette::AMOUNT;
         Data {
@@ -112,6 +117,7 @@ impl<'a> Data<'a> {
                 .collect(),
             cells: cells.collect(),
             fifos: fifos.map(|(info, (fifo, whole))| Fifo::new(info, fifo, (whole, stats.cycles), &lengths)).collect(),
+            buses: buses.map(|bus| percent(bus.busy, stats.cycles)).collect(),
             path: places.as_ref().map(|places| places.iter().map(by_state).collect()),
             rays: Numbers::new(profile.jobs.iter().zip(&lengths).map(rate)),
             colors: Colors {

@@ -6,12 +6,13 @@ use base64::Engine;
 use minijinja::{Environment, Value, context};
 
 use super::bottleneck;
+use super::losses::Losses;
 use super::palette;
 use super::plot::Caption;
 use super::stats::Configuration;
 use super::summary::{self, Rows};
 use super::why;
-use crate::measure::{Clock, CriticalPath, Measured, Profile};
+use crate::measure::{Clock, CriticalPath, Measured, Profile, Shape};
 
 /// What a page shows.
 #[derive(Debug)]
@@ -22,6 +23,8 @@ pub struct Page<'a> {
     pub clock: Clock,
     /// The whole run.
     pub stats: &'a Measured,
+    /// What is lost against the busiest cell's work, if that is worth a word.
+    pub losses: Option<&'a Losses>,
     /// The run over time.
     pub profile: &'a Profile,
     /// Why it took as long, if that was asked for.
@@ -39,6 +42,10 @@ pub struct Page<'a> {
 #[error("the page cannot be made: {0}")]
 pub struct PageError(String);
 
+/// What draws it: templates, as they name what the machine is made of.
+const SCRIPTS: [&str; 4] =
+    [include_str!("array.js"), include_str!("charts.js"), include_str!("overview.js"), include_str!("page.js")];
+
 /// The page as HTML.
 pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     let mut environment = Environment::new();
@@ -47,12 +54,24 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     let json = |value: serde_json::Result<String>| value.map_err(|error| PageError(error.to_string()));
     let data = json(serde_json::to_string(&data::Data::new(page)))?;
     let configuration = json(serde_json::to_string_pretty(page.configuration))?;
+    let topology = &*page.stats.topology;
+    let called = context! {
+        is_line => topology.shape == Shape::Line,
+        machine_name => topology.names.machine.as_str(),
+        station => topology.names.station.as_str(),
+        job => topology.names.job.as_str(),
+    };
+    // The engine leaves a last end of line out.
+    let script = |text: &str| environment.render_str(text, &called).map(|script| script + "\n");
+    let scripts: Result<Vec<String>, _> = SCRIPTS.iter().map(|text| script(text)).collect();
+    let scripts = scripts.map_err(|error| PageError(error.to_string()))?;
     let template = environment.get_template("page.html").map_err(|error| PageError(error.to_string()))?;
     let rendered = template.render(context! {
         title => page.caption.title.as_str(),
         machine => page.caption.machine.as_str(),
         speed => summary::speed(page.stats, page.clock),
         bottleneck => bottleneck::sentence(page.stats),
+        losses => page.losses.map(|losses| losses.sentence(page.stats, page.clock)).unwrap_or_default(),
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
         state_colors => state_colors(page.stats),
@@ -68,13 +87,9 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         chart_style => include_str!("../../../assets/uplot.min.css"),
         chart_script => include_str!("../../../assets/uplot.min.js"),
         style => include_str!("page.css"),
-        scripts => [
-            include_str!("array.js"),
-            include_str!("charts.js"),
-            include_str!("overview.js"),
-            include_str!("page.js"),
-        ],
+        scripts,
         version => env!("CARGO_PKG_VERSION"),
+        ..called.clone()
     });
     rendered.map_err(|error| PageError(error.to_string()))
 }

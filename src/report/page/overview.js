@@ -41,7 +41,7 @@ function addOverview(title, rows, first, paint, describe) {
   let inside = false;
   const rowAt = (chart) => Math.max(0, Math.min(rows - 1, Math.floor(chart.posToVal(chart.cursor.top, "y"))));
   const chart = addChart(title, null, [times.map(() => null)], [{ show: false }],
-    { height: Math.min(Math.max(rows * pixels, 160), 520) + 44, scale: { range: [0, rows], dir: -1 }, label: "cell", draw, into: "overview",
+    { height: Math.min(Math.max(rows * pixels, 160), 520) + 44, scale: { range: [0, rows], dir: -1 }, label: "{{ station }}", draw, into: "overview",
       axis: { values: (chart, ticks) => ticks.map((tick) => tick < rows ? `${first + tick < count ? first + tick : "host"}` : ""), incrs: [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024], grid: { show: false } } },
     (bin, chart) => inside ? describe(rowAt(chart), bin) : null);
   let down = null;
@@ -64,13 +64,13 @@ function addPath() {
 function addOverviews() {
   const count = run.cells.length;
   const colors = run.states.map((state) => rgb(state.color));
-  addOverview("all cells: a click on one shows or hides its charts", count, 0, (row, bin) => {
+  addOverview("all {{ station }}s: a click on one shows or hides its charts", count, 0, (row, bin) => {
     let sum = 0;
     return run.cells[row].shares().map((share, at) => [(sum += share[bin]) / 100, colors[at]]);
-  }, (row, bin) => `cell ${row}: ${describeCell(run.cells[row], bin)}`);
-  const [amount, range, full] = [run.colors.amount, run.colors.range, run.colors.full].map(rgb);
+  }, (row, bin) => `{% if is_line %}cell ${row}{% else %}${run.cells[row].name}{% endif %}: ${describeCell(run.cells[row], bin)}`);
+{% if is_line %}  const [amount, range, full] = [run.colors.amount, run.colors.range, run.colors.full].map(rgb);
   for (const [channel, fifos, first] of [["X", run.fifos.slice(0, count), 0], ["Y", run.fifos.slice(count, 2 * count), 1]]) {
-    const shown = levelShown(Math.max(...fifos.map((fifo) => fifo.most)), fifos[0].capacity);
+    const shown = levelShown(...["most", "capacity"].map((what) => Math.max(...fifos.map((fifo) => fifo[what]))));
     addOverview(`all FIFOs on ${channel}, each from 0 to ${shown} words`, count, first, (row, bin) => {
       const levels = fifos[row].levels();
       const mean = levels.mean[bin] / shown;
@@ -78,4 +78,4 @@ function addOverviews() {
       return [[mean, amount], [levels.max[bin] / shown, range]];
     }, (row, bin) => `${fifos[row].name}: ${describeFifo(fifos[row], bin)}`);
   }
-}
+{% endif %}}

@@ -21,13 +21,14 @@ function showSelected() {
   }
   const drawn = new Set(charts.map(({ station }) => station));
   for (const station of [...selected].filter((station) => !drawn.has(station))) {
-    const reader = station < count ? `cell ${station}` : "the host";
+{% if is_line %}    const reader = station < count ? `cell ${station}` : "the host";
     if (station < count) addCell(run.cells[station], station);
     if (station < count) addFifo(run.fifos[station], station, reader);
     if (station > 0) addFifo(run.fifos[count + station - 1], station, reader);
     const back = run.fifos.find(({ name }) => name === `Z${station}`);
     if (back) addFifo(back, station, reader);
-  }
+{% else %}    addCell(run.cells[station], station);
+{% endif %}  }
   const place = document.getElementById("charts");
   place.append(...[...place.children].sort((a, b) => a.dataset.station - b.dataset.station));
   markSelected();
@@ -41,7 +42,7 @@ function select(stations) {
   showSelected();
 }
 
-const all = () => Array.from({ length: count + 1 }, (_, station) => station);
+{% if is_line %}const all = () => Array.from({ length: count + 1 }, (_, station) => station);
 
 // What limits the array, with its neighbours, and both ends.
 function telling() {
@@ -49,17 +50,22 @@ function telling() {
   return [...new Set([0, Math.max(busiest - 1, 0), busiest, Math.min(busiest + 1, count - 1), count])].sort((a, b) => a - b);
 }
 
-function drawLegend() {
+{% else %}const all = () => run.cells.map((_, task) => task);
+
+// The station, the master, and the first and the last worker.
+const telling = () => [...new Set([0, 1, 2, count - 1])];
+
+{% endif %}function drawLegend() {
   const entries = run.states.map((state) => [state.name, state.color]).concat([
-    ["mean, rays", run.colors.amount], ["lowest to highest", run.colors.range], ["FIFO full", run.colors.full]]);
+    {% if is_line %}["mean, rays", run.colors.amount], ["lowest to highest", run.colors.range], ["FIFO full", run.colors.full]]);{% else %}["{{ job }}s done", run.colors.amount]]);{% endif %}
   for (const [name, color] of entries) {
     const entry = document.createElement("span"), square = document.createElement("i");
     square.style.background = color;
     entry.append(square, name);
     document.getElementById("legend").append(entry);
   }
-  const buttons = [["whole run", () => zoom(0, run.end)], ["busiest cells", () => select(telling())], ["no cells", () => select([])]];
-  if (count <= 32) buttons.splice(1, 0, ["all cells", () => select(all())]);
+  const buttons = [["whole run", () => zoom(0, run.end)], ["{% if is_line %}busiest cells{% else %}some tasks{% endif %}", () => select(telling())], ["no {{ station }}s", () => select([])]];
+  if (count <= 32) buttons.splice(1, 0, ["all {{ station }}s", () => select(all())]);
   for (const [name, action] of buttons) {
     const button = document.createElement("button");
     button.textContent = name;

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use super::Caption;
 use super::chart::{self, TimeScale, rgb};
 use super::render::{Drawn, Figure};
-use crate::measure::{State, StateTimes, States};
+use crate::measure::{State, StateTimes, States, Topology};
 use crate::quantities::Cycles;
 use crate::report::palette::{self, Rgb};
 
@@ -14,7 +14,7 @@ use crate::report::palette::{self, Rgb};
 pub struct Bands<'a> {
     pub caption: &'a Caption,
     pub scale: TimeScale,
-    pub states: &'a States,
+    pub topology: &'a Topology,
     pub cells: &'a [Vec<StateTimes>],
     /// What each cell runs, as far as that is known.
     pub names: &'a [String],
@@ -26,8 +26,10 @@ impl Figure for Bands<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let states = occurring(self.states, self.cells.iter());
-        let panels = chart::panels(area, self.caption, WHAT, &legend(self.states, &states), self.cells.len())?;
+        let all = &self.topology.states;
+        let states = occurring(all, self.cells.iter());
+        let what = what(self.topology);
+        let panels = chart::panels(area, self.caption, &what, &legend(all, &states), self.cells.len())?;
         for (index, panel) in panels.iter().enumerate().take(self.cells.len()) {
             self.draw_cell(index, &states, panel)?;
         }
@@ -42,11 +44,12 @@ impl Bands<'_> {
         states: &[&State],
         panel: &DrawingArea<DB, Shift>,
     ) -> Drawn<DB> {
-        let name = self.names.get(index).map_or(format!("cell {index}"), |name| format!("cell {index}: {name}"));
+        let station = self.topology.station(index);
+        let name = self.names.get(index).map_or_else(|| station.clone(), |name| format!("{station}: {name}"));
         let is_last = index + 1 == self.cells.len();
         let mut chart = chart::builder(panel, &name, is_last).build_cartesian_2d(0.0..self.scale.end(), 0.0..100.0)?;
         for (state, edge) in bands(&self.cells[index], states, self.scale, chart::grain(100.0)) {
-            chart.draw_series(AreaSeries::new(edge, 0.0, rgb(palette::of_state(self.states, state))))?;
+            chart.draw_series(AreaSeries::new(edge, 0.0, rgb(palette::of_state(&self.topology.states, state))))?;
         }
         let across = self.scale.label();
         chart::axes(&mut chart, (is_last.then_some(&across), "% of time"), 3, &chart::number)
@@ -54,7 +57,9 @@ impl Bands<'_> {
 }
 
 /// What the picture is called.
-pub const WHAT: &str = "What the cells do over time";
+pub fn what(topology: &Topology) -> String {
+    format!("What the {}s do over time", topology.names.station)
+}
 
 /// The states that occur in some cell.
 pub fn occurring<'a, 's>(

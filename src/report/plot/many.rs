@@ -9,7 +9,7 @@ use super::Caption;
 use super::chart::{self, FOOT, HEAD, LEFT, RIGHT, SMALL, TimeScale, WIDTH, font, rgb};
 use super::render::{Drawn, Figure};
 use super::{cells, fifos};
-use crate::measure::{FifoBin, FifoInfo, FifoProfile, State, StateTimes, States};
+use crate::measure::{FifoBin, FifoInfo, FifoProfile, State, StateTimes, Topology};
 use crate::quantities::Cycles;
 use crate::report::palette::{self, Rgb};
 
@@ -93,26 +93,32 @@ pub struct Bands<'a> {
     what: String,
     scale: TimeScale,
     rows: Vec<Row<StateTimes>>,
-    states: &'a States,
+    topology: &'a Topology,
     occurring: Vec<&'a State>,
 }
 
 impl<'a> Bands<'a> {
-    /// What the cells do.
-    pub fn of_cells(
+    /// What the stations do.
+    pub fn of_stations(
         caption: &'a Caption,
         scale: TimeScale,
-        states: &'a States,
+        topology: &'a Topology,
         all: &'a [Vec<StateTimes>],
     ) -> Bands<'a> {
-        let what = together(cells::WHAT, "cells", all.len().div_ceil(MOST_ROWS).max(1));
-        let rows = rows(all, |index| format!("cell {index}"), Vec::as_slice, StateTimes::sum);
-        Bands { caption, what, scale, rows, states, occurring: cells::occurring(states, all.iter()) }
+        let stations = format!("{}s", topology.names.station);
+        let what = together(&cells::what(topology), &stations, all.len().div_ceil(MOST_ROWS).max(1));
+        let rows = rows(all, |index| topology.station(index), Vec::as_slice, StateTimes::sum);
+        Bands { caption, what, scale, rows, topology, occurring: cells::occurring(&topology.states, all.iter()) }
     }
 
     /// Where the critical path is, and why: a row for each cell that it stays in, and for the host, which is the last of
     /// `all`. What is higher is there for more of the time, so that the rows add up to a full one.
-    pub fn of_path(caption: &'a Caption, scale: TimeScale, states: &'a States, all: &[Vec<StateTimes>]) -> Bands<'a> {
+    pub fn of_path(
+        caption: &'a Caption,
+        scale: TimeScale,
+        topology: &'a Topology,
+        all: &[Vec<StateTimes>],
+    ) -> Bands<'a> {
         let cycles = |bins: &Vec<StateTimes>| bins.iter().map(|bin| bin.total().0).sum::<u64>();
         let whole: u64 = all.iter().map(cycles).sum();
         let stays_in = |bins: &Vec<StateTimes>| cycles(bins).saturating_mul(SHORTEST_STAY) >= whole.max(1);
@@ -120,12 +126,12 @@ impl<'a> Bands<'a> {
             all.iter().cloned().enumerate().filter(|(_, bins)| stays_in(bins)).unzip();
         let name = |index: usize| match places[index] {
             place if place + 1 == all.len() => "host".to_owned(),
-            place => format!("cell {place}"),
+            place => topology.station(place),
         };
         let what = together(PATH, "cells", visited.len().div_ceil(MOST_ROWS).max(1));
         let mut rows = rows(&visited, name, Vec::as_slice, StateTimes::sum);
         rows.iter_mut().for_each(|row| row.members = 1.0);
-        Bands { caption, what, scale, rows, states, occurring: cells::occurring(states, all.iter()) }
+        Bands { caption, what, scale, rows, topology, occurring: cells::occurring(&topology.states, all.iter()) }
     }
 }
 
@@ -141,7 +147,8 @@ impl Figure for Bands<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        chart::head(area, self.caption, &self.what, &cells::legend(self.states, &self.occurring))?;
+        let states = &self.topology.states;
+        chart::head(area, self.caption, &self.what, &cells::legend(states, &self.occurring))?;
         let names = self.rows.iter().map(|row| row.name.as_str());
         let mut chart = frame(area, names, 0.0..self.scale.end(), &self.scale.label())?;
         let count = self.rows.len();
@@ -150,8 +157,7 @@ impl Figure for Bands<'_> {
             let ground = (count - index) as f64 - FILLED;
             for (state, edge) in cells::bands(&row.bins, &self.occurring, self.scale, grain) {
                 let up = |(x, share): (f64, f64)| (x, ground + FILLED * share / 100.0 / row.members);
-                let band =
-                    AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(self.states, state)));
+                let band = AreaSeries::new(edge.into_iter().map(up), ground, rgb(palette::of_state(states, state)));
                 chart.draw_series(band)?;
             }
         }
@@ -172,7 +178,7 @@ pub struct Levels<'a> {
 impl<'a> Levels<'a> {
     pub fn new(caption: &'a Caption, scale: TimeScale, all: &'a [(&'a FifoInfo, &'a FifoProfile)]) -> Levels<'a> {
         let highest = all.iter().map(|(_, fifo)| fifos::highest(fifo)).max().unwrap_or(0);
-        let capacity = all.first().map_or(0, |(info, _)| info.capacity.0);
+        let capacity = all.iter().map(|(info, _)| info.capacity.0).max().unwrap_or(0);
         Levels {
             caption,
             scale,
@@ -234,15 +240,25 @@ const SHADES: [(&str, f64, Rgb); 5] = [
     ("over 10 % of the time", 10.0, Rgb(24, 28, 45)),
 ];
 
+/// A histogram whose entries are for `step` occupancies each; steps are powers of two.
+fn shared(fifo: &FifoProfile, step: u64, sum: impl Fn(&[Cycles]) -> Cycles) -> Vec<Cycles> {
+    fifo.histogram.chunks((step / fifo.step.0.max(1)).max(1) as usize).map(sum).collect()
+}
+
 impl<'a> Histograms<'a> {
     pub fn new(caption: &'a Caption, all: &'a [(&'a FifoInfo, &'a FifoProfile)], cycles: Cycles) -> Histograms<'a> {
         let together = all.len().div_ceil(MOST_ROWS).max(1);
         let sum = |entries: &[Cycles]| entries.iter().copied().sum();
+        // FIFOs of several depths: as the deepest have them.
+        let step = all.iter().map(|(_, fifo)| fifo.step.0).max().unwrap_or(1);
+        let mut histograms: Vec<Vec<Cycles>> = all.iter().map(|(_, fifo)| shared(fifo, step, sum)).collect();
+        let longest = histograms.iter().map(Vec::len).max().unwrap_or(0);
+        histograms.iter_mut().for_each(|histogram| histogram.resize(longest, Cycles(0)));
         Histograms {
             caption,
-            rows: rows(all, |index| all[index].0.name.clone(), |(_, fifo)| &fifo.histogram, sum),
+            rows: rows(&histograms, |index| all[index].0.name.clone(), |histogram| histogram, sum),
             cycles: cycles.0.max(1) as f64,
-            step: all.first().map_or(1, |(_, fifo)| fifo.step.0) as f64,
+            step: step as f64,
             together,
         }
     }

@@ -43,7 +43,7 @@ type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
 
 /// Draws all that a profile shows: the FIFOs' levels, their histograms, the cells' states, the rays done, and how long rays
 /// took; and the critical path, if it is known. `names` tells what each cell runs, as far as that is known. There are eight
-/// pictures at the most (ten with words on Z), however many cells there are.
+/// pictures at the most (ten with words on Z), however many cells there are. A machine without FIFOs has three.
 pub fn pictures(
     profile: &Profile,
     path: Option<&CriticalPath>,
@@ -67,23 +67,25 @@ pub fn pictures(
             pictures.push((histograms, Box::new(draw)));
         }
     }
-    let (states, cells) = (&profile.topology.states, &profile.stations);
+    let (topology, cells) = (&*profile.topology, &profile.stations);
+    let called = &topology.names;
     let draw: Draw<'_> = if cells.len() <= MOST_PANELS {
-        Box::new(move || render::render(&cells::Bands { caption, scale, states, cells, names }))
+        Box::new(move || render::render(&cells::Bands { caption, scale, topology, cells, names }))
     } else {
-        Box::new(move || render::render(&many::Bands::of_cells(caption, scale, states, cells)))
+        Box::new(move || render::render(&many::Bands::of_stations(caption, scale, topology, cells)))
     };
-    pictures.push(("cells".to_owned(), draw));
+    pictures.push((format!("{}s", called.station), draw));
     if let Some(path) = path {
         let scale = chart::TimeScale::new(path.cycles, path.bin, clock);
         let places = path.places();
-        let draw = move || render::render(&many::Bands::of_path(caption, scale, states, &places));
+        let draw = move || render::render(&many::Bands::of_path(caption, scale, topology, &places));
         pictures.push(("critical-path".to_owned(), Box::new(draw)));
     }
     let rays = &profile.jobs;
-    pictures.push(("rays".to_owned(), Box::new(move || render::render(&rays::Rays { caption, scale, rays }))));
+    let draw = move || render::render(&rays::Rays { caption, scale, called, rays });
+    pictures.push((format!("{}s", called.job), Box::new(draw)));
     let latency = &profile.latency;
-    let draw = move || render::render(&rays::Latencies { caption, clock, latency });
+    let draw = move || render::render(&rays::Latencies { caption, clock, called, latency });
     pictures.push(("latency".to_owned(), Box::new(draw)));
     render::bring_font()?;
     pictures.into_par_iter().map(|(name, draw)| Ok(Picture { name, rendered: draw()? })).collect()
@@ -91,6 +93,9 @@ pub fn pictures(
 
 /// The FIFOs of each picture: all in one, or those of each channel by themselves.
 fn fifo_pictures<'a, 'p>(fifos: &'a [Fifo<'p>]) -> Vec<(String, &'a [Fifo<'p>])> {
+    if fifos.is_empty() {
+        return Vec::new();
+    }
     if fifos.len() <= MOST_PANELS {
         return vec![(String::new(), fifos)];
     }

@@ -16,7 +16,7 @@ pub const FONT_NAME: &str = "DejaVu Sans";
 pub struct PlotError(String);
 
 impl PlotError {
-    pub(super) fn new(why: String) -> PlotError {
+    pub(in crate::report) fn new(why: String) -> PlotError {
         PlotError(why)
     }
 }

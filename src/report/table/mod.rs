@@ -32,6 +32,13 @@ pub struct Column<'a> {
     pub label: &'a str,
 }
 
+impl<'a> Column<'a> {
+    /// A column with a heading, of a kind, that tells what the label says.
+    pub const fn new(name: &'a str, kind: Kind, label: &'a str) -> Column<'a> {
+        Column { name, kind, label }
+    }
+}
+
 /// A table. A cell is text as CSV has it, whatever the column's kind; an empty one has no value.
 #[derive(Clone, Debug)]
 pub struct Table<'a> {

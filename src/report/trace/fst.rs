@@ -22,7 +22,8 @@ fn in_memory(trace: &Trace<'_>, scale: TimeScale) -> wavefst::Result<Vec<u8>> {
         .timescale_exponent(scale.exponent())
         .chain_compression(ChainCompression::Lz4)
         .build()?;
-    writer.begin_scope(ScopeType::VcdModule, "array", None)?;
+    let machine = trace.recording.topology.names.machine.as_str();
+    writer.begin_scope(ScopeType::VcdModule, machine, None)?;
     let mut handles = Vec::new();
     for scope in &signals.scopes {
         writer.begin_scope(ScopeType::VcdModule, scope.name.as_str(), None)?;

@@ -102,8 +102,9 @@ impl Trace<'_> {
         notes
     }
 
-    /// The name of a cell: its number and what it runs.
-    fn cell_name(&self, cell: usize) -> String {
-        self.cell_names.get(cell).map_or(format!("cell {cell}"), |name| format!("cell {cell} {name}"))
+    /// The name of a station, and what it runs.
+    fn station_name(&self, index: usize) -> String {
+        let station = self.recording.topology.station(index);
+        self.cell_names.get(index).map_or_else(|| station.clone(), |name| format!("{station} {name}"))
     }
 }

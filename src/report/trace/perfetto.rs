@@ -1,5 +1,5 @@
 //! Perfetto's format: a track for the array and below it, in the array's order, one for each cell and a counter for each
-//! FIFO.
+//! FIFO; for other machines, whatever their topology has in place of these.
 //!
 //! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state. Flows lead from the slice in
 //! which the host sends a ray over those of the cells to the one in which the host reads its HIT.
@@ -8,7 +8,7 @@ use std::io::Write;
 
 use super::Trace;
 use super::time_scale::TimeScale;
-use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, State, StateId, StateKind, States, StationRecord};
+use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, State, StateId, StateKind, StationRecord, Topology};
 use crate::quantities::Cycles;
 
 /// The parts of Perfetto's messages that a trace needs, with their numbers.
@@ -113,9 +113,8 @@ const SEQUENCE: u32 = 1;
 const RESETS_NAMES: u32 = 1;
 const NEEDS_NAMES: u32 = 2;
 
-/// Names of arguments; their numbers are their places, from 1.
-const ARGUMENTS: [&str; 3] = ["ray", "cycle", "cycles"];
-const RAY: u64 = 1;
+/// Numbers of arguments: the places of their names, from 1. The first is a job's number.
+const JOB: u64 = 1;
 const CYCLE: u64 = 2;
 const CYCLES: u64 = 3;
 
@@ -129,23 +128,24 @@ const BY_RANK: i32 = 3;
 pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> std::io::Result<()> {
     let recording = trace.recording;
     let topology = &*recording.topology;
-    let mut writer = Writer { out, scale, states: &topology.states, buffer: Vec::new(), tracks: ARRAY };
+    let mut writer = Writer { out, scale, topology, buffer: Vec::new(), tracks: ARRAY };
     writer.describe(&trace.caption.title)?;
-    writer.activity("host sends".to_owned(), &recording.host)?;
+    let mut host = recording.host.iter();
+    host.try_for_each(|host| writer.activity("host sends".to_owned(), host))?;
     for (index, cell) in recording.stations.iter().enumerate() {
         let mut fifos = topology.inputs_of(Actor::Station(index));
         fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
-        writer.activity(trace.cell_name(index), cell)?;
+        writer.activity(trace.station_name(index), cell)?;
     }
     let mut fifos = topology.inputs_of(Actor::Host);
     fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
-    writer.hits(&recording.answers)
+    if recording.host.is_some() { writer.hits(&recording.answers) } else { Ok(()) }
 }
 
 struct Writer<'a, W> {
     out: &'a mut W,
     scale: TimeScale,
-    states: &'a States,
+    topology: &'a Topology,
     buffer: Vec<u8>,
     /// The number of the last track.
     tracks: u64,
@@ -161,13 +161,14 @@ impl<W: Write> Writer<'_, W> {
 
     /// The names that events refer to, and the array.
     fn describe(&mut self, title: &str) -> std::io::Result<()> {
-        let states: Vec<&str> = self.states.all().iter().map(|state| state.name.as_str()).collect();
+        let states: Vec<&str> = self.topology.states.all().iter().map(|state| state.name.as_str()).collect();
         let names = |names: &[&str]| {
             let named = names.iter().zip(1..);
             named.map(|(&name, id)| Name { id: Some(id), name: Some(name.to_owned()) }).collect()
         };
+        let arguments = [self.topology.names.job.as_str(), "cycle", "cycles"];
         let interned =
-            Interned { categories: names(&CATEGORIES), events: names(&states), arguments: names(&ARGUMENTS) };
+            Interned { categories: names(&CATEGORIES), events: names(&states), arguments: names(&arguments) };
         let flags = Some(RESETS_NAMES | NEEDS_NAMES);
         self.packet(Packet { interned: Some(interned), sequence_flags: flags, ..Packet::default() })?;
         let name = Some(title.to_owned());
@@ -203,7 +204,7 @@ impl<W: Write> Writer<'_, W> {
                 track: Some(track),
                 categories: vec![self.category(stretch.state)],
                 name_id: Some(self.name_id(stretch.state)),
-                arguments: span.map(|span| argument(RAY, span.job as u64)).into_iter().collect(),
+                arguments: span.map(|span| argument(JOB, span.job as u64)).into_iter().collect(),
                 ..Event::default()
             };
             self.event(stretch.from, event)?;
@@ -226,13 +227,13 @@ impl<W: Write> Writer<'_, W> {
 
     /// Begins the slice of a ray; the one of its HIT ends its flow.
     fn begin_span(&mut self, track: u64, span: &JobSpan, is_hit: bool) -> std::io::Result<()> {
-        let arguments = [(RAY, span.job as u64), (CYCLE, span.from.0), (CYCLES, (span.until - span.from).0)];
+        let arguments = [(JOB, span.job as u64), (CYCLE, span.from.0), (CYCLES, (span.until - span.from).0)];
         let flow = vec![span.job as u64 + 1];
         let (flows, ending_flows) = if is_hit { (Vec::new(), flow) } else { (flow, Vec::new()) };
         let event = Event {
             kind: Some(BEGIN),
             track: Some(track),
-            name: Some(format!("{} {}", if is_hit { "HIT" } else { "ray" }, span.job)),
+            name: Some(format!("{} {}", if is_hit { "HIT" } else { &self.topology.names.job }, span.job)),
             arguments: arguments.map(|(name, value)| argument(name, value)).to_vec(),
             flows,
             ending_flows,
@@ -247,12 +248,12 @@ impl<W: Write> Writer<'_, W> {
 
     /// The number of a state's name: its place, from 1.
     fn name_id(&self, state: StateId) -> u64 {
-        1 + self.states.all().iter().position(|other| other.id == state).unwrap_or_default() as u64
+        1 + self.topology.states.all().iter().position(|other| other.id == state).unwrap_or_default() as u64
     }
 
     /// The number of what a state is grouped into.
     fn category(&self, state: StateId) -> u64 {
-        self.states.get(state).map_or(0, |state: &State| match state.kind {
+        self.topology.states.get(state).map_or(0, |state: &State| match state.kind {
             StateKind::Works => 1,
             StateKind::Moves => 2,
             StateKind::Waits => 3,

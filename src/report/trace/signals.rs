@@ -82,20 +82,25 @@ impl<'a> Signals<'a> {
         let recording = trace.recording;
         let window = &recording.window;
         let mut all = Signals::default();
-        all.scope("host sends");
-        all.activity(&recording.host, window, names);
+        let job = &recording.topology.names.job;
+        if let Some(host) = &recording.host {
+            all.scope("host sends");
+            all.activity(host, (job, window), names);
+        }
         let levels = |all: &mut Signals<'a>, reader: Actor| {
             let fifos = recording.topology.inputs_of(reader);
             fifos.for_each(|fifo| all.levels(&recording.topology.fifos[fifo], &recording.fifos[fifo]));
         };
         for (index, cell) in recording.stations.iter().enumerate() {
-            all.scope(&trace.cell_name(index));
+            all.scope(&trace.station_name(index));
             levels(&mut all, Actor::Station(index));
-            all.activity(cell, window, names);
+            all.activity(cell, (job, window), names);
         }
-        all.scope("host reads");
-        levels(&mut all, Actor::Host);
-        all.jobs("hit", &recording.answers, window);
+        if recording.host.is_some() {
+            all.scope("host reads");
+            levels(&mut all, Actor::Host);
+            all.jobs("hit", &recording.answers, window);
+        }
         // Each signal's changes are in order, which makes this a merge.
         all.changes.sort_by_key(|change| change.at);
         all
@@ -120,13 +125,13 @@ impl<'a> Signals<'a> {
         self.changes.extend(fifo.levels.iter().map(change));
     }
 
-    fn activity(&mut self, record: &StationRecord, window: &Range<Cycles>, names: &'a StateNames) {
+    fn activity(&mut self, record: &StationRecord, (job, window): (&str, &Range<Cycles>), names: &'a StateNames) {
         let signal = self.signal("state", Kind::Text);
         let mut last = None;
         for stretch in record.states.iter().filter(|stretch| last.replace(stretch.state) != Some(stretch.state)) {
             self.changes.push(Change { at: stretch.from, signal, value: Value::Text(names.of(stretch.state)) });
         }
-        self.jobs("ray", &record.jobs, window);
+        self.jobs(job, &record.jobs, window);
     }
 
     fn jobs(&mut self, name: &str, jobs: &[JobSpan], window: &Range<Cycles>) {

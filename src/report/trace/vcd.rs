@@ -15,7 +15,7 @@ pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> Resul
     writer.version(concat!("pcs-sim ", env!("CARGO_PKG_VERSION")))?;
     writer.comment(&format!("{}\n    {}", trace.caption.title, trace.caption.machine))?;
     writer.timescale(1, unit(scale))?;
-    writer.add_module("array")?;
+    writer.add_module(&trace.recording.topology.names.machine)?;
     let mut ids = Vec::new();
     for scope in &signals.scopes {
         writer.add_module(&scope.name)?;

@@ -28,7 +28,7 @@ mod gears;
 mod kit;
 mod lattice;
 mod mountain;
-mod noise;
+pub(crate) mod noise;
 mod reference;
 mod rings;
 mod room;

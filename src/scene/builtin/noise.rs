@@ -2,19 +2,13 @@
 
 use glam::DVec2;
 
+use crate::random;
+
 /// A number in 0 to 1, below 1, that depends on a seed and a place.
 pub fn unit(seed: u64, [x, y]: [i32; 2]) -> f64 {
     let place = u64::from(x as u32) << 32 | u64::from(y as u32);
-    let bits = mix(place ^ mix(seed));
+    let bits = random::of_item(seed, place);
     (bits >> 11) as f64 / (1u64 << 53) as f64
-}
-
-/// Scatters the bits of a number, as the generator splitmix64 does after each step.
-fn mix(number: u64) -> u64 {
-    let a = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let b = (a ^ a >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let c = (b ^ b >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    c ^ c >> 31
 }
 
 /// Smooth noise in 0 to 1 with features of size 1.

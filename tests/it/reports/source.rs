@@ -4,11 +4,11 @@
 //! source  = product { ("+" | "-") product }
 //! product = atom { ("*" | "/") atom }
 //! atom    = "(" source ")" | NUMBER | given | cells
-//! given   = ("paper" SECTION | "RTN" ISSUE | "chosen") NAME                         a row of reports/given.csv
+//! given   = ("paper" SECTION | "thesis" SECTION | "RTN" ISSUE | "chosen") NAME      a row of reports/given.csv
 //! cells   = [min | max | median | sum | count] TABLE { CONDITION } COLUMN
 //! ```
 //!
-//! The paper is RR-0992; RTN, the Ray Tracing News of 1990; what was chosen stands in docs/machine.md, or on the page.
+//! The paper is RR-0992, the thesis Argence's on SKY; RTN, the Ray Tracing News of 1990; what was chosen stands in docs/machine.md, or on the page.
 //! A table is a .csv file, named from the page's folder without its ending. Without one of the five words just one row must
 //! meet the conditions. All parts are set off by spaces.
 
@@ -62,7 +62,7 @@ impl Sources<'_> {
         match atom[..] {
             [] => Err("something is missing".to_owned()),
             [number] if number.parse::<f64>().is_ok() => Ok(number.to_owned()),
-            ["paper" | "RTN" | "chosen", ..] => self.given(&atom),
+            ["paper" | "thesis" | "RTN" | "chosen", ..] => self.given(&atom),
             [how @ ("min" | "max" | "median" | "sum" | "count"), ref cells @ ..] => reduce(how, &self.cells(cells)?),
             _ => match &self.cells(&atom)?[..] {
                 [cell] => Ok(cell.clone()),

@@ -220,7 +220,7 @@ impl Judge<'_> {
         }
         let (link, word) = writes.expect("what waits for nothing else writes");
         let name_of = fifo(cells, link);
-        let freed = word.checked_sub(self.spec.fifo_words_of(Channel::ALL[link.1]).0 as usize);
+        let freed = word.checked_sub(self.spec.fifo_words_of(name_of.parse().unwrap()).0 as usize);
         if let Some(freed) = freed
             && self.history.words[&link][1][freed] + 1 == start
         {

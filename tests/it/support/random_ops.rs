@@ -1,8 +1,9 @@
 //! Random op streams for random machines.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use pcs_sim::machine::{Cycles, MachineSpec, RateCounts, Words};
+use pcs_sim::machine::{Cycles, FifoName, MachineSpec, RateCounts, Words};
 use pcs_sim::seam::{Activity, Costs, OpBatch, OpKind, OpStream, Unit, UnitOfWork, Vocabulary};
 use proptest::prelude::*;
 
@@ -127,15 +128,26 @@ fn split(words: u32, seed: u64) -> impl Iterator<Item = u32> {
 fn machine() -> impl Strategy<Value = MachineSpec> {
     let rate = prop_oneof![3 => Just(80.0), 1 => prop::sample::select(vec![160.0, 40.0, 30.0, 13.0])];
     let counts = prop::sample::select(vec![RateCounts::Link, RateCounts::Channel]);
-    (prop_oneof![1u64..=16, 1u64..=600], prop_oneof![Just(1u64), 1u64..=20], rate, counts).prop_map(
-        |(fifo_words, latency, link_mb_s, rate_counts)| MachineSpec {
+    (prop_oneof![1u64..=16, 1u64..=600], depths(), prop_oneof![Just(1u64), 1u64..=20], rate, counts).prop_map(
+        |(fifo_words, (channel_words, own_words), latency, link_mb_s, rate_counts)| MachineSpec {
             fifo_words: Words(fifo_words),
+            channel_words,
+            own_words,
             latency: Cycles(latency),
             link_mb_s,
             rate_counts,
             ..MachineSpec::default()
         },
     )
+}
+
+/// Depths of the FIFOs of single channels, and of single FIFOs: of some that the row has not, too.
+fn depths() -> impl Strategy<Value = ([Option<Words>; 3], BTreeMap<FifoName, Words>)> {
+    let words = || (1u64..=40).prop_map(Words);
+    let channels = prop::array::uniform3(prop::option::weighted(0.2, words()));
+    let names = prop::sample::select(vec!["X0", "X1", "X2", "Y1", "Y2", "Y3", "Yhost", "Z0", "Z1", "Z2"]);
+    let names = names.prop_map(|name| name.parse::<FifoName>().unwrap());
+    (channels, prop_oneof![Just(BTreeMap::new()), prop::collection::btree_map(names, words(), 1..6)])
 }
 
 /// The ops of all rays, so many rays a batch.

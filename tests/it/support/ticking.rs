@@ -49,6 +49,8 @@ pub struct History {
 
 /// A FIFO as a queue of write cycles, observed at the end of every cycle.
 struct Queue {
+    name: String,
+    capacity: u64,
     written_in: VecDeque<u64>,
     at_start: usize,
     words: u64,
@@ -94,19 +96,33 @@ pub fn run_recorded(spec: &MachineSpec, costs: &Costs, batches: &[OpBatch]) -> O
 }
 
 impl Queue {
-    fn new() -> Queue {
-        Queue { written_in: VecDeque::new(), at_start: 0, words: 0, max: 0, word_cycles: 0, full: 0, empty: 0 }
+    /// It holds what the machine says for it by name, else for its channel, else for all.
+    fn new(name: String, spec: &MachineSpec) -> Queue {
+        let own = spec.own_words.iter().find(|(fifo, _)| fifo.to_string() == name).map(|(_, &words)| words);
+        let of_channel = spec.channel_words["XYZ".find(&name[..1]).unwrap()];
+        let capacity = own.or(of_channel).unwrap_or(spec.fifo_words).0;
+        Queue {
+            name,
+            capacity,
+            written_in: VecDeque::new(),
+            at_start: 0,
+            words: 0,
+            max: 0,
+            word_cycles: 0,
+            full: 0,
+            empty: 0,
+        }
     }
 
-    fn observe(&mut self, capacity: u64) {
+    fn observe(&mut self) {
         let occupancy = self.written_in.len() as u64;
         self.max = self.max.max(occupancy);
         self.word_cycles += occupancy;
-        self.full += (occupancy == capacity) as u64;
+        self.full += (occupancy == self.capacity) as u64;
         self.empty += (occupancy == 0) as u64;
     }
 
-    fn stats(&self, name: String, capacity: u64) -> (String, Words, FifoStats) {
+    fn stats(&self) -> (String, Words, FifoStats) {
         let stats = FifoStats {
             words: Words(self.words),
             max: Words(self.max),
@@ -114,7 +130,7 @@ impl Queue {
             full: Cycles(self.full),
             empty: Cycles(self.empty),
         };
-        (name, Words(capacity), stats)
+        (self.name.clone(), Words(self.capacity), stats)
     }
 }
 
@@ -147,9 +163,13 @@ impl<'a> Ticking<'a> {
             costs,
             host: join(&|batch| batch.host.ops().to_vec()),
             cells: (0..cells).map(|index| join(&|batch| batch.cells[index].ops().to_vec())).collect(),
-            x: (0..cells).map(|_| Queue::new()).collect(),
-            y: (0..cells).map(|_| Queue::new()).collect(),
-            z: (1..cells).map(|_| Queue::new()).collect(),
+            x: (0..cells).map(|cell| Queue::new(format!("X{cell}"), spec)).collect(),
+            y: (1..cells)
+                .map(|cell| format!("Y{cell}"))
+                .chain(["Yhost".to_owned()])
+                .map(|name| Queue::new(name, spec))
+                .collect(),
+            z: (1..cells).map(|cell| Queue::new(format!("Z{}", cell - 1), spec)).collect(),
             wire_free: vec![[0; 3]; cells + 1],
             returned_words: 0,
             returned: Vec::new(),
@@ -219,7 +239,7 @@ impl<'a> Ticking<'a> {
         active |= self.host_reads();
         let queues = self.x.iter_mut().chain(&mut self.y).chain(&mut self.z);
         for (queue, occupancies) in queues.zip(&mut self.history.occupancies) {
-            queue.observe(self.spec.fifo_words.0);
+            queue.observe();
             occupancies.push(queue.written_in.len() as u64);
         }
         self.now += 1;
@@ -319,8 +339,7 @@ impl<'a> Ticking<'a> {
 
     fn room(&mut self, link: usize, channel: usize) -> bool {
         let wire_free = self.wire_free[link][channel] <= self.now;
-        let capacity = self.spec.fifo_words.0;
-        wire_free && self.queue(link, channel).is_some_and(|q| (q.at_start as u64) < capacity)
+        wire_free && self.queue(link, channel).is_some_and(|q| (q.at_start as u64) < q.capacity)
     }
 
     fn take(&mut self, link: usize, channel: usize) {
@@ -356,17 +375,13 @@ impl<'a> Ticking<'a> {
     }
 
     fn stats(&self, batches: &[OpBatch]) -> Ticked {
-        let capacity = self.spec.fifo_words.0;
-        let name = |index: usize| if index + 1 == self.y.len() { "Yhost".into() } else { format!("Y{}", index + 1) };
-        let xs = self.x.iter().enumerate().map(|(index, q)| q.stats(format!("X{index}"), capacity));
-        let ys = self.y.iter().enumerate().map(|(index, q)| q.stats(name(index), capacity));
-        let zs = self.z.iter().enumerate().filter(|(_, q)| q.words > 0);
-        let zs = zs.map(|(index, q)| q.stats(format!("Z{index}"), capacity));
+        let used = |queue: &&Queue| queue.words > 0;
+        let fifos = self.x.iter().chain(&self.y).chain(self.z.iter().filter(used));
         Ticked {
             cycles: Cycles(self.now),
             jobs: batches.iter().map(|batch| batch.host.lines().len() as u64).sum(),
             stations: self.cells.iter().map(|cell| cell.times).collect(),
-            fifos: xs.chain(ys).chain(zs).collect(),
+            fifos: fifos.map(Queue::stats).collect(),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! What a cell did over time.
 
-use super::timeline::{Bin, Timeline};
 use crate::machine::line::states::{IDLE, MOVING};
 use crate::machine::line::watcher::Watcher;
+use crate::machine::timeline::Timeline;
 use crate::measure::{StateId, StateTimes};
 use crate::quantities::Cycles;
 
@@ -10,12 +10,6 @@ use crate::quantities::Cycles;
 #[derive(Debug)]
 pub struct CellLane {
     timeline: Timeline<StateTimes>,
-}
-
-impl Bin for StateTimes {
-    fn absorb(&mut self, later: &StateTimes) {
-        self.add(later);
-    }
 }
 
 impl Watcher for &mut CellLane {

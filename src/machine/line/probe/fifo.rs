@@ -1,7 +1,7 @@
 //! What a FIFO held over time: the merge of the two rising sequences of its write and read times.
 
-use super::timeline::{Bin, Timeline};
 use crate::machine::line::fifo::Fifo;
+use crate::machine::timeline::{Bin, Timeline};
 use crate::measure::{FifoBin, FifoProfile};
 use crate::quantities::{Cycles, Words};
 

@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::timeline::{Bin, Timeline};
 use crate::machine::line::fifo::Fifo;
+use crate::machine::timeline::{Count, Timeline};
 use crate::measure::Latency;
 use crate::seam::{OpKind, OpStream};
 
@@ -20,15 +20,6 @@ pub struct JobLane {
     sent: VecDeque<u64>,
     /// For each message whose job is not known to have been sent: the cycle in which its last word was read.
     back: VecDeque<u64>,
-}
-
-#[derive(Clone, Debug, Default)]
-struct Count(u64);
-
-impl Bin for Count {
-    fn absorb(&mut self, later: &Count) {
-        self.0 += later.0;
-    }
 }
 
 impl JobLane {

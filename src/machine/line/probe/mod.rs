@@ -3,25 +3,18 @@
 mod cell;
 mod fifo;
 mod jobs;
-mod timeline;
 
 use std::sync::Arc;
 
 use super::fifo::Fifo;
 use super::link::Link;
+use crate::machine::timeline::bins_for;
 use crate::measure::{FifoProfile, Profile, Topology};
 use crate::quantities::Cycles;
 use crate::seam::{Channel, OpStream};
 use cell::CellLane;
 use fifo::FifoLane;
 use jobs::JobLane;
-
-/// Bins of a run on few cells. A run that outgrows them has half as many, twice as wide.
-const MOST_BINS: usize = 1024;
-/// Bins of all cells together; cells of a large array have fewer each.
-const ALL_BINS: usize = 1 << 15;
-/// Bins of each cell in the largest arrays: fewer would tell nothing of a run's course.
-const LEAST_BINS: usize = 16;
 
 /// Follows all cells and FIFOs of an array, and its jobs.
 #[derive(Debug)]
@@ -33,17 +26,17 @@ pub(super) struct Probe {
 }
 
 impl Probe {
-    /// A probe for an array of `cells` cells, all of its links like one.
-    pub fn new(cells: usize, like: &Link) -> Probe {
-        let bins = (ALL_BINS / cells.next_power_of_two()).clamp(LEAST_BINS, MOST_BINS);
+    /// A probe for an array with these links.
+    pub fn new(links: &[Link]) -> Probe {
+        let cells = links.len() - 1;
+        let bins = bins_for(cells);
         let lane = |exists: bool, fifo: &Fifo| exists.then(|| FifoLane::new(fifo.capacity(), bins));
+        let lanes = |(index, link): (usize, &Link)| {
+            [lane(index < cells, &link.x), lane(index > 0, &link.y), lane(index > 0 && index < cells, &link.z)]
+        };
         Probe {
             cells: (0..cells).map(|_| CellLane::new(bins)).collect(),
-            links: (0..=cells)
-                .map(|link| {
-                    [lane(link < cells, &like.x), lane(link > 0, &like.y), lane(link > 0 && link < cells, &like.z)]
-                })
-                .collect(),
+            links: links.iter().enumerate().map(lanes).collect(),
             jobs: JobLane::new(bins),
         }
     }

@@ -159,7 +159,7 @@ impl Recorder {
             window: Cycles(window.from)..Cycles(window.until),
             cycles: Cycles(cycles),
             cut: self.cut,
-            host: self.host.into_record(window),
+            host: Some(self.host.into_record(window)),
             answers: self.answers.into_spans(window),
             stations: self.cells.into_iter().map(|track| track.into_record(window)).collect(),
             fifos: fifos.into_iter().flatten().collect(),

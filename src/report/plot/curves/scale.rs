@@ -10,6 +10,9 @@ use crate::report::plot::chart;
 /// Ticks that an axis has room for.
 const MOST_TICKS: usize = 14;
 
+/// Ticks that are no more than this share of the axis apart would run into each other.
+const CLOSEST_TICKS: f64 = 0.03;
+
 /// A scale, its ticks and what they are called.
 #[derive(Clone, Debug)]
 pub struct Scale {
@@ -34,7 +37,10 @@ impl Scale {
                 if is_geometric(numbers) {
                     let air = (last / first).powf(0.03);
                     let scale = Scale::logarithmic(first / air, last * air);
-                    if numbers.len() <= MOST_TICKS { Scale { ticks: numbers.clone(), ..scale } } else { scale }
+                    let apart =
+                        numbers.windows(2).all(|pair| scale.share(pair[1]) - scale.share(pair[0]) > CLOSEST_TICKS);
+                    let at_each = apart && numbers.len() <= MOST_TICKS;
+                    if at_each { Scale { ticks: numbers.clone(), ..scale } } else { scale }
                 } else {
                     let air = if last > first { 0.03 * (last - first) } else { 0.5 * last.max(1.0) };
                     Scale::linear(first - air, last + air)
@@ -170,6 +176,8 @@ mod tests {
         let scale = Scale::of_positions(&Positions::Numbers(vec![16.0, 64.0, 256.0]));
         assert_eq!(scale.ticks, [16.0, 64.0, 256.0]);
         assert_eq!(scale.map(&64.0, (0, 100)), 50);
+        let crowded = Scale::of_positions(&Positions::Numbers(vec![1.0, 40.0, 41.0, 1000.0]));
+        assert_eq!(crowded.ticks, [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]);
         let scale = Scale::of_values([3.0, 950.0].into_iter());
         assert!(scale.is_log);
         assert_eq!(scale.ticks, [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]);

@@ -1,19 +1,30 @@
 //! One sentence on what limits the machine.
 
-use crate::measure::{Actor, Measured, StateKind, StateTimes, Toward};
+pub(crate) mod farm;
+
+use super::losses::Losses;
+use crate::measure::{Actor, Measured, Shape, StateKind, StateTimes, Toward};
 use crate::quantities::Cycles;
+use crate::run::Reordered;
 
 /// What works for more than this share of the run is what the rest waits for.
 const SATURATED: f64 = 0.85;
 
 /// A share of the run that is worth a word.
-const NOTABLE: f64 = 0.10;
+pub(super) const NOTABLE: f64 = 0.10;
 
 /// What a first cell waits for the host longer than limits the rest.
 const STARVED: f64 = 0.5;
 
-/// Names what limits the array, and why.
+/// Names what limits a machine, and why.
 pub fn sentence(run: &Measured) -> String {
+    match run.topology.shape {
+        Shape::Line => of_line(run),
+        Shape::Farm => farm::sentence(run),
+    }
+}
+
+fn of_line(run: &Measured) -> String {
     let Some(index) = run.busiest() else { return "There are no cells.".to_owned() };
     let states = &run.topology.states;
     let busiest = &run.stations[index];
@@ -33,6 +44,14 @@ pub fn sentence(run: &Measured) -> String {
         "and the cells take turns at being waited for, as the work of a ray is uneven over them".to_owned()
     };
     format!("No cell limits the array by itself: the busiest, cell {index}, {told}, {why}.")
+}
+
+/// What is lost against the busiest station's work, where that is worth a word: it is much, and neither a link nor the host is what
+/// limits the machine. `shuffled` times the same rays in a random order.
+pub fn losses(run: &Measured, shuffled: impl FnOnce() -> Option<Reordered>) -> Option<Losses> {
+    let works = run.topology.states.works(&run.stations[run.busiest()?]);
+    let told = run.share(works) >= 1.0 - NOTABLE || link_limits(run).or_else(|| host_limits(run)).is_some();
+    if told { None } else { Losses::new(run, &shuffled()?) }
 }
 
 /// How a sentence tells what a cell works on.
@@ -85,8 +104,8 @@ fn link_limits(run: &Measured) -> Option<String> {
     // The first of several that are as busy.
     let link = run.links.iter().rev().max_by_key(|link| link.busy)?;
     let leads_to = match link.into {
-        Actor::Host => "back to the host".to_owned(),
-        Actor::Station(cell) => format!("into cell {cell}"),
+        None | Some(Actor::Host) => "back to the host".to_owned(),
+        Some(Actor::Station(cell)) => format!("into cell {cell}"),
     };
     (run.share(link.busy) > SATURATED).then(|| {
         format!(

@@ -1,10 +1,40 @@
 //! Simulated time in bins whose number is bounded.
 
+use crate::measure::StateTimes;
+
 /// What is kept of a stretch of time.
 pub trait Bin: Clone + Default {
     /// Takes in what is kept of the stretch that follows.
     fn absorb(&mut self, later: &Self);
 }
+
+impl Bin for StateTimes {
+    fn absorb(&mut self, later: &StateTimes) {
+        self.add(later);
+    }
+}
+
+/// How many of something.
+#[derive(Clone, Debug, Default)]
+pub struct Count(pub u64);
+
+impl Bin for Count {
+    fn absorb(&mut self, later: &Count) {
+        self.0 += later.0;
+    }
+}
+
+/// How many bins each of some stations has: those of a large machine have fewer.
+pub fn bins_for(stations: usize) -> usize {
+    (ALL_BINS / stations.next_power_of_two()).clamp(LEAST_BINS, MOST_BINS)
+}
+
+/// Bins of a run on few stations. A run that outgrows them has half as many, twice as wide.
+const MOST_BINS: usize = 1024;
+/// Bins of all stations together.
+const ALL_BINS: usize = 1 << 15;
+/// Bins of each station in the largest machines: fewer would tell nothing of a run's course.
+const LEAST_BINS: usize = 16;
 
 /// Bins of equal width over the time from cycle 0 on, entered from the first to the last. The width is a power of two and
 /// doubles, pair by pair, whenever the time outgrows the bins: the memory is bounded whatever the length of the run, and

@@ -1,0 +1,43 @@
+//! Buses that all tasks share.
+
+use crate::measure::LinkStats;
+use crate::quantities::Cycles;
+
+/// Some buses of one rate. A message takes the bus that is free first, in the order in which messages are ready to go.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Buses {
+    /// Thousandths of a cycle that a byte takes.
+    byte: u64,
+    /// For each bus, when it is free.
+    free: Vec<u64>,
+    /// For each bus, how long it was busy.
+    busy: Vec<u64>,
+}
+
+impl Buses {
+    /// So many buses, at least one, that carry a byte in so many thousandths of a cycle.
+    pub fn new(count: usize, byte_millicycles: u64) -> Buses {
+        let count = count.max(1);
+        Buses { byte: byte_millicycles, free: vec![0; count], busy: vec![0; count] }
+    }
+
+    /// Cycles for which a message has a bus, rounded up.
+    pub fn time(&self, bytes: u64) -> Cycles {
+        Cycles((u128::from(bytes) * u128::from(self.byte)).div_ceil(1000) as u64)
+    }
+
+    /// Takes a message that is ready to go, and tells when it arrives.
+    pub(super) fn carry(&mut self, ready: u64, bytes: u64) -> u64 {
+        let time = self.time(bytes).0;
+        let first = (0..self.free.len()).min_by_key(|&bus| self.free[bus]).unwrap_or(0);
+        let arrives = ready.max(self.free[first]) + time;
+        self.free[first] = arrives;
+        self.busy[first] += time;
+        arrives
+    }
+
+    /// How long each bus was busy.
+    pub(super) fn stats(&self) -> Vec<LinkStats> {
+        self.busy.iter().map(|&busy| LinkStats { into: None, busy: Cycles(busy) }).collect()
+    }
+}

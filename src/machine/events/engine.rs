@@ -1,0 +1,272 @@
+//! Tasks, and what they do to each other.
+
+use std::fmt;
+use std::ops::Range;
+
+use super::agenda::Agenda;
+use super::buses::Buses;
+use super::lanes::Lanes;
+use super::mailbox::{Mail, Mailbox};
+use crate::measure::{Measured, Observed, StateId, Topology};
+use crate::quantities::Cycles;
+
+/// What a task does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Act<M> {
+    /// Spends some cycles in a state.
+    Spend(StateId, Cycles),
+    /// Sends a message.
+    Send(Message<M>),
+    /// Takes a message; until there is one, it is in that state.
+    Receive(Sender, StateId),
+    /// Begins the job with that number.
+    Begin(u32),
+    /// Has done the job that it began last.
+    Done,
+    /// Does nothing any more.
+    End,
+}
+
+/// A message that a task sends: first the task itself is at work on it, then a bus carries it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Message<M> {
+    /// Whom it is for, and what its sender does when it is ready to go.
+    pub delivery: Delivery,
+    /// What the sender itself spends on it.
+    pub time: Cycles,
+    /// How long it is.
+    pub bytes: u64,
+    /// What is in it.
+    pub content: M,
+}
+
+/// Whom a message is for, and what its sender does when it is ready to go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Delivery {
+    /// It is for that task, and the sender goes on.
+    Post(usize),
+    /// It is for that task. The sender sends until it has arrived, and is then in that state until the task takes it: a
+    /// rendezvous.
+    Hold(usize, StateId),
+    /// It is for all other tasks, and the sender goes on.
+    Broadcast,
+}
+
+/// Whose message a task wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sender {
+    /// Anyone's.
+    Anyone,
+    /// That of one task.
+    Task(usize),
+}
+
+impl Sender {
+    pub(super) fn is(self, task: usize) -> bool {
+        self == Sender::Anyone || self == Sender::Task(task)
+    }
+}
+
+/// What a task is at.
+#[derive(Clone, Copy, Debug)]
+enum Phase<M> {
+    /// Something that ends by itself.
+    Busy,
+    /// A message, until it is ready to go.
+    Sends(Message<M>),
+    /// A message that is on its way until a time, then a state until the receiver takes it.
+    Holds { to: usize, arrives: u64, state: StateId },
+    /// Waiting for a message.
+    Waits { from: Sender, state: StateId },
+    /// Nothing any more.
+    Ended,
+}
+
+/// Tasks at work.
+#[derive(Debug)]
+pub struct Events<M> {
+    phases: Vec<Phase<M>>,
+    mailboxes: Vec<Mailbox<M>>,
+    agenda: Agenda,
+    buses: Buses,
+    lanes: Lanes,
+    /// The state of a task that is at work on a message, or whose message is on its way and held.
+    sending: StateId,
+    now: u64,
+}
+
+/// Tasks wait for each other, or for messages that nobody sends.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub struct Standstill(pub Vec<(usize, Waits)>);
+
+/// What a task waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Waits {
+    /// A message.
+    For(Sender),
+    /// That a task takes its message.
+    On(usize),
+}
+
+impl<M: Copy> Events<M> {
+    /// The tasks of a machine at time 0. In `sending` they send, in `idle` they have nothing left to do.
+    pub fn new(topology: Topology, buses: Buses, (sending, idle): (StateId, StateId)) -> Events<M> {
+        let tasks = topology.stations;
+        Events {
+            phases: vec![Phase::Busy; tasks],
+            mailboxes: (0..tasks).map(|_| Mailbox::new()).collect(),
+            agenda: Agenda::new(tasks),
+            buses,
+            lanes: Lanes::new(topology, idle),
+            sending,
+            now: 0,
+        }
+    }
+
+    /// The same with a probe, which sees what they do over time.
+    pub fn probed(mut self) -> Events<M> {
+        self.lanes.probe();
+        self
+    }
+
+    /// The same with a recorder of a window of time, which holds so many events at the most.
+    pub fn recorded(mut self, window: Range<Cycles>, most_events: usize) -> Events<M> {
+        self.lanes.record(window, most_events);
+        self
+    }
+
+    /// Lets the next task do what it can; `next` tells what that is. False if no task has anything left to do.
+    pub fn step(&mut self, next: &mut impl FnMut(usize, Option<M>) -> Act<M>) -> bool {
+        let Some((now, task)) = self.agenda.next() else { return false };
+        self.now = now;
+        if let Some(mut taken) = self.resume(task) {
+            while let Some(message) = self.act(task, next(task, taken)) {
+                taken = message;
+            }
+        }
+        true
+    }
+
+    /// A task wakes up. `None` if it has to go on waiting, else the message that it waited for, if it did.
+    fn resume(&mut self, task: usize) -> Option<Option<M>> {
+        match self.phases[task] {
+            Phase::Busy => Some(None),
+            Phase::Sends(message) => self.send(task, message),
+            Phase::Holds { arrives, state, .. } => {
+                self.lanes.spend(task, self.sending, arrives);
+                self.lanes.spend(task, state, self.now);
+                Some(None)
+            }
+            Phase::Waits { from, state } => {
+                self.lanes.spend(task, state, self.now);
+                self.receive(task, from, state)
+            }
+            Phase::Ended => None,
+        }
+    }
+
+    /// A task does something. `None` if that takes time, else the message that it took, if it did.
+    fn act(&mut self, task: usize, act: Act<M>) -> Option<Option<M>> {
+        match act {
+            Act::Spend(state, cycles) => self.spend(task, state, cycles, Phase::Busy).then_some(None),
+            Act::Send(message) => match self.spend(task, self.sending, message.time, Phase::Sends(message)) {
+                true => self.send(task, message),
+                false => None,
+            },
+            Act::Receive(from, state) => self.receive(task, from, state),
+            Act::Begin(job) => {
+                self.lanes.begin(task, job, self.now);
+                Some(None)
+            }
+            Act::Done => {
+                self.lanes.done(task, self.now);
+                Some(None)
+            }
+            Act::End => {
+                self.phases[task] = Phase::Ended;
+                None
+            }
+        }
+    }
+
+    /// True if that takes no time.
+    fn spend(&mut self, task: usize, state: StateId, cycles: Cycles, phase: Phase<M>) -> bool {
+        if cycles == Cycles(0) {
+            return true;
+        }
+        let until = self.now + cycles.0;
+        self.lanes.spend(task, state, until);
+        self.agenda.wake(task, until);
+        self.phases[task] = phase;
+        false
+    }
+
+    /// A message is ready to go.
+    fn send(&mut self, task: usize, message: Message<M>) -> Option<Option<M>> {
+        let arrives = self.buses.carry(self.now, message.bytes);
+        let mail = |is_held| Mail { at: arrives, from: task, is_held, content: message.content };
+        match message.delivery {
+            Delivery::Post(to) => self.deliver(to, mail(false)),
+            Delivery::Broadcast => {
+                let others = (0..self.phases.len()).filter(|&other| other != task);
+                others.for_each(|other| self.deliver(other, mail(false)));
+            }
+            Delivery::Hold(to, state) => {
+                self.phases[task] = Phase::Holds { to, arrives, state };
+                self.deliver(to, mail(true));
+                return None;
+            }
+        }
+        Some(None)
+    }
+
+    fn deliver(&mut self, to: usize, mail: Mail<M>) {
+        if let Phase::Waits { from, .. } = self.phases[to]
+            && from.is(mail.from)
+        {
+            self.agenda.wake(to, mail.at);
+        }
+        self.mailboxes[to].add(mail);
+    }
+
+    /// Takes a message, if there is one.
+    fn receive(&mut self, task: usize, from: Sender, state: StateId) -> Option<Option<M>> {
+        if let Some(mail) = self.mailboxes[task].take(from, self.now) {
+            if mail.is_held {
+                self.agenda.wake(mail.from, self.now);
+            }
+            return Some(Some(mail.content));
+        }
+        self.phases[task] = Phase::Waits { from, state };
+        if let Some(at) = self.mailboxes[task].arrival(from) {
+            self.agenda.wake(task, at);
+        }
+        None
+    }
+
+    /// What was measured and seen, when all tasks have ended.
+    pub fn finish(self) -> Result<(Measured, Observed), Standstill> {
+        let waits = |phase: &Phase<M>| match *phase {
+            Phase::Waits { from, .. } => Some(Waits::For(from)),
+            Phase::Holds { to, .. } => Some(Waits::On(to)),
+            Phase::Busy | Phase::Sends(_) | Phase::Ended => None,
+        };
+        let waiting: Vec<_> =
+            self.phases.iter().enumerate().filter_map(|(task, phase)| Some((task, waits(phase)?))).collect();
+        match waiting.is_empty() {
+            true => Ok(self.lanes.finish(self.now, self.buses.stats())),
+            false => Err(Standstill(waiting)),
+        }
+    }
+}
+
+impl fmt::Display for Standstill {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("no task can go on")?;
+        self.0.iter().try_for_each(|(task, waits)| match waits {
+            Waits::For(Sender::Anyone) => write!(f, "; task {task} waits for a message"),
+            Waits::For(Sender::Task(other)) => write!(f, "; task {task} waits for a message of task {other}"),
+            Waits::On(other) => write!(f, "; task {task} waits until task {other} takes its message"),
+        })
+    }
+}

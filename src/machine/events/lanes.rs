@@ -1,0 +1,139 @@
+//! What each task spends its time on.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::recorder::Recorder;
+use crate::machine::timeline::{Count, Timeline, bins_for};
+use crate::measure::{Latency, LinkStats, Measured, Observed, Profile, StateId, StateTimes, Topology};
+use crate::quantities::Cycles;
+
+/// The time of all tasks, and what watches it.
+#[derive(Debug)]
+pub struct Lanes {
+    topology: Arc<Topology>,
+    idle: StateId,
+    lanes: Vec<Lane>,
+    jobs: u64,
+    probe: Option<Probe>,
+    recorder: Option<Recorder>,
+}
+
+/// The time of one task.
+#[derive(Clone, Debug, Default)]
+struct Lane {
+    times: StateTimes,
+    /// Up to which time it has been told.
+    now: u64,
+    /// The job under way, and since when.
+    job: Option<(u32, u64)>,
+}
+
+/// The run over time.
+#[derive(Debug)]
+struct Probe {
+    tasks: Vec<Timeline<StateTimes>>,
+    done: Timeline<Count>,
+    latency: Latency,
+}
+
+impl Lanes {
+    pub fn new(topology: Topology, idle: StateId) -> Lanes {
+        let lanes = vec![Lane::default(); topology.stations];
+        Lanes { topology: Arc::new(topology), idle, lanes, jobs: 0, probe: None, recorder: None }
+    }
+
+    /// Sees the run over time.
+    pub fn probe(&mut self) {
+        let bins = bins_for(self.lanes.len());
+        let tasks = self.lanes.iter().map(|_| Timeline::new(bins)).collect();
+        self.probe = Some(Probe { tasks, done: Timeline::new(bins), latency: Latency::default() });
+    }
+
+    /// Records a window of it.
+    pub fn record(&mut self, window: Range<Cycles>, most_events: usize) {
+        self.recorder = Some(Recorder::new(self.lanes.len(), window.start.0..window.end.0, most_events));
+    }
+
+    /// A task has been in a state up to a time, since what was told last.
+    pub fn spend(&mut self, task: usize, state: StateId, until: u64) {
+        let lane = &mut self.lanes[task];
+        let from = std::mem::replace(&mut lane.now, until);
+        if from == until {
+            return;
+        }
+        *lane.times.of_mut(state) += Cycles(until - from);
+        if let Some(probe) = &mut self.probe {
+            probe.spend(task, state, from..until);
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.spend(task, state, from..until);
+        }
+    }
+
+    /// A task begins a job.
+    pub fn begin(&mut self, task: usize, job: u32, now: u64) {
+        self.lanes[task].job = Some((job, now));
+        if let Some(recorder) = &mut self.recorder {
+            recorder.border(task);
+        }
+    }
+
+    /// A task has done the job that it began last, if it is at any.
+    pub fn done(&mut self, task: usize, now: u64) {
+        let Some((job, since)) = self.lanes[task].job.take() else { return };
+        self.jobs += 1;
+        if let Some(probe) = &mut self.probe {
+            probe.done.at(now.saturating_sub(1)).0 += 1;
+            probe.latency.add(now - since);
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.done(task, job, since..now);
+        }
+    }
+
+    /// All that was seen of a run of so many cycles.
+    pub fn finish(mut self, cycles: u64, buses: Vec<LinkStats>) -> (Measured, Observed) {
+        for task in 0..self.lanes.len() {
+            self.spend(task, self.idle, cycles);
+        }
+        let (topology, cycles) = (self.topology, Cycles(cycles));
+        let observed = Observed {
+            profile: self.probe.map(|probe| probe.finish(&topology, cycles)),
+            recording: self.recorder.map(|recorder| recorder.finish(&topology, cycles)),
+            ..Observed::default()
+        };
+        let measured = Measured {
+            topology,
+            cycles,
+            jobs: self.jobs,
+            stations: self.lanes.into_iter().map(|lane| lane.times).collect(),
+            fifos: Vec::new(),
+            links: buses,
+        };
+        (measured, observed)
+    }
+}
+
+impl Probe {
+    fn spend(&mut self, task: usize, state: StateId, time: Range<u64>) {
+        let timeline = &mut self.tasks[task];
+        match timeline.within(time.end) {
+            Some(bin) => *bin.of_mut(state) += Cycles(time.end - time.start),
+            None => timeline.cut(time.start, time.end, |bin, from, to| *bin.of_mut(state) += Cycles(to - from)),
+        }
+    }
+
+    fn finish(self, topology: &Arc<Topology>, cycles: Cycles) -> Profile {
+        let (done, bin) = self.done.finish(cycles.0);
+        Profile {
+            topology: Arc::clone(topology),
+            bin: Cycles(bin),
+            cycles,
+            stations: self.tasks.into_iter().map(|task| task.finish(cycles.0).0).collect(),
+            fifos: Vec::new(),
+            jobs: done.into_iter().map(|count| count.0).collect(),
+            latency: self.latency,
+        }
+    }
+}

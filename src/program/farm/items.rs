@@ -1,0 +1,118 @@
+//! Work items: what the master hands out.
+
+use serde::{Deserialize, Serialize};
+
+use super::pixels::Pixels;
+use crate::error::InputError;
+use crate::host::camera::ImageSize;
+use crate::machine::Capitan;
+use crate::quantities::Cycles;
+
+/// What a work item is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum ItemKind {
+    /// A run of pixels of a line that have the same part of the scene before them.
+    #[default]
+    Segments,
+    /// A line of pixels.
+    Lines,
+    /// A pixel.
+    Pixels,
+    /// A square of pixels.
+    Tiles,
+}
+
+impl ItemKind {
+    /// What one is called.
+    pub fn noun(self) -> &'static str {
+        match self {
+            ItemKind::Segments => "segment",
+            ItemKind::Lines => "line",
+            ItemKind::Pixels => "pixel",
+            ItemKind::Tiles => "tile",
+        }
+    }
+}
+
+/// Work items in the order in which they are handed out, each with the times of its pixels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Items {
+    /// What an item is called.
+    pub noun: &'static str,
+    /// The times of all pixels, item by item.
+    times: Vec<Cycles>,
+    /// For each item, where it ends among them.
+    ends: Vec<u32>,
+}
+
+impl Items {
+    /// Items of so many pixels each, for the times that these take.
+    pub fn new(noun: &'static str, items: &[Vec<Cycles>]) -> Items {
+        let mut end = 0;
+        let ends = items.iter().map(|item| {
+            end += item.len() as u32;
+            end
+        });
+        Items { noun, ends: ends.collect(), times: items.concat() }
+    }
+
+    /// An image cut up for a machine. `tile` is the side of a tile, in pixels, which the other kinds do not ask for.
+    ///
+    /// Fails if the whole would take longer than can be counted.
+    pub fn cut(pixels: &Pixels, kind: ItemKind, tile: u32, machine: &Capitan) -> Result<Items, InputError> {
+        let times = pixels.priced(machine)?;
+        let (count, width) = (times.len() as u32, pixels.size.width);
+        let noun = kind.noun();
+        let until_next =
+            |is_first: &dyn Fn(u32) -> bool| (1..=count).filter(|&at| at == count || is_first(at)).collect();
+        Ok(match kind {
+            ItemKind::Segments => Items { noun, ends: until_next(&|at| pixels.starts[at as usize]), times },
+            ItemKind::Lines => Items { noun, ends: until_next(&|at| at.is_multiple_of(width)), times },
+            ItemKind::Pixels => Items { noun, ends: (1..=count).collect(), times },
+            ItemKind::Tiles => {
+                let tiles: Vec<Vec<Cycles>> =
+                    tiles(pixels.size, tile.max(1)).map(|tile| tile.map(|pixel| times[pixel]).collect()).collect();
+                Items::new(noun, &tiles)
+            }
+        })
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// The times of all pixels, item by item.
+    pub fn pixels(&self) -> &[Cycles] {
+        &self.times
+    }
+
+    /// Where an item's pixels are among all.
+    pub fn range(&self, item: usize) -> std::ops::Range<usize> {
+        let start = item.checked_sub(1).map_or(0, |before| self.ends[before] as usize);
+        start..self.ends[item] as usize
+    }
+
+    /// What an item's pixels take together.
+    pub fn time(&self, item: usize) -> Cycles {
+        self.times[self.range(item)].iter().copied().sum()
+    }
+}
+
+/// The pixels of each tile of an image, tile by tile and line by line; those at the right and at the bottom may be smaller.
+fn tiles(size: ImageSize, side: u32) -> impl Iterator<Item = impl Iterator<Item = usize>> {
+    let ImageSize { width, height } = size;
+    let corners =
+        (0..height).step_by(side as usize).flat_map(move |y| (0..width).step_by(side as usize).map(move |x| (x, y)));
+    corners.map(move |(left, top)| {
+        let (right, bottom) = (left.saturating_add(side).min(width), top.saturating_add(side).min(height));
+        (top..bottom).flat_map(move |y| (left..right).map(move |x| (y * width + x) as usize))
+    })
+}

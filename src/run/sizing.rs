@@ -1,0 +1,470 @@
+//! The fewest words that FIFOs need: a recorded run, timed again and again under other depths.
+//!
+//! No run gets slower if a FIFO gets deeper: the time of each word is the latest of a few earlier ones, and with a deeper FIFO one of
+//! them comes earlier. So what is fast enough stays so with more words anywhere, and what is too slow stays so with fewer. The least
+//! depth of a FIFO, the others as they are, is found by halving; and once it is found, it stays the least when others become shallower.
+//! One pass over all FIFOs therefore ends with depths of which none can be lowered by itself.
+//!
+//! Only depths are tried at which some word would have had to wait: less than a FIFO holds if all are unlimited, and in each run that
+//! is fast enough, no more than it came to hold there.
+
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::RunError;
+use super::timed::UNLIMITED;
+use crate::cancel::Cancel;
+use crate::machine::{Array, Cycles, FifoName, MachineFile, MachineSpec, Stuck, Unfinished, Words};
+use crate::measure::{Actor, FifoStats, Measured, StateTimes};
+use crate::quantities::common_divisor;
+use crate::seam::{Channel, Costs, OpBatch, OpKind};
+
+/// A recorded run, to be timed under depths of all kinds.
+#[derive(Clone, Copy, Debug)]
+pub struct Recorded<'a> {
+    /// What host and cells do.
+    pub batches: &'a [OpBatch],
+    /// What units of work cost.
+    pub costs: &'a Costs,
+    /// The machine, whose FIFOs are sized.
+    pub spec: &'a MachineSpec,
+    /// What FIFOs of Z must hold at the least ([`Workload::least_z_words`](crate::program::Workload::least_z_words)).
+    pub least_z_words: Words,
+}
+
+/// How fast the machines of a [`Front`] are, each as the share of cycles that they may take more than with unlimited FIFOs, in
+/// thousandths. At 1 % more the speed is 99 % at the least, and so on.
+pub const SLOWER: [u64; 5] = [0, 1, 10, 50, 100];
+
+/// The fewest words that were found for each speed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Front {
+    /// The FIFOs that carry words, in the order of reports.
+    pub fifos: Vec<FifoName>,
+    /// What each must hold so that no word ever waits for room: with more, nothing changes. It is no more than can be simulated.
+    pub unlimited: Depths,
+    /// For each of [`SLOWER`], depths of which none can be lowered by itself.
+    pub points: Vec<Point>,
+    /// All FIFOs as shallow as they can be, and what comes of it.
+    pub least: (Vec<Words>, Fewer),
+    /// How often the recording was timed.
+    pub replays: u64,
+}
+
+/// Depths, and the time of the run with them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Depths {
+    /// For each FIFO.
+    pub words: Vec<Words>,
+    /// Of the run.
+    pub cycles: Cycles,
+}
+
+/// The fewest words for some speed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Point {
+    /// By how many thousandths the run may take longer than with unlimited FIFOs.
+    pub slower: u64,
+    /// The depths.
+    pub depths: Depths,
+    /// For each FIFO, the run with one word fewer in that FIFO alone: none is as fast as is asked for. `None` where it holds the least
+    /// already.
+    pub fewer: Vec<Option<Fewer>>,
+}
+
+/// The run with too few words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fewer {
+    /// It takes so long.
+    Cycles(Cycles),
+    /// It never ends.
+    Stuck(Stuck),
+}
+
+/// How far a search is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Searching {
+    /// How often the recording has been timed.
+    pub replays: u64,
+    /// The points that are found.
+    pub points: usize,
+}
+
+impl Depths {
+    /// The words of all FIFOs together.
+    pub fn total(&self) -> u64 {
+        self.words.iter().map(|words| words.0).sum()
+    }
+}
+
+impl Front {
+    /// A machine with FIFOs of these depths.
+    pub fn machine(&self, words: &[Words], like: &MachineFile) -> MachineFile {
+        let depths = self.fifos.iter().zip(words).map(|(&fifo, words)| (fifo, words.0));
+        MachineFile { fifo_words_of: depths.collect(), ..like.clone() }
+    }
+}
+
+/// Sizes the FIFOs of a recorded run, on all cores. `note` is told after each run how far that is.
+///
+/// # Errors
+///
+/// If the ops are none of such an array's, or never come to an end whatever the depths; and if it is told to stop.
+pub fn size_fifos(
+    recorded: Recorded<'_>,
+    cancel: &Cancel,
+    note: impl Fn(Searching) + Sync,
+) -> Result<Front, SizingError> {
+    let (replays, found) = (AtomicU64::new(0), AtomicUsize::new(0));
+    let timed = || {
+        let replays = replays.fetch_add(1, Ordering::Relaxed) + 1;
+        note(Searching { replays, points: found.load(Ordering::Relaxed) });
+    };
+    let mut search = Search::new(recorded, cancel, &timed);
+    let unlimited = search.unlimited()?;
+    let mut points: Vec<Point> = Vec::new();
+    for slower in SLOWER {
+        let faster = points.last().map(|point| point.depths.words.clone());
+        let depths = search.fewest(&unlimited, slower, faster)?;
+        points.push(Point { slower, fewer: search.one_fewer(&depths.words)?, depths });
+        found.fetch_add(1, Ordering::Relaxed);
+    }
+    let least = (search.least.clone(), search.fewer(&search.least)?);
+    let fifos = search.fifos.clone();
+    Ok(Front { fifos, unlimited, points, least, replays: replays.load(Ordering::Relaxed) })
+}
+
+/// Why FIFOs cannot be sized.
+pub type SizingError = RunError<Infallible>;
+
+/// What a search works with. `timed` is called after each run.
+struct Search<'a, N> {
+    recorded: Recorded<'a>,
+    cells: usize,
+    cancel: &'a Cancel,
+    timed: &'a N,
+    fifos: Vec<FifoName>,
+    /// What each FIFO must hold at the least.
+    least: Vec<Words>,
+    /// The words that each FIFO carries at a time: a divisor of all its messages.
+    message: Vec<u64>,
+    /// The cycles that each cell works in any run, if a run lasts at the least until all cells have done all their work.
+    works: Option<Vec<Cycles>>,
+    /// How many starts of the search there is time for.
+    starts: usize,
+}
+
+/// A run under some depths.
+struct Trial {
+    end: End,
+    /// The most that each FIFO held.
+    most: Vec<Words>,
+    /// The cycles that each cell worked.
+    works: Vec<Cycles>,
+    /// Where the cells' cycles went, and what the FIFOs held: the same, if no word came at another time.
+    seen: (Vec<StateTimes>, Vec<FifoStats>),
+}
+
+enum End {
+    /// It took so many cycles.
+    Done(Cycles),
+    /// It takes more than it may.
+    TooSlow,
+    Stuck(Stuck),
+}
+
+/// With how many words the search for unlimited depths begins, and how many times deeper it makes a FIFO that was full.
+const FIRST_WORDS: u64 = 1024;
+const DEEPER: u64 = 32;
+
+/// A search from one start takes some twenty runs a FIFO. With fewer ops than that, times FIFOs, there is time for a second start, with
+/// half as many for a third, and so on.
+const SECOND_START: usize = 40_000_000;
+
+/// In how many parts the unlimited depths are cut where the search begins with the same share of all.
+const PARTS: u64 = 1024;
+
+impl<'a, N: Fn() + Sync> Search<'a, N> {
+    fn new(recorded: Recorded<'a>, cancel: &'a Cancel, timed: &'a N) -> Search<'a, N> {
+        let cells = recorded.batches.first().map_or(1, |batch| batch.cells.len());
+        let messages = messages(recorded.batches);
+        let fifos: Vec<FifoName> = messages.keys().copied().collect();
+        let least = |fifo: &FifoName| if fifo.channel == Channel::Z { recorded.least_z_words } else { Words(1) };
+        let ops = |batch: &OpBatch| batch.cells.iter().map(|cell| cell.ops().len()).sum::<usize>();
+        let all = recorded.batches.iter().map(ops).sum::<usize>() * fifos.len();
+        Search {
+            recorded,
+            cells,
+            cancel,
+            timed,
+            least: fifos.iter().map(least).collect(),
+            message: messages.into_values().collect(),
+            works: None,
+            starts: 1 + SECOND_START / all.max(1),
+            fifos,
+        }
+    }
+
+    /// Whether it is certain already that a run takes more than so many cycles: the words that have come back tell it, and so does the
+    /// time in which a cell did not work, for all of its work adds to that.
+    fn is_too_slow(&self, array: &Array, answers: &mut u64, most: Cycles) -> bool {
+        while let Some(Cycles(returned)) = array.returned_in(*answers) {
+            *answers += 1;
+            if returned >= most.0 {
+                return true;
+            }
+        }
+        let Some(works) = self.works.as_ref().filter(|_| most != UNLIMITED) else { return false };
+        let so_far = array.so_far();
+        let stood = |times: &StateTimes| times.total() - so_far.topology.states.works(times);
+        so_far.stations.iter().zip(works).any(|(times, &works)| stood(times) + works > most)
+    }
+
+    /// Times the run. It is broken off as soon as it is known to take more than `most` cycles.
+    fn time(&self, words: &[Words], most: Cycles) -> Result<Trial, SizingError> {
+        let depths = self.fifos.iter().copied().zip(words.iter().copied());
+        let spec = MachineSpec { own_words: depths.collect(), ..self.recorded.spec.clone() };
+        let mut array = Array::new(&spec, self.recorded.costs, self.cells);
+        let (mut answers, mut end) = (0, None);
+        let mut copy = OpBatch::default();
+        for batch in self.recorded.batches {
+            self.cancel.check()?;
+            copy.clone_from(batch);
+            array.feed(std::mem::take(&mut copy))?;
+            if let Err(stuck) = array.run() {
+                end = Some(End::Stuck(stuck));
+                break;
+            }
+            copy = array.take_spent().unwrap_or_default();
+            if self.is_too_slow(&array, &mut answers, most) {
+                end = Some(End::TooSlow);
+                break;
+            }
+        }
+        (self.timed)();
+        let so_far = array.so_far();
+        let named = so_far.topology.fifos.iter().zip(&so_far.fifos);
+        let figures: BTreeMap<FifoName, FifoStats> =
+            named.filter_map(|(info, (stats, _))| Some((info.name.parse().ok()?, *stats))).collect();
+        let stats: Vec<FifoStats> = self.fifos.iter().filter_map(|fifo| figures.get(fifo).copied()).collect();
+        Ok(Trial {
+            end: end.unwrap_or_else(|| ended(array, most)),
+            most: stats.iter().map(|fifo| fifo.max).collect(),
+            works: so_far.stations.iter().map(|times| so_far.topology.states.works(times)).collect(),
+            // Whether a FIFO was full depends on its depth.
+            seen: (so_far.stations, stats.into_iter().map(|fifo| FifoStats { full: Cycles(0), ..fifo }).collect()),
+        })
+    }
+
+    /// What each FIFO must hold so that no word ever waits for room.
+    fn unlimited(&mut self) -> Result<Depths, SizingError> {
+        let deepest = Words(MachineSpec::MAX_FIFO_WORDS);
+        let mut words: Vec<Words> = self.least.iter().map(|least| (*least).max(Words(FIRST_WORDS))).collect();
+        let (trial, cycles) = loop {
+            let trial = self.time(&words, UNLIMITED)?;
+            let full = |index: usize| trial.most[index] >= words[index] && words[index] < deepest;
+            let full: Vec<usize> = (0..words.len()).filter(|&index| full(index)).collect();
+            match trial.end {
+                End::Stuck(stuck) if full.is_empty() => return Err(stuck.into()),
+                End::Done(cycles) if full.is_empty() => break (trial, cycles),
+                _ => full.into_iter().for_each(|index| words[index] = Words(words[index].0 * DEEPER).min(deepest)),
+            }
+        };
+        // A word finds room if one is read in the cycle before; where one is read in the same cycle, it takes a place more than the
+        // FIFO holds at the end of any cycle.
+        let more = |most: Words| Words(most.0 + 1).min(deepest);
+        let enough: Vec<Words> = trial.most.iter().map(|&most| more(most)).collect();
+        let exact = |index: usize| {
+            let mut words = enough.clone();
+            words[index] = trial.most[index].max(self.least[index]);
+            Ok(if self.time(&words, UNLIMITED)?.seen == trial.seen { words[index] } else { enough[index] })
+        };
+        let words = (0..enough.len()).into_par_iter().map(exact).collect::<Result<Vec<Words>, SizingError>>()?;
+        self.works = last_op_answers(self.recorded.batches).then_some(trial.works);
+        Ok(Depths { words, cycles })
+    }
+
+    /// The fewest words with which the run takes no more than so many thousandths longer than with unlimited FIFOs. `faster` are depths
+    /// that are found for a faster one.
+    fn fewest(&self, unlimited: &Depths, slower: u64, faster: Option<Vec<Words>>) -> Result<Depths, SizingError> {
+        let Cycles(cycles) = unlimited.cycles;
+        let most = Cycles(cycles + (u128::from(cycles) * u128::from(slower) / 1000) as u64);
+        let deepest = unlimited.words.iter().map(|words| words.0).max().unwrap_or(1);
+        // Where the search begins: at what is fast enough already, at the unlimited depths, at the least one that all may share, or at
+        // the least share of each. Each of these leads to other depths; the first is the shortest way.
+        let capped = |words: u64| self.each(unlimited, |own| own.min(words));
+        let shared = |part: u64| self.each(unlimited, |own| (own * part).div_ceil(PARTS));
+        let begin = |start: usize| match (start, &faster) {
+            (0, Some(faster)) => Ok(faster.clone()),
+            (0 | 1, _) => Ok(unlimited.words.clone()),
+            (2, _) => self.least_of(deepest, most, capped),
+            _ => self.least_of(PARTS, most, shared),
+        };
+        let starts: Vec<usize> = (usize::from(faster.is_none())..4).take(self.starts).collect();
+        let descend = |start: usize| self.descend(begin(start)?, most);
+        let found = starts.into_par_iter().map(descend).collect::<Result<Vec<Depths>, SizingError>>()?;
+        let found = found.into_iter().min_by_key(|depths| (depths.total(), depths.cycles));
+        Ok(found.unwrap_or_else(|| unlimited.clone()))
+    }
+
+    /// Depths that are worked out from the unlimited ones.
+    fn each(&self, unlimited: &Depths, depth: impl Fn(u64) -> u64) -> Vec<Words> {
+        let own = unlimited.words.iter().zip(&self.least);
+        own.map(|(words, least)| Words(depth(words.0)).max(*least)).collect()
+    }
+
+    /// The first depths that are fast enough, of some that grow with a number from 1 to `last`, which are.
+    fn least_of(&self, last: u64, most: Cycles, depths: impl Fn(u64) -> Vec<Words>) -> Result<Vec<Words>, SizingError> {
+        let (mut too_few, mut enough) = (0, last);
+        while enough - too_few > 1 {
+            let middle = between(too_few, enough);
+            if self.fits(&depths(middle), most)?.is_some() { enough = middle } else { too_few = middle }
+        }
+        Ok(depths(enough))
+    }
+
+    /// The most that the FIFOs hold in a run that is fast enough; `None` if it is not.
+    fn fits(&self, words: &[Words], most: Cycles) -> Result<Option<Vec<Words>>, SizingError> {
+        let trial = self.time(words, most)?;
+        Ok(matches!(trial.end, End::Done(_)).then_some(trial.most))
+    }
+
+    /// Lowers depths that are fast enough until none can be lowered by itself: the deepest FIFO first.
+    fn descend(&self, mut words: Vec<Words>, most: Cycles) -> Result<Depths, SizingError> {
+        let mut order: Vec<usize> = (0..words.len()).collect();
+        order.sort_by_key(|&index| (std::cmp::Reverse(words[index]), index));
+        for index in order {
+            let mut too_few = self.least[index].0 - 1;
+            // Many cannot be lowered any more.
+            let mut next = words[index].0 - 1;
+            while words[index].0 - too_few > 1 {
+                let mut tried = words.clone();
+                tried[index] = Words(next);
+                match self.fits(&tried, most)? {
+                    None => too_few = next,
+                    // No word needs more places than the FIFO holds, but the one in which another is read in the same cycle.
+                    Some(held) => {
+                        let enough = tried.iter().zip(&held).zip(&self.least);
+                        words =
+                            enough.map(|((&tried, held), &least)| tried.min(Words(held.0 + 1)).max(least)).collect();
+                    }
+                }
+                next = self.next(index, too_few, words[index].0);
+            }
+        }
+        match self.time(&words, UNLIMITED)?.end {
+            End::Done(cycles) => Ok(Depths { words, cycles }),
+            End::Stuck(stuck) => Err(stuck.into()),
+            End::TooSlow => Ok(Depths { words, cycles: most }),
+        }
+    }
+
+    /// The depth of a FIFO to be tried between one that is too little and one that is enough: whole messages, as a part of one is
+    /// seldom worth more than none.
+    fn next(&self, index: usize, too_few: u64, enough: u64) -> u64 {
+        let message = self.message[index];
+        let (below, above) = (too_few / message, enough.div_ceil(message));
+        match above > below + 1 {
+            true => message * between(below, above),
+            false if enough.is_multiple_of(message) => enough - 1,
+            false => between(too_few, enough),
+        }
+    }
+
+    /// The run with one word fewer in each FIFO alone.
+    fn one_fewer(&self, words: &[Words]) -> Result<Vec<Option<Fewer>>, SizingError> {
+        let fewer = |index: usize| {
+            let mut fewer = words.to_vec();
+            fewer[index] = Words(words[index].0.saturating_sub(1));
+            (fewer[index] >= self.least[index]).then(|| self.fewer(&fewer)).transpose()
+        };
+        (0..words.len()).into_par_iter().map(fewer).collect()
+    }
+
+    fn fewer(&self, words: &[Words]) -> Result<Fewer, SizingError> {
+        Ok(match self.time(words, UNLIMITED)?.end {
+            End::Done(cycles) => Fewer::Cycles(cycles),
+            End::Stuck(stuck) => Fewer::Stuck(stuck),
+            End::TooSlow => Fewer::Cycles(UNLIMITED),
+        })
+    }
+}
+
+/// How a run ended all of whose ops have been fed.
+fn ended(array: Array, most: Cycles) -> End {
+    match array.finish() {
+        Err(Unfinished::Stuck(stuck)) => End::Stuck(stuck),
+        Ok(Measured { cycles, .. }) | Err(Unfinished::Outlived(cycles)) if cycles <= most => End::Done(cycles),
+        Ok(_) | Err(Unfinished::Outlived(_)) => End::TooSlow,
+    }
+}
+
+/// A number between two that are more than 1 apart: depths are of all magnitudes, so the middle of these as long as they differ much.
+fn between(below: u64, above: u64) -> u64 {
+    let middle = if above > 4 * (below + 1) { ((below + 1) * above).isqrt() } else { below + (above - below) / 2 };
+    middle.clamp(below + 1, above.saturating_sub(1).max(below + 1))
+}
+
+/// Whether the last thing that each cell does is to write words of an answer, which go on to the host through all cells behind it: no run
+/// then ends before all work is done.
+fn last_op_answers(batches: &[OpBatch]) -> bool {
+    let last = |cell: usize| batches.iter().rev().find_map(|batch| batch.cells[cell].ops().last());
+    let cells = batches.first().map_or(0, |batch| batch.cells.len());
+    (0..cells).all(|cell| last(cell).is_some_and(|op| op.kind() == OpKind::WriteY))
+}
+
+/// The FIFOs that carry words, and for each the largest number that all messages through it can be divided by.
+fn messages(batches: &[OpBatch]) -> BTreeMap<FifoName, u64> {
+    let mut messages = BTreeMap::new();
+    for batch in batches {
+        let cells = batch.cells.len();
+        let cell = |cell: usize| if cell < cells { Actor::Station(cell) } else { Actor::Host };
+        let streams = std::iter::once(&batch.host).chain(&batch.cells);
+        for (right, stream) in streams.enumerate() {
+            for (channel, op) in stream.ops().iter().filter_map(|op| Some((op.kind().writes()?, op))) {
+                let reader = if channel == Channel::Z { cell(right.saturating_sub(2)) } else { cell(right) };
+                let message = messages.entry(FifoName { channel, reader }).or_insert(0);
+                *message = common_divisor(*message, u64::from(op.count()));
+            }
+        }
+    }
+    // The last cell passes no rays on; and an op may be of no words.
+    messages.retain(|fifo, words| *words > 0 && *fifo != FifoName { channel: Channel::X, reader: Actor::Host });
+    messages
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The next depth is always one that has not been tried.
+    #[test]
+    fn the_next_depth_is_between() {
+        let words = [0, 1, 4, 5, 7, 8, 9, 15, 16, 17, 1000, 1 << 20];
+        let (costs, spec) =
+            (Costs::new(crate::program::work::vocabulary(false), |_| Cycles(1)), MachineSpec::default());
+        let recorded = Recorded { batches: &[], costs: &costs, spec: &spec, least_z_words: Words(1) };
+        let (cancel, timed) = (Cancel::default(), || ());
+        let mut search = Search::new(recorded, &cancel, &timed);
+        for message in [1, 5, 8] {
+            search.message = vec![message];
+            for too_few in words {
+                for enough in words.into_iter().filter(|&enough| enough > too_few + 1) {
+                    let next = search.next(0, too_few, enough);
+                    assert!(too_few < next && next < enough, "{too_few} {next} {enough}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_number_between_is_between() {
+        for (below, above) in [(0, 2), (0, 3), (1, 3), (0, 1 << 20), (7, 9), (7, 10), (1000, 5000)] {
+            let middle = between(below, above);
+            assert!(below < middle && middle < above, "{below} {middle} {above}");
+        }
+    }
+}
