@@ -68,7 +68,7 @@ pub struct PathPart {
 
 impl CriticalPath {
     /// Ops that are held at a time to find the path, about: few enough to stay in a core's cache.
-    pub const MOST_OPS: usize = 1 << 18;
+    pub const MOST_OPS: usize = 1 << 16;
 
     /// Where it is over time: for each station, and for the host behind them, in each bin the cycles that it is there, in the
     /// states that say why. Words on their way are those that their reader waits for, and who writes to a full FIFO or a
