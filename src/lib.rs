@@ -231,7 +231,7 @@ pub mod isa;
 pub mod machine;
 pub mod measure;
 pub mod model;
-mod parameters;
+pub mod parameters;
 pub mod program;
 pub mod quantities;
 mod random;

@@ -1,5 +1,8 @@
 //! Parameters, each declared once: the flag, the field of a file and the column of a table are views of its declaration.
 
+use crate::error::InputError;
+use crate::input::ron_text::suggest;
+
 /// What the values of a parameter look like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -24,6 +27,18 @@ pub struct ParameterInfo {
     pub kind: Kind,
     /// What it is, with its unit, in the words of a table's column.
     pub label: &'static str,
+}
+
+/// The one of some parameters that has a name, or what may have been meant by it.
+pub fn named<'a>(
+    known: impl IntoIterator<Item = &'a ParameterInfo>,
+    name: &str,
+) -> Result<&'a ParameterInfo, InputError> {
+    let known: Vec<&ParameterInfo> = known.into_iter().collect();
+    known.iter().find(|known| known.name == name).copied().ok_or_else(|| {
+        let names: Vec<&str> = known.iter().map(|known| known.name).collect();
+        suggest(InputError::new(format!("unknown parameter `{name}`")), name, &names, "parameters")
+    })
 }
 
 /// Declares a group of parameters, of which any may be left out. For each: what it is (the help of its flag), its name,
@@ -88,9 +103,9 @@ macro_rules! parameters {
 pub(crate) use parameters;
 
 /// The value that a text stands for.
-pub(crate) fn value<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, crate::error::InputError>
+pub(crate) fn value<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, InputError>
 where
     T::Err: std::fmt::Display,
 {
-    text.parse().map_err(|error| crate::error::InputError::new(format!("invalid value '{text}' for {name}: {error}")))
+    text.parse().map_err(|error| InputError::new(format!("invalid value '{text}' for {name}: {error}")))
 }

@@ -6,7 +6,7 @@ use std::io::IsTerminal;
 use annotate_snippets::{AnnotationKind, Level, Origin, Renderer, Snippet};
 use pcs_sim::error::{InputError, Place, Spot};
 use pcs_sim::isa::Fault;
-use pcs_sim::machine::{Stuck, StuckKind, WaitFor};
+use pcs_sim::machine::Stuck;
 
 use super::is_dumb;
 
@@ -82,14 +82,6 @@ pub fn draw_stuck(stuck: &Stuck) -> String {
     for wait in &stuck.waits {
         let _ = writeln!(text, "  {wait}");
     }
-    let full = stuck.waits.iter().any(|wait| matches!(wait.for_what, WaitFor::Room { .. }));
-    let help = match stuck.kind {
-        StuckKind::Deadlock if full => {
-            "each waits for the next, the last for the first; deeper FIFOs may break the loop"
-        }
-        StuckKind::Deadlock => "each waits for the next, the last for the first; the ops do not match",
-        StuckKind::Starved { .. } => "what the last of them waits for is never done: the ops do not match",
-    };
-    let _ = writeln!(text, "  = help: {help}");
+    let _ = writeln!(text, "  = help: {}", stuck.help());
     text
 }

@@ -6,54 +6,39 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
-use pcs_sim::machine::{Capitan, CapitanFile};
-use pcs_sim::program::farm::{HandOut, Items, SceneBy};
-use pcs_sim::report::plot::Caption;
+use pcs_sim::machine::Capitan;
+use pcs_sim::report::farm as told;
 use pcs_sim::report::stats::Configuration;
-use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{bottleneck, farm as told};
-use pcs_sim::run::{FarmOutcome, FarmScene, FarmSpec, OutputFile};
+use pcs_sim::run::{FarmOutcome, FarmSetup, FarmSpec, OutputFile, moot};
 
 use super::args::{FarmArgs, Typed};
-use super::run::{plural, workers};
+use super::run::workers;
 use super::views::{Seen, Views};
-use super::{Failure, moot_flags, outputs, print, progress};
-
-/// What a farm is made of, whatever the number of its workers.
-struct Setup {
-    spec: FarmSpec,
-    machine: Capitan,
-    scene: FarmScene,
-    items: Items,
-}
+use super::{Failure, outputs, print, progress};
 
 /// `pcs-sim farm SCENE [...]`
 pub fn farm(args: &FarmArgs, typed: &Typed) -> Result<(), Failure> {
     let options = args.options(typed);
     let spec = FarmSpec::new(&options, args.config.as_deref().map(FarmSpec::read).transpose()?)?;
-    moot_flags::check_farm(&options, &spec)?;
+    moot::check_farm(&options, &spec)?;
     let fewest = options.farm.tasks.map_or(spec.tasks, |range| range.first);
-    let machine = spec.machine.build()?;
     let (stats, views) = open_outputs(args, &spec, fewest)?;
     let bar = progress::samples();
-    let samples = spec.rays.as_ref().map_or(1, |rays| rays.samples as usize).pow(2);
-    bar.set_length((spec.size.pixels() * samples) as u64);
-    let scene = outputs::reading(&named(args), || {
-        let scene = spec.lay_out(&workers(args.threads), |done| {
+    bar.set_length(spec.samples() as u64);
+    let setup = outputs::reading(&named(args), || {
+        let setup = FarmSetup::new(spec, &workers(args.threads), |done| {
             bar.set_position(done as u64);
             Ok::<_, Infallible>(())
         });
-        scene.map_err(Failure::from)
+        setup.map_err(Failure::from)
     })?;
     bar.finish_and_clear();
-    let items = spec.cut(&scene, &machine)?;
-    machine.notes.iter().chain(&scene.notes).for_each(super::note);
-    let setup = Setup { spec, machine, scene, items };
+    setup.notes().for_each(super::note);
     if fewest < setup.spec.tasks {
         return print(&compared(&setup, fewest)?);
     }
     let outcome = run(&setup, setup.spec.tasks, &views)?;
-    print(&report(&setup, &outcome))?;
+    print(&told::text(&setup, &outcome))?;
     let written = write_outputs(&setup, &outcome, stats, views)?;
     print(&outputs::list(&written))
 }
@@ -78,77 +63,21 @@ fn open_outputs(args: &FarmArgs, spec: &FarmSpec, fewest: usize) -> Result<(Opti
     Ok((outputs::open(args.stats.as_deref(), args.force)?, Views::open(&args.views, args.force)?))
 }
 
-fn run(setup: &Setup, tasks: usize, views: &Views) -> Result<FarmOutcome, Failure> {
-    let Setup { spec, machine, scene, items } = setup;
-    let spec = FarmSpec { tasks, ..spec.clone() };
+fn run(setup: &FarmSetup, tasks: usize, views: &Views) -> Result<FarmOutcome, Failure> {
     let spinner = progress::waiting("running the tasks");
-    let outcome = spec.run((scene, machine, items), &views.watching(), &Cancel::default());
+    let outcome = setup.run(tasks, &views.watching(), &Cancel::default());
     spinner.finish_and_clear();
     Ok(outcome?)
 }
 
 /// A row for each number of workers, and what limits most of them.
-fn compared(setup: &Setup, fewest: usize) -> Result<String, Failure> {
-    let outcomes: Vec<FarmOutcome> =
-        (fewest..=setup.spec.tasks).map(|tasks| run(setup, tasks, &Views::none())).collect::<Result<_, _>>()?;
-    let last = outcomes.last().map_or(String::new(), |last| {
-        format!("With {}: {}\n", plural(last.workers, "worker"), bottleneck::sentence(&last.stats))
-    });
-    let shares = shares(&setup.spec);
-    let title = format!("farm of {fewest} to {} workers: {}", setup.spec.tasks, what(setup));
-    Ok(format!("{title}\n{}\n{shares}\n\n{}\n{last}", machine_line(&setup.spec.machine), told::table(&outcomes)))
-}
-
-fn report(setup: &Setup, outcome: &FarmOutcome) -> String {
-    let lines = [
-        title(setup, outcome),
-        machine_line(&setup.spec.machine),
-        shares(&setup.spec),
-        summary::speed(&outcome.stats, Capitan::CLOCK),
-        told::gain(outcome),
-        told::buses(outcome),
-    ];
-    let tasks = summary::cells(&outcome.stats, &[]);
-    format!("{}\n\n{tasks}\n{}\n", lines.join("\n"), bottleneck::sentence(&outcome.stats))
-}
-
-/// What runs, in one line.
-fn title(setup: &Setup, outcome: &FarmOutcome) -> String {
-    format!("farm of {}: {}", plural(outcome.workers, "worker"), what(setup))
-}
-
-/// Scene, image and work items.
-fn what(setup: &Setup) -> String {
-    let Setup { spec, scene, items, .. } = setup;
-    let polygons = scene.polygons.map_or(String::new(), |count| format!(" ({} polygons)", grouped(count as u64)));
-    let (pixels, count) = (grouped(spec.size.pixels() as u64), grouped(items.len() as u64));
-    format!("scene {}{polygons}, {pixels} pixels in {count} {}s", scene.name, items.noun)
-}
-
-/// The machine in one line.
-fn machine_line(machine: &CapitanFile) -> String {
-    format!(
-        "machine: {} processors of {} kbyte, {} buses of {} Mbyte/s, {} ms a message",
-        machine.processors, machine.memory_kbyte, machine.buses, machine.bus_mb_s, machine.message_ms,
-    )
-}
-
-/// How scene and work are shared, in one line.
-fn shares(spec: &FarmSpec) -> String {
-    let scene = match spec.scene_by {
-        SceneBy::Copies => "a copy for each task",
-        SceneBy::Broadcast => "broadcast to all tasks",
-    };
-    let noun = spec.items.noun();
-    let work = match spec.hand_out {
-        HandOut::Request => format!("a {noun} for the worker that asks"),
-        HandOut::Dealt => format!("{noun}s dealt beforehand"),
-    };
-    format!("shared out: the scene, {scene}; {work}")
+fn compared(setup: &FarmSetup, fewest: usize) -> Result<String, Failure> {
+    let outcomes = (fewest..=setup.spec.tasks).map(|tasks| run(setup, tasks, &Views::none()));
+    Ok(told::compared(setup, &outcomes.collect::<Result<Vec<_>, _>>()?))
 }
 
 fn write_outputs(
-    setup: &Setup,
+    setup: &FarmSetup,
     outcome: &FarmOutcome,
     stats: Option<OutputFile>,
     views: Views,
@@ -159,7 +88,7 @@ fn write_outputs(
         file.write_all(told::to_json(outcome, &setup.scene, &configuration)?.as_bytes())
     })?;
     let seen = Seen {
-        caption: &Caption { title: title(setup, outcome), machine: machine_line(&setup.spec.machine) },
+        caption: &told::caption(setup, outcome),
         clock: Capitan::CLOCK,
         stats: &outcome.stats,
         observed: &outcome.observed,

@@ -2,31 +2,26 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::image;
-use pcs_sim::machine::Machine;
-use pcs_sim::program::Workload;
-use pcs_sim::report::kinds::{self, RaysByKind};
+use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
-use pcs_sim::report::stats::{self, Configuration};
-use pcs_sim::report::summary::{self, grouped};
-use pcs_sim::report::{bottleneck, hits, why};
+use pcs_sim::report::stats::Configuration;
+use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{
-    self, ImageSpec, Layers, OutputFile, Picture, PlannedRun, Rendered, RunSpec, Seen, Shuffled, Switch, Timed, Timing,
+    self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Shuffled, Switch, Timed, Timing, moot,
 };
-use pcs_sim::scene::Scene;
 use pcs_sim::seam::activity_trace::TraceWriter;
 
 use super::args::{ImageArgs, Typed};
-use super::run::{cell_names, in_order, machine_line, memory_line, plural, verdict, workers};
+use super::run::{notes, workers};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, moot_flags, outputs, print, progress};
+use super::{Failure, outputs, print, progress};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
@@ -44,36 +39,22 @@ struct Outputs {
     views: Views,
 }
 
-/// What an image is made of.
-struct Setup {
-    spec: RunSpec,
-    image: ImageSpec,
-    scene: Arc<Scene>,
-    machine: Machine,
-    workload: Workload,
-}
-
 /// Makes the image.
 pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let format = format(args)?;
     let options = args.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     let run = PlannedRun::new(RunSpec::of_image(&options, base)?)?;
-    let image = run.spec.image.clone().unwrap_or_default();
-    moot_flags::check_image(args, &options, &run.spec, &image)?;
+    check_files(args, &run.spec)?;
+    moot::check_image(&options, &run.spec)?;
     let mut files = open_outputs(args, &run.spec)?;
     let spinner = progress::waiting("preparing the scene");
-    let mut layers = Layers::default();
-    let workload = outputs::reading(&named(args), || layers.workload(&run, &Cancel::default()))?;
-    workload.check(&run.machine.spec)?;
-    let scene = layers.scene(&run)?;
+    let setup = outputs::reading(&named(args), || Setup::new(run, &mut Layers::default(), &Cancel::default()))?;
     spinner.finish_and_clear();
-    let PlannedRun { spec, machine, .. } = run;
-    let setup = Setup { spec, image, scene, machine, workload };
-    setup.machine.notes.iter().chain(&setup.scene.notes).for_each(super::note);
+    notes(&setup);
     let mut found = Vec::new();
     let (rendered, losses) = render(args, &setup, &mut files, &mut found)?;
-    print(&report(&setup, &rendered, losses.as_ref()))?;
+    print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
     let written = write_outputs(format, &setup, (&rendered, losses.as_ref()), &found, files)?;
     print(&outputs::list(&written))
 }
@@ -84,6 +65,26 @@ fn format(args: &ImageArgs) -> Result<Format, InputError> {
         Some("png") => Ok(Format::Png),
         Some("pfm") => Ok(Format::Pfm),
         _ => Err(InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm")),
+    }
+}
+
+/// Refuses results of the machine without a machine.
+fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
+    let files = [
+        ("--stats", args.results.stats.is_some()),
+        ("--hits", args.tracing.hits.is_some()),
+        ("--ops", args.tracing.ops.is_some()),
+        ("--plot", args.views.plot.is_some()),
+        ("--page", args.views.page.is_some()),
+        ("--trace", args.views.trace.is_some()),
+        ("--why", args.views.why),
+    ];
+    let untimed = spec.image.as_ref().is_some_and(|image| image.timing == Switch::Off);
+    match files.iter().find(|(_, typed)| *typed && untimed) {
+        Some((flag, _)) => {
+            Err(InputError::new(format!("{flag} {}", moot::WITHOUT_TIMING)).help("leave out one of the two"))
+        }
+        None => Ok(()),
     }
 }
 
@@ -124,17 +125,11 @@ fn render(
     files: &mut Outputs,
     found: &mut Vec<Hit>,
 ) -> Result<(Rendered, Option<Losses>), Failure> {
-    let picture = Picture {
-        scene: &setup.scene,
-        workload: &setup.workload,
-        size: setup.spec.size,
-        sampling: setup.image.sampling(),
-        limits: setup.image.limits(),
-    };
+    let (picture, image) = (setup.picture(), setup.image());
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
-    let timed = (setup.image.timing == Switch::On).then(|| Timed {
+    let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
-        rules: setup.image.rules(setup.spec.order),
+        rules: image.rules(setup.spec.order),
         watching: files.views.watching(),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
@@ -166,42 +161,6 @@ fn render(
     Ok((rendered, losses))
 }
 
-/// What runs, in one line.
-fn title(setup: &Setup, rendered: &Rendered) -> String {
-    let Setup { spec: RunSpec { program, order, .. }, scene, workload, .. } = setup;
-    let rays: u64 = rendered.kinds.iter().map(|kind| kind.rays).sum();
-    let polygons = grouped(workload.polygons().len() as u64);
-    let per_pixel = rays as f64 / rendered.pixels.len().max(1) as f64;
-    let what = format!("scene {} ({polygons} polygons), {} rays, {per_pixel:.2} a pixel", scene.name, grouped(rays));
-    if rendered.timing.is_none() {
-        return format!("image without timing: {what}");
-    }
-    let groups = plural(workload.groups(), "group");
-    let (name, cells, order) = (&program.name, workload.cells(), in_order(*order));
-    format!("{name} on {cells} cells in {groups} of {}: {what}{order}", program.stages.len())
-}
-
-fn report(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String {
-    let title = title(setup, rendered);
-    let Some(timing) = &rendered.timing else {
-        return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
-    };
-    let (spec, stats) = (&setup.machine.spec, &timing.stats);
-    let path = timing.observed.path.as_ref();
-    let why = path.map(|path| format!("\n{}{}", why::text(path, false), why::OF_AN_IMAGE)).unwrap_or_default();
-    [
-        title,
-        machine_line(spec),
-        summary::speed(stats, spec.clock()),
-        memory_line(&setup.workload),
-        format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
-        summary::cells(stats, &cell_names(&setup.workload)),
-        summary::fifos(stats),
-        format!("{}\n{why}", verdict(stats, losses, spec.clock())),
-    ]
-    .join("\n")
-}
-
 fn write_outputs(
     format: Format,
     setup: &Setup,
@@ -218,12 +177,7 @@ fn write_outputs(
     if let Some(timing) = &rendered.timing {
         let configuration = Configuration::new(&setup.spec, &setup.workload);
         outputs::finish(files.stats, &mut written, |file| {
-            let kinds = RaysByKind::new(&rendered.kinds, timing);
-            let (spec, counts) = (&setup.machine.spec, &rendered.counts);
-            let (path, clock) = (timing.observed.path.as_ref(), spec.clock());
-            let counted = (counts, &kinds);
-            let json = stats::image_to_json((&timing.stats, path), clock, losses, counted, &configuration)?;
-            file.write_all(json.as_bytes())
+            file.write_all(account::image_stats_json(setup, rendered, timing, losses)?.as_bytes())
         })?;
         let spec = &setup.machine.spec;
         let mut png = Vec::new();
@@ -232,7 +186,7 @@ fn write_outputs(
                 .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
         }
         let seen = views::Seen {
-            caption: &Caption { title: title(setup, rendered), machine: machine_line(spec) },
+            caption: &Caption { title: account::image_title(setup, rendered), machine: account::machine_line(spec) },
             clock: spec.clock(),
             stats: &timing.stats,
             losses,

@@ -13,7 +13,6 @@ mod image;
 mod interrupt;
 mod manual;
 mod model;
-mod moot_flags;
 mod outputs;
 mod plot;
 mod progress;

@@ -6,18 +6,18 @@ use std::sync::Arc;
 
 use pcs_sim::error::InputError;
 use pcs_sim::machine::{Machine, MachineFile, Words};
-use pcs_sim::program::work;
+use pcs_sim::report::account;
 use pcs_sim::report::sizing::{self, SizesTable};
 use pcs_sim::report::summary::grouped;
 use pcs_sim::report::table::{self, Table};
 use pcs_sim::run::{
-    self, Front, Layers, OutputFile, PlannedRun, Point, Recorded, RunSpec, SLOWER, Searching, Traced, Workers,
+    self, Front, Layers, OutputFile, PlannedRun, Point, Recorded, Replay, RunSpec, SLOWER, Searching, Traced, Workers,
+    moot,
 };
-use pcs_sim::seam::activity_trace::ActivityTrace;
 use pcs_sim::seam::{Costs, OpBatch};
 
 use super::args::{SizeArgs, Typed};
-use super::{Failure, moot_flags, outputs, print, progress, replay, run as runs};
+use super::{Failure, outputs, print, progress};
 
 /// The files that the command writes, beside each other.
 struct Outputs {
@@ -68,7 +68,7 @@ pub fn size_fifos(args: &SizeArgs, typed: &Typed) -> Result<(), Failure> {
     };
     let front = run::size_fifos(Recorded { batches, costs, spec, least_z_words }, &workers.cancel, note)?;
     bar.finish_and_clear();
-    let (machine, table) = (runs::machine_line(spec), sizing::to_text(&front));
+    let (machine, table) = (account::machine_line(spec), sizing::to_text(&front));
     print(&format!("FIFOs of {title}\n{machine}\n\n{table}\n{}", sizing::sentences(&front)))?;
     print(&outputs::list(&files.write(&front, &recording)?))
 }
@@ -84,8 +84,8 @@ fn of_run(args: &SizeArgs, typed: &Typed, workers: &Workers) -> Result<Recording
             .into());
     }
     let run = PlannedRun::new(RunSpec::new(&options, base)?)?;
-    moot_flags::check_size_fifos(&options)?;
-    moot_flags::check_run(&options, &run.spec)?;
+    moot::check_size_fifos(&options)?;
+    moot::check_run(&options, &run.spec)?;
     let spinner = progress::waiting("tracing the rays");
     let mut layers = Layers::default();
     let traced = layers.traced(&run, workers)?;
@@ -94,7 +94,7 @@ fn of_run(args: &SizeArgs, typed: &Typed, workers: &Workers) -> Result<Recording
     scene.notes.iter().for_each(super::note);
     let workload = traced.workload();
     Ok(Recording {
-        title: runs::run_title(&run.spec, &scene, workload, prepared.rays.len()),
+        title: account::run_title(&run.spec, &scene, workload, prepared.rays.len()),
         costs: workload.costs().clone(),
         least_z_words: workload.least_z_words(),
         ops: Ops::Traced(traced),
@@ -106,13 +106,10 @@ fn of_run(args: &SizeArgs, typed: &Typed, workers: &Workers) -> Result<Recording
 /// A recorded trace.
 fn of_trace(args: &SizeArgs, typed: &Typed, path: &Path) -> Result<Recording, Failure> {
     let options = args.options(typed);
-    moot_flags::check_size_fifos(&options)?;
-    moot_flags::check_size_fifos_of_trace(&options)?;
-    let file = run::machine_file(&options, None)?;
-    let machine = file.build()?;
+    moot::check_size_fifos(&options)?;
+    moot::check_size_fifos_of_trace(&options)?;
     let spinner = progress::waiting("reading the trace");
-    let mut trace = ActivityTrace::open(path, &work::cycles_vocabulary())?;
-    let costs = replay::costs(&options, None, &machine, &trace)?;
+    let Replay { spec, machine, mut trace, costs } = Replay::new(Some(path), &options, None, None)?;
     let mut batches = Vec::new();
     trace.for_each_batch(|batch| {
         batches.push(batch);
@@ -120,7 +117,7 @@ fn of_trace(args: &SizeArgs, typed: &Typed, path: &Path) -> Result<Recording, Fa
     })?;
     spinner.finish_and_clear();
     let title = format!("{} on {} cells: {} rays", path.display(), trace.cells(), grouped(trace.jobs()));
-    Ok(Recording { title, ops: Ops::Read(batches), costs, machine, file, least_z_words: Words(1) })
+    Ok(Recording { title, ops: Ops::Read(batches), costs, machine, file: spec.machine, least_z_words: Words(1) })
 }
 
 impl Outputs {

@@ -1,9 +1,10 @@
 //! `pcs-sim why`: why a run, or a recorded trace, took as long as it did.
 
 use pcs_sim::error::InputError;
+use pcs_sim::run::moot;
 
 use super::args::{ReplayArgs, RunArgs, Typed, WhyArgs};
-use super::{Failure, MomentOf, Told, moot_flags, replay, run};
+use super::{Failure, MomentOf, Told, replay, run};
 
 /// Times the trace or the scene's rays, and tells the critical path, or what happens in one moment.
 pub fn why(args: &WhyArgs, typed: &Typed) -> Result<(), Failure> {
@@ -11,9 +12,27 @@ pub fn why(args: &WhyArgs, typed: &Typed) -> Result<(), Failure> {
     let mut of_run = args.run.clone();
     of_run.views.why = true;
     let Some(ops) = args.recorded.clone() else { return run::run(&of_run, typed, told) };
-    moot_flags::check_why(&of_run, &of_run.options(typed))?;
+    check_others(&of_run)?;
+    moot::check_why(&of_run.options(typed))?;
     let RunArgs { machine_file, machine, results, views, .. } = of_run;
     replay::replay(&ReplayArgs { ops: Some(ops), config: None, machine_file, machine, results, views }, told)
+}
+
+/// Refuses the results of a run beside a trace that is timed again.
+fn check_others(args: &RunArgs) -> Result<(), InputError> {
+    let others = [
+        ("--config", args.config.is_some()),
+        ("--image", args.image.is_some()),
+        ("--hits", args.tracing.hits.is_some()),
+        ("--ops", args.tracing.ops.is_some()),
+        ("--threads", args.tracing.threads.is_some()),
+    ];
+    match others.iter().find(|(_, typed)| *typed) {
+        Some((flag, _)) => {
+            Err(InputError::new(format!("{flag} {}", moot::WITHOUT_SCENE)).help("leave out one of the two"))
+        }
+        None => Ok(()),
+    }
 }
 
 fn told(args: &WhyArgs) -> Result<Told, InputError> {

@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::error::InputError;
 use crate::geometry::Ray;
 use crate::input::fields;
-use crate::input::text::{LARGEST_COORDINATE, Text, Token, plural};
+use crate::input::text::{LARGEST_COORDINATE, Text, Token, coordinate, plural};
 
 /// A direction's largest component must lie between this and its inverse.
 const SHORTEST: f32 = 1e-15;
@@ -44,6 +44,29 @@ pub fn read(path: &Path) -> Result<Vec<Ray>, InputError> {
     Ok(rays)
 }
 
+/// A ray as its numbers have it: ox, oy, oz, dx, dy, dz, tmax. Fails if it is none that the array's 32 bits can take.
+pub fn ray([ox, oy, oz, dx, dy, dz, t_max]: [f64; 7]) -> Result<Ray, String> {
+    let vector = |x, y, z| Ok::<_, String>(Vec3::new(coordinate(x)?, coordinate(y)?, coordinate(z)?));
+    let (origin, direction) = (vector(ox, oy, oz)?, vector(dx, dy, dz)?);
+    check_direction(direction)?;
+    match t_max >= 0.0 {
+        true => Ok(Ray { origin, direction, t_max: t_max as f32 }),
+        false => Err(format!("a tmax of {t_max}, expected one of 0 or more, or inf")),
+    }
+}
+
+fn check_direction(direction: Vec3) -> Result<(), String> {
+    let length = direction.abs().max_element();
+    if length == 0.0 {
+        return Err("the direction is zero".to_owned());
+    }
+    if !(SHORTEST..=1.0 / SHORTEST).contains(&length) {
+        let range = "the direction's largest component must lie between 1e-15 and 1e15";
+        return Err(format!("{range} for the array's 32-bit arithmetic"));
+    }
+    Ok(())
+}
+
 /// A line of the file and the fields that it comes to.
 struct Line<'a> {
     text: Text<'a>,
@@ -75,7 +98,7 @@ impl<'a> Line<'a> {
         let origin = Vec3::new(number(0)?, number(1)?, number(2)?);
         let direction = Vec3::new(number(3)?, number(4)?, number(5)?);
         let t_max = if columns == 7 { self.t_max()? } else { f32::INFINITY };
-        self.check(direction)?;
+        check_direction(direction).map_err(|why| self.error(why))?;
         Ok(Ray { origin, direction, t_max })
     }
 
@@ -92,18 +115,6 @@ impl<'a> Line<'a> {
             Ok(number) if number >= 0.0 => Ok(number),
             _ => Err(self.text.error_at(self.token(6), "expected a tmax of 0 or more, or inf")),
         }
-    }
-
-    fn check(&self, direction: Vec3) -> Result<(), InputError> {
-        let length = direction.abs().max_element();
-        if length == 0.0 {
-            return Err(self.error("the direction is zero"));
-        }
-        if !(SHORTEST..=1.0 / SHORTEST).contains(&length) {
-            let range = "the direction's largest component must lie between 1e-15 and 1e15";
-            return Err(self.error(format!("{range} for the array's 32-bit arithmetic")));
-        }
-        Ok(())
     }
 
     /// A field without the blanks around it.

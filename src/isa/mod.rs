@@ -13,6 +13,7 @@
 //! | [`object`], [`listing`], [`words`] | programs as object files and listings; words as people write them |
 //! | [`Executable`] | a program under given [`InstructionCycles`], ready to run |
 //! | [`Processor`] | a cell that runs one: words in, words and [ops](crate::seam::OpStream) out |
+//! | [`Stepper`] | the same, an instruction at a time, on words that are all given |
 //!
 //! A program is started on a *message* (a ray): at its first instruction, with all registers 0 and the data memory as
 //! it was loaded; `done` ends the message. So nothing passes from one message to the next. A program that never says
@@ -31,6 +32,7 @@ mod processor;
 mod program;
 mod queues;
 mod register;
+mod stepper;
 pub mod table;
 pub mod words;
 
@@ -44,4 +46,5 @@ pub use processor::{Processor, Stop};
 pub use program::{Program, SourceFile, SourceLine};
 pub use queues::Queues;
 pub use register::{Queue, Register};
+pub use stepper::Stepper;
 pub use table::{Class, Format, Opcode, Operand};

@@ -95,6 +95,13 @@ impl StateTimes {
     }
 }
 
+impl State {
+    /// Its name as a key of JSON or a column: `waiting_x`.
+    pub fn key(&self) -> String {
+        self.name.to_lowercase().replace(' ', "_")
+    }
+}
+
 impl States {
     /// Some states, in the order of reports.
     pub fn new(states: impl Iterator<Item = State>) -> States {

@@ -3,15 +3,82 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use super::account::plural;
 use super::bottleneck::{self, percent};
+use super::plot::Caption;
 use super::stats::{Configuration, station};
-use super::summary::{Rows, text, time};
-use crate::machine::{Capitan, Cycles};
+use super::summary::{self, Rows, grouped, time};
+use crate::machine::{Capitan, CapitanFile, Cycles};
 use crate::measure::LinkStats;
-use crate::program::farm::UNITS;
+use crate::program::farm::{HandOut, SceneBy, UNITS};
 use crate::program::work;
-use crate::run::{FarmOutcome, FarmScene};
+use crate::run::{FarmOutcome, FarmScene, FarmSetup, FarmSpec};
 use crate::seam::Unit;
+
+/// What people read of a farm.
+pub fn text(setup: &FarmSetup, outcome: &FarmOutcome) -> String {
+    let lines = [
+        title(setup, outcome),
+        machine_line(&setup.spec.machine),
+        shares(&setup.spec),
+        summary::speed(&outcome.stats, Capitan::CLOCK),
+        gain(outcome),
+        buses(outcome),
+    ];
+    let tasks = summary::cells(&outcome.stats, &[]);
+    format!("{}\n\n{tasks}\n{}\n", lines.join("\n"), bottleneck::sentence(&outcome.stats))
+}
+
+/// What people read of farms of several numbers of workers: a row for each, and what limits most of them.
+pub fn compared(setup: &FarmSetup, outcomes: &[FarmOutcome]) -> String {
+    let last = outcomes.last().map_or(String::new(), |last| {
+        format!("With {}: {}\n", plural(last.workers, "worker"), bottleneck::sentence(&last.stats))
+    });
+    let fewest = outcomes.first().map_or(0, |first| first.workers);
+    let shares = shares(&setup.spec);
+    let title = format!("farm of {fewest} to {} workers: {}", setup.spec.tasks, what(setup));
+    format!("{title}\n{}\n{shares}\n\n{}\n{last}", machine_line(&setup.spec.machine), table(outcomes))
+}
+
+/// What runs, and on what machine.
+pub fn caption(setup: &FarmSetup, outcome: &FarmOutcome) -> Caption {
+    Caption { title: title(setup, outcome), machine: machine_line(&setup.spec.machine) }
+}
+
+/// What runs, in one line.
+fn title(setup: &FarmSetup, outcome: &FarmOutcome) -> String {
+    format!("farm of {}: {}", plural(outcome.workers, "worker"), what(setup))
+}
+
+/// Scene, image and work items.
+fn what(setup: &FarmSetup) -> String {
+    let FarmSetup { spec, scene, items, .. } = setup;
+    let polygons = scene.polygons.map_or(String::new(), |count| format!(" ({} polygons)", grouped(count as u64)));
+    let (pixels, count) = (grouped(spec.size.pixels() as u64), grouped(items.len() as u64));
+    format!("scene {}{polygons}, {pixels} pixels in {count} {}s", scene.name, items.noun)
+}
+
+/// The machine in one line.
+fn machine_line(machine: &CapitanFile) -> String {
+    format!(
+        "machine: {} processors of {} kbyte, {} buses of {} Mbyte/s, {} ms a message",
+        machine.processors, machine.memory_kbyte, machine.buses, machine.bus_mb_s, machine.message_ms,
+    )
+}
+
+/// How scene and work are shared, in one line.
+fn shares(spec: &FarmSpec) -> String {
+    let scene = match spec.scene_by {
+        SceneBy::Copies => "a copy for each task",
+        SceneBy::Broadcast => "broadcast to all tasks",
+    };
+    let noun = spec.items.noun();
+    let work = match spec.hand_out {
+        HandOut::Request => format!("a {noun} for the worker that asks"),
+        HandOut::Dealt => format!("{noun}s dealt beforehand"),
+    };
+    format!("shared out: the scene, {scene}; {work}")
+}
 
 /// How many times as fast a farm is as with a single worker.
 pub fn speed_up(outcome: &FarmOutcome) -> f64 {
@@ -63,7 +130,7 @@ pub fn table(outcomes: &[FarmOutcome]) -> String {
             percent(computing, Cycles(outcome.stats.cycles.0 * workers.len() as u64)),
         ]
     };
-    text(Rows {
+    summary::text(Rows {
         header: ["workers", "time", "speed-up", "efficiency", "computing"].map(str::to_owned).to_vec(),
         rows: outcomes.iter().map(row).collect(),
     })

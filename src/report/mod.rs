@@ -1,5 +1,6 @@
 //! What a run tells: statistics, tables, hits, pictures, pages. Nothing here measures anything.
 
+pub mod account;
 pub mod bottleneck;
 pub mod farm;
 pub mod hits;

@@ -6,7 +6,7 @@ use super::bottleneck;
 use super::kinds::RaysByKind;
 use super::losses::Losses;
 use super::why::PathJson;
-use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, StateKind, StateTimes};
+use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, State, StateKind, StateTimes};
 use crate::program::{CellMemory, Counts, Workload};
 use crate::run::{FarmSpec, ReplaySpec, RunSpec};
 
@@ -111,11 +111,10 @@ struct CountsJson {
 
 /// A station's cycles by state.
 pub(super) fn station(run: &Measured, times: &StateTimes) -> Cell {
-    let key = |name: &str| name.to_lowercase().replace(' ', "_");
     let states = &run.topology.states;
-    let busy: Cell = states.by_activity(times).map(|(name, cycles)| (key(name), cycles.0.into())).collect();
-    let others = states.used().filter(|state| state.kind != StateKind::Works);
-    let others = others.map(|state| (key(&state.name), times.of(state.id).0.into()));
+    let spent = |state: &State| (state.key(), times.of(state.id).0.into());
+    let busy: Cell = states.all().iter().filter(|state| state.kind == StateKind::Works).map(spent).collect();
+    let others = states.used().filter(|state| state.kind != StateKind::Works).map(spent);
     std::iter::once(("busy".to_owned(), busy.into())).chain(others).collect()
 }
 

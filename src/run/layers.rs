@@ -13,7 +13,7 @@ use super::trace::{TracedBatch, trace};
 use super::{RunSpec, Workers};
 use crate::cancel::Cancel;
 use crate::error::InputError;
-use crate::geometry::{Hit, Partition, Ray};
+use crate::geometry::{Edges, Hit, Partition, Ray};
 use crate::machine::{Machine, Observed};
 use crate::measure::Measured;
 use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, work};
@@ -106,6 +106,13 @@ pub struct Prepared {
     pub surfaces: Arc<Surfaces>,
 }
 
+impl Prepared {
+    fn new(scene: &Scene, rays: Vec<Ray>, edges: Edges) -> Prepared {
+        let surfaces = Arc::new(Surfaces::with_edges(&scene.mesh, &rays, edges));
+        Prepared { rays, surfaces }
+    }
+}
+
 /// The fourth layer: all that the cells do for the rays, without times.
 #[derive(Debug)]
 pub struct Traced {
@@ -134,6 +141,20 @@ fn find<T>(kept: &Kept<T>, key: &Key) -> Option<Result<Arc<T>, InputError>> {
 }
 
 impl Layers {
+    /// Takes a scene that is at hand for the one that a run names.
+    pub fn give_scene(&mut self, run: &PlannedRun, scene: Arc<Scene>) {
+        *self = Layers { scene: Some((run.keys.scene.clone(), Ok(scene))), ..Layers::default() };
+    }
+
+    /// Takes rays that are at hand for those that a run names. Fails if its scene cannot be read.
+    pub fn give_rays(&mut self, run: &PlannedRun, rays: Vec<Ray>) -> Result<(), InputError> {
+        let scene = self.scene(run)?;
+        let rays = run.spec.load_rays(&scene, Some(rays))?;
+        (self.laid_out, self.traced) = (None, None);
+        self.prepared = Some((run.keys.prepared.clone(), Ok(Arc::new(Prepared::new(&scene, rays, run.spec.edges)))));
+        Ok(())
+    }
+
     /// A run's scene.
     pub fn scene(&mut self, run: &PlannedRun) -> Result<Arc<Scene>, InputError> {
         if let Some(scene) = find(&self.scene, &run.keys.scene) {
@@ -153,10 +174,8 @@ impl Layers {
         }
         let scene = self.scene(run)?;
         (self.prepared, self.laid_out, self.traced) = (None, None, None);
-        let prepared = run.spec.load_rays(&scene).map(|rays| {
-            let surfaces = Arc::new(Surfaces::with_edges(&scene.mesh, &rays, run.spec.edges));
-            Arc::new(Prepared { rays, surfaces })
-        });
+        let prepared =
+            run.spec.load_rays(&scene, None).map(|rays| Arc::new(Prepared::new(&scene, rays, run.spec.edges)));
         self.prepared = Some((run.keys.prepared.clone(), prepared.clone()));
         prepared
     }

@@ -8,9 +8,12 @@ mod closed_loop;
 mod farm;
 mod layers;
 mod modelled;
+pub mod moot;
 mod options;
 mod outputs;
 mod render;
+mod replayed;
+mod setup;
 mod shuffled;
 mod sizing;
 mod spec;
@@ -19,15 +22,17 @@ mod trace;
 mod trees;
 mod workers;
 
-pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSpec, TaskRange};
+pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
-pub use modelled::{CountedLoads, array_model};
+pub use modelled::{CountedLoads, Forecast, array_model};
 pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, OrderOptions, ProgramOptions,
     RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
 };
 pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
+pub use replayed::Replay;
+pub use setup::Setup;
 pub use shuffled::{Reordered, Shuffled};
 pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos};
 pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, machine_file};

@@ -1,10 +1,13 @@
 //! A run as the cost model sees it.
 
+use super::layers::{Layers, PlannedRun};
+use crate::cancel::Cancel;
+use crate::error::InputError;
 use crate::machine::{Machine, RateCounts};
 use crate::measure::{Actor, Measured, StateKind, StateTimes};
 use crate::model::cost::KernelTime;
-use crate::model::{ArrayModel, Bound, CellLoad, LinkLoad, Links, Stage, Times};
-use crate::program::{ArrayProgram, Kernel};
+use crate::model::{ArrayModel, Bound, CellLoad, LinkLoad, Links, Prediction, Stage, Survey, Times};
+use crate::program::{ArrayProgram, Kernel, NotLaidOut};
 
 /// An array program on a machine, as the model sees it.
 pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
@@ -25,6 +28,41 @@ pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
         },
         links: Links { cycles_per_word: rate.cycles_per_word as f64, shared: rate.counts == RateCounts::Link },
         cycles_per_second: 1e9 / machine.spec.clock_ns,
+    }
+}
+
+/// What the cost model expects of a run.
+#[derive(Clone, Debug)]
+pub struct Forecast {
+    /// The array as the model sees it.
+    pub array: ArrayModel,
+    /// What it will have to do, and how fast.
+    pub predicted: Prediction,
+    /// The grid coefficient that the model takes for the best, and what to expect of it.
+    pub best: (f64, Prediction),
+    /// Polygons of the scene.
+    pub polygons: usize,
+    /// Rays of the run.
+    pub rays: usize,
+}
+
+impl Layers {
+    /// Predicts a run of primary rays.
+    ///
+    /// # Errors
+    ///
+    /// If files cannot be read, if the program does not go with the scene, and if it is told to stop.
+    pub fn forecast(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Forecast, NotLaidOut> {
+        let (prepared, program) = (self.prepared(run)?, &run.spec.program);
+        let (surfaces, rays) = (&prepared.surfaces, &prepared.rays);
+        let array = array_model(program, &run.machine);
+        let sub_volumes = surfaces.sub_volumes(program, run.machine.times, rays, cancel)?;
+        let survey = Survey::new(surfaces.polygons(), &sub_volumes, rays);
+        let too_large = |error| InputError::new(format!("{error}"));
+        let predicted = survey.predict(&array, program.grid_coefficient).map_err(too_large)?;
+        let best = survey.best_coefficient(&array).map_err(too_large)?;
+        let (polygons, rays) = (surfaces.polygons().len(), rays.len());
+        Ok(Forecast { array, predicted, best, polygons, rays })
     }
 }
 

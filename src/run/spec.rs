@@ -87,31 +87,39 @@ pub struct ReplaySpec {
 impl ReplaySpec {
     /// Reads a description: a replay's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<ReplaySpec, InputError> {
-        let spec: ReplaySpec = read_configuration(path, "replay")?;
-        spec.machine.build()?;
-        Ok(spec)
+        read_configuration::<ReplaySpec>(path, "replay")?.checked()
+    }
+
+    /// The same from JSON that is at hand.
+    pub fn from_json(value: serde_json::Value) -> Result<ReplaySpec, InputError> {
+        let described = configuration::<ReplaySpec>(value);
+        described.map_err(|error| InputError::new(format!("describes no replay: {error}")))?.checked()
+    }
+
+    fn checked(self) -> Result<ReplaySpec, InputError> {
+        self.machine.build()?;
+        Ok(self)
     }
 }
 
 /// Reads a configuration, or the one in statistics.
 pub(super) fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
-    #[derive(Deserialize)]
-    struct Statistics {
-        configuration: serde_json::Value,
-    }
     let text = fields::read_text(path)?;
-    let configuration = match serde_json::from_str::<Statistics>(&text) {
-        Ok(statistics) => Ok(statistics.configuration),
-        Err(_) => serde_json::from_str(&text),
-    };
-    let described = configuration.and_then(|mut configuration| {
-        // It tells more than what was asked for: what the scene came to, which is worked out again.
-        if let Some(fields) = configuration.as_object_mut() {
-            FACTS.iter().for_each(|fact| drop(fields.remove(*fact)));
-        }
-        serde_json::from_value(configuration)
-    });
+    let described = serde_json::from_str(&text).and_then(configuration);
     described.map_err(|error| InputError::in_file(path, format!("describes no {what}: {error}")))
+}
+
+/// What a configuration describes, or the one in statistics.
+pub(super) fn configuration<T: DeserializeOwned>(mut value: serde_json::Value) -> serde_json::Result<T> {
+    let configuration = match value.get_mut("configuration") {
+        Some(configuration) => configuration,
+        None => &mut value,
+    };
+    // It tells more than what was asked for: what the scene came to, which is worked out again.
+    if let Some(fields) = configuration.as_object_mut() {
+        FACTS.iter().for_each(|fact| drop(fields.remove(*fact)));
+    }
+    serde_json::from_value(configuration.take())
 }
 
 /// What a configuration says of its scene beside the run's description.
@@ -217,6 +225,30 @@ impl RunSpec {
         })
     }
 
+    /// The same, where `base` may be no whole image.
+    pub fn of_rays(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
+        let help = "`pcs-sim image --config FILE` makes it again";
+        RunSpec::new(options, base.map(|base| base.without_image(help)).transpose()?)
+    }
+
+    /// What a run is that the cost model predicts: `base` may be no whole image, and none whose cells run programs.
+    pub fn of_model(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
+        let help = "the model is about primary rays: take the configuration of a run";
+        let base = base.map(|base| base.without_image(help)).transpose()?;
+        if base.as_ref().is_some_and(|base| base.cells_run == CellsRun::Programs) {
+            let error = InputError::new("the configuration is that of cells that run programs");
+            return Err(error.help("the model is about Figure 7's times: take the configuration of a run with those"));
+        }
+        RunSpec::new(options, base)
+    }
+
+    fn without_image(self, help: &str) -> Result<RunSpec, InputError> {
+        match self.image {
+            Some(_) => Err(InputError::new("the configuration is that of a whole image").help(help)),
+            None => Ok(self),
+        }
+    }
+
     /// The same of a whole image.
     pub fn of_image(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
         let below = base.as_ref().and_then(|base| base.image.clone()).unwrap_or_default();
@@ -237,13 +269,22 @@ impl RunSpec {
 
     /// Reads a description: a run's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<RunSpec, InputError> {
-        let spec: RunSpec = read_configuration(path, "run")?;
-        spec.machine.build()?;
-        spec.program.check()?;
-        check_edges(spec.edges, spec.cells_run)?;
-        check_order(spec.order, spec.rays.as_deref())?;
-        spec.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
-        Ok(spec)
+        read_configuration::<RunSpec>(path, "run")?.checked()
+    }
+
+    /// The same from JSON that is at hand.
+    pub fn from_json(value: serde_json::Value) -> Result<RunSpec, InputError> {
+        let described = configuration::<RunSpec>(value);
+        described.map_err(|error| InputError::new(format!("describes no run: {error}")))?.checked()
+    }
+
+    fn checked(self) -> Result<RunSpec, InputError> {
+        self.machine.build()?;
+        self.program.check()?;
+        check_edges(self.edges, self.cells_run)?;
+        check_order(self.order, self.rays.as_deref())?;
+        self.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
+        Ok(self)
     }
 
     /// Reads or generates the scene.
@@ -251,11 +292,12 @@ impl RunSpec {
         load_scene(&self.scene, self.size_factor, self.resolution)
     }
 
-    /// The rays, the camera's or a file's, in the order in which the host sends them.
-    pub fn load_rays(&self, scene: &Scene) -> Result<Vec<Ray>, InputError> {
-        let rays = match &self.rays {
-            Some(path) => ray_file::read(path)?,
-            None => camera::primary_rays(&scene.camera, self.size),
+    /// The rays, those `given`, a file's or the camera's, in the order in which the host sends them.
+    pub fn load_rays(&self, scene: &Scene, given: Option<Vec<Ray>>) -> Result<Vec<Ray>, InputError> {
+        let rays = match (given, &self.rays) {
+            (Some(given), _) => given,
+            (None, Some(path)) => ray_file::read(path)?,
+            (None, None) => camera::primary_rays(&scene.camera, self.size),
         };
         Ok(self.sequence(rays.len()).arrange(rays))
     }

@@ -9,7 +9,7 @@ pub mod tessellate;
 
 pub use camera::Camera;
 pub use convex::split_concave;
-pub use format::{ReadOptions, load};
+pub use format::{Arrays, ReadOptions, load};
 pub use mesh::{Corner, Face, Mesh, Object};
 
 use glam::Vec3;

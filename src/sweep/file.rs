@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use super::parameters::{MOST_VALUES, Parameter, Points, SweepFile};
+use super::parameters::{self, MOST_VALUES, Parameter, Points, SweepFile};
 use super::{effective, farm_point, point};
-use crate::error::InputError;
+use crate::error::{InputError, Place};
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};
 use crate::isa::{Sources, assemble};
@@ -29,11 +29,23 @@ pub struct Sweep {
 impl Sweep {
     /// Reads the file of a sweep.
     pub fn read(path: &Path) -> Result<Sweep, InputError> {
-        let file: SweepFile = fields::parse(path, &fields::read_text(path)?)?;
+        let file = fields::parse(path, &fields::read_text(path)?)?;
+        let place = Some(Place { file: path.to_owned(), spot: None });
+        Sweep::new(file).map_err(|error| InputError { place, ..error })
+    }
+
+    /// The sweep that JSON describes: an object as the file has it.
+    pub fn from_json(value: serde_json::Value) -> Result<Sweep, InputError> {
+        parameters::check(&value)?;
+        let wrong = |error: serde_json::Error| InputError::new(error.to_string());
+        Sweep::new(serde_json::from_value(value).map_err(wrong)?)
+    }
+
+    fn new(file: SweepFile) -> Result<Sweep, InputError> {
         let SweepFile { points: of, parameters } = file;
         let count: f64 = parameters.iter().map(|parameter| parameter.values.len() as f64).product();
         if count > MOST_VALUES as f64 {
-            let error = InputError::in_file(path, format!("has {count} points, and may have up to {MOST_VALUES}"));
+            let error = InputError::new(format!("has {count} points, and may have up to {MOST_VALUES}"));
             return Err(error.help("a point is a combination of one value each"));
         }
         let files = files_of(&parameters);

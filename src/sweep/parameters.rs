@@ -8,7 +8,8 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
 use super::range::Range;
-use crate::parameters::{Kind as Form, ParameterInfo};
+use crate::error::InputError;
+use crate::parameters::{Kind as Form, ParameterInfo, named};
 use crate::report::table::{Column, Kind};
 use crate::run::{FarmRunOptions, RunOptions};
 
@@ -71,6 +72,17 @@ static KNOWN: LazyLock<Vec<&'static ParameterInfo>> = LazyLock::new(|| {
 
 /// Their names.
 static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| KNOWN.iter().map(|known| known.name).collect());
+
+/// Says what is wrong with the values of a sweep that stands in no file, and with which.
+pub(super) fn check(sweep: &serde_json::Value) -> Result<(), InputError> {
+    let fields =
+        sweep.as_object().ok_or_else(|| InputError::new("a sweep is a value, a list or a range by parameter"))?;
+    fields.iter().try_for_each(|(name, value)| {
+        let known = named(KNOWN.iter().copied(), name)?;
+        let values = known.kind.deserialize(value);
+        values.map(drop).map_err(|error| InputError::new(format!("{name}: {error}")))
+    })
+}
 
 impl<'de> Deserialize<'de> for SweepFile {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<SweepFile, D::Error> {

@@ -4,6 +4,7 @@ mod support;
 
 mod activity_traces;
 mod assembly;
+mod at_hand;
 mod bad_input;
 mod bad_scene_files;
 mod beyond_the_paper;

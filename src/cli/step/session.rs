@@ -5,8 +5,7 @@ use std::fmt::Write;
 
 use pcs_sim::isa::listing::{row, rows};
 use pcs_sim::isa::words::likely;
-use pcs_sim::isa::{Executable, Fault, Processor, Queue, Queues, Register, Stop};
-use pcs_sim::seam::{OpKind, OpStream};
+use pcs_sim::isa::{Executable, Fault, Queue, Queues, Register, Stepper, Stop};
 
 use super::command::{Command, HELP};
 
@@ -16,33 +15,18 @@ const LISTED: u32 = 10;
 /// Words of a queue that are shown.
 const QUEUE_WORDS: usize = 8;
 
-/// A cell that runs a program on given words.
+/// A cell that runs a program on given words, and where it is to stop.
 pub struct Session<'a> {
     executable: &'a Executable,
-    processor: Processor<'a>,
-    queues: Queues,
+    cell: Stepper<'a>,
     breakpoints: BTreeSet<u32>,
-    /// Words moved for the message; each takes a cycle.
-    moved: u64,
-    /// Messages that are done.
-    messages: u64,
-    /// The message is done, and the next not begun.
-    done: bool,
     fault: Option<Fault>,
 }
 
 impl<'a> Session<'a> {
     pub fn new(executable: &'a Executable, queues: Queues, instruction_limit: u64) -> Session<'a> {
-        Session {
-            executable,
-            processor: Processor::new(executable, &executable.program().data, &[], instruction_limit),
-            queues,
-            breakpoints: BTreeSet::new(),
-            moved: 0,
-            messages: 0,
-            done: false,
-            fault: None,
-        }
+        let cell = Stepper::new(executable, queues, instruction_limit);
+        Session { executable, cell, breakpoints: BTreeSet::new(), fault: None }
     }
 
     /// The fault that the program ended in.
@@ -52,12 +36,7 @@ impl<'a> Session<'a> {
 
     /// The instruction that comes next.
     pub fn here(&self) -> String {
-        row(self.executable, self.address())
-    }
-
-    /// Behind `done`, the next message begins at address 0.
-    fn address(&self) -> u32 {
-        if self.done { 0 } else { self.processor.address() }
+        row(self.executable, self.cell.address())
     }
 
     /// Does what is asked, and tells what there is to see.
@@ -74,7 +53,7 @@ impl<'a> Session<'a> {
             }
             Command::Breakpoints => self.breakpoints.iter().map(|&address| row(self.executable, address)).collect(),
             Command::List => {
-                let address = self.address();
+                let address = self.cell.address();
                 rows(self.executable, address..address.saturating_add(LISTED))
             }
             Command::Registers => self.registers(),
@@ -87,21 +66,21 @@ impl<'a> Session<'a> {
 
     /// Executes so many instructions at the most, and tells where the program is then, and why.
     fn advance(&mut self, most: u64) -> String {
-        let before = self.processor.executed();
+        let before = self.cell.processor().executed();
         let why = self.until_stopped(most);
-        let executed = self.processor.executed() - before;
-        let cycles = self.processor.cycles() + self.moved;
+        let executed = self.cell.processor().executed() - before;
+        let (cycles, message) = (self.cell.cycles(), self.cell.message());
         let instructions = if executed == 1 { "1 instruction" } else { &format!("{executed} instructions") };
-        format!("{instructions}, cycle {cycles} of message {}{why}\n{}", self.messages - self.done as u64, self.here())
+        format!("{instructions}, cycle {cycles} of message {message}{why}\n{}", self.here())
     }
 
     fn until_stopped(&mut self, most: u64) -> String {
         if let Some(fault) = &self.fault {
             return format!(": it can go no further: {}", fault.kind);
         }
-        let last = self.processor.executed().saturating_add(most);
-        while self.processor.executed() < last {
-            match self.step() {
+        let last = self.cell.processor().executed().saturating_add(most);
+        while self.cell.processor().executed() < last {
+            match self.cell.step() {
                 Err(fault) => {
                     let text = format!(": fault: {}", fault.kind);
                     self.fault = Some(fault);
@@ -112,35 +91,19 @@ impl<'a> Session<'a> {
                 Ok(Some(Stop::Waiting(queue))) => {
                     return format!(": waits for {}, where no more words come", name(queue));
                 }
-                Ok(None) if self.breakpoints.contains(&self.processor.address()) => return ": breakpoint".to_owned(),
+                Ok(None) if self.breakpoints.contains(&self.cell.processor().address()) => {
+                    return ": breakpoint".to_owned();
+                }
                 Ok(None) => {}
             }
         }
         String::new()
     }
 
-    fn step(&mut self) -> Result<Option<Stop>, Fault> {
-        let mut ops = OpStream::default();
-        if std::mem::take(&mut self.done) {
-            // Just puts the cell at the start of the next message.
-            self.processor.step(&mut self.queues, &mut ops)?;
-            self.moved = 0;
-        }
-        let message = self.messages;
-        let stop = self.processor.step(&mut self.queues, &mut ops).map_err(|fault| Fault { message, ..fault })?;
-        let words = ops.ops().iter().filter(|op| !matches!(op.kind(), OpKind::Work(_)));
-        self.moved += words.map(|op| u64::from(op.count())).sum::<u64>();
-        if stop == Some(Stop::Done) {
-            self.done = true;
-            self.messages += 1;
-        }
-        Ok(stop)
-    }
-
     fn registers(&self) -> String {
         let mut text = String::new();
         for register in Register::all().filter(|register| register.queue().is_none()) {
-            let word = self.processor.register(register);
+            let word = self.cell.processor().register(register);
             if word != 0 {
                 let _ = writeln!(text, "{:<4} {}", register.to_string(), forms(word));
             }
@@ -149,7 +112,7 @@ impl<'a> Session<'a> {
     }
 
     fn show_queues(&self) -> String {
-        let Queues { x, y, x_read, y_read, x_out, y_out } = &self.queues;
+        let Queues { x, y, x_read, y_read, x_out, y_out } = &self.cell.queues;
         let coming = |name: &str, words: &[u32], read: usize| {
             let next = &words[read..];
             let shown: Vec<String> = next.iter().take(QUEUE_WORDS).map(|&word| likely(word)).collect();
@@ -174,7 +137,7 @@ impl<'a> Session<'a> {
     fn memory(&self, address: u32, count: u32) -> String {
         let mut text = String::new();
         for address in address..address.saturating_add(count) {
-            let Some(word) = self.processor.memory(address) else {
+            let Some(word) = self.cell.processor().memory(address) else {
                 let _ = writeln!(text, "{address:>7}  the memory ends before");
                 break;
             };

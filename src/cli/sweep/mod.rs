@@ -5,6 +5,7 @@ mod plots;
 
 use std::path::{Path, PathBuf};
 
+use pcs_sim::report::account::plural;
 use pcs_sim::sweep::{Note, Record, Sweep};
 
 use super::args::SweepArgs;
@@ -97,5 +98,5 @@ fn account(record: &Record, before: usize) -> String {
 
 /// `1 point`, `2 points`.
 fn points(count: usize) -> String {
-    super::run::plural(count, "point")
+    plural(count, "point")
 }

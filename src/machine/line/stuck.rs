@@ -17,6 +17,20 @@ pub struct Stuck {
     pub waits: Vec<Wait>,
 }
 
+impl Stuck {
+    /// What the user can make of it.
+    pub fn help(&self) -> &'static str {
+        let full = self.waits.iter().any(|wait| matches!(wait.for_what, WaitFor::Room { .. }));
+        match self.kind {
+            StuckKind::Deadlock if full => {
+                "each waits for the next, the last for the first; deeper FIFOs may break the loop"
+            }
+            StuckKind::Deadlock => "each waits for the next, the last for the first; the ops do not match",
+            StuckKind::Starved { .. } => "what the last of them waits for is never done: the ops do not match",
+        }
+    }
+}
+
 /// The sorts of standstill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StuckKind {

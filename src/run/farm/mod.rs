@@ -32,6 +32,48 @@ pub struct FarmScene {
     pub notes: Vec<String>,
 }
 
+/// A farm that is laid out, whatever the number of its workers.
+#[derive(Debug)]
+pub struct FarmSetup {
+    /// What is run.
+    pub spec: FarmSpec,
+    /// On what.
+    pub machine: Capitan,
+    /// What is to be computed.
+    pub scene: FarmScene,
+    /// How it is cut.
+    pub items: Items,
+}
+
+impl FarmSetup {
+    /// Lays a farm out. `observe` sees how many of the image's samples are traced.
+    ///
+    /// # Errors
+    ///
+    /// As [`FarmSpec::lay_out`] and [`FarmSpec::cut`], and if the machine is impossible.
+    pub fn new<E>(
+        spec: FarmSpec,
+        workers: &Workers,
+        observe: impl FnMut(usize) -> Result<(), E>,
+    ) -> Result<FarmSetup, RunError<E>> {
+        let machine = spec.machine.build()?;
+        let scene = spec.lay_out(workers, observe)?;
+        let items = spec.cut(&scene, &machine)?;
+        Ok(FarmSetup { spec, machine, scene, items })
+    }
+
+    /// What the user should know before the figures: what had to be rounded, cut or assumed.
+    pub fn notes(&self) -> impl Iterator<Item = &str> {
+        self.machine.notes.iter().chain(&self.scene.notes).map(String::as_str)
+    }
+
+    /// Lets so many workers run. Fails if it is told to stop.
+    pub fn run(&self, tasks: usize, watching: &Watching, cancel: &Cancel) -> Result<FarmOutcome, RunError<Infallible>> {
+        let spec = FarmSpec { tasks, ..self.spec.clone() };
+        spec.run((&self.scene, &self.machine, &self.items), watching, cancel)
+    }
+}
+
 /// What a farm came to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FarmOutcome {
@@ -84,6 +126,11 @@ impl FarmSpec {
             }
             (None, rays) => self.trace(&rays.clone().unwrap_or_default(), workers, observe),
         }
+    }
+
+    /// How many samples the image has.
+    pub fn samples(&self) -> usize {
+        self.size.pixels() * self.rays.as_ref().map_or(1, |rays| rays.samples as usize).pow(2)
     }
 
     /// Fails if a scene of so many bytes is larger than a processor's memory.

@@ -9,7 +9,7 @@ use crate::error::InputError;
 use crate::host::camera::ImageSize;
 use crate::machine::CapitanFile;
 use crate::program::farm::{HandOut, ItemKind, Rectangles, SceneBy};
-use crate::run::spec::{read_configuration, standard_size};
+use crate::run::spec::{configuration, read_configuration, standard_size};
 use crate::run::{ImageSpec, Key};
 
 /// A farm, described: enough to run it again to the nanosecond.
@@ -122,6 +122,14 @@ impl FarmSpec {
     /// Reads a description: a farm's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<FarmSpec, InputError> {
         let spec: FarmSpec = read_configuration(path, "farm")?;
+        spec.check()?;
+        Ok(spec)
+    }
+
+    /// The same from JSON that is at hand.
+    pub fn from_json(value: serde_json::Value) -> Result<FarmSpec, InputError> {
+        let described = configuration::<FarmSpec>(value);
+        let spec = described.map_err(|error| InputError::new(format!("describes no farm: {error}")))?;
         spec.check()?;
         Ok(spec)
     }

@@ -1,5 +1,6 @@
 //! Scene files: opening one, choosing its reader, and what is done to every scene that was read.
 
+mod arrays;
 mod mtl;
 mod nff;
 mod obj;
@@ -8,6 +9,8 @@ mod ron_scene;
 mod statements;
 mod transform;
 mod vertex_color;
+
+pub use arrays::Arrays;
 
 use std::collections::HashMap;
 use std::ops::RangeInclusive;

@@ -1,48 +1,43 @@
-//! Flags that a command would take and not look at: whoever types one expects it to matter, and is told that it does not.
+//! Parameters that a run would take and not look at: whoever gives one expects it to matter, and is told that it does not,
+//! by the name of its flag.
 //!
 //! A sweep is no such typing: a parameter that runs through its values may well be without effect at some points.
 
 use std::path::Path;
 
-use pcs_sim::error::InputError;
-use pcs_sim::machine::MachineOptions;
-use pcs_sim::program::ArrayProgram;
-use pcs_sim::program::farm::ItemKind;
-use pcs_sim::run::{
-    CellsRun, FarmRunOptions, FarmSpec, ImageSpec, MachineFileOptions, RunOptions, RunSpec, Switch, is_builtin,
-};
-use pcs_sim::scene::builtin;
-
-use super::args::{ImageArgs, ModelArgs, RunArgs};
+use super::farm::{FarmRunOptions, FarmSpec};
+use super::options::{CellsRun, MachineFileOptions, RunOptions, Switch};
+use super::spec::{RunSpec, is_builtin};
+use crate::error::InputError;
+use crate::machine::MachineOptions;
+use crate::program::ArrayProgram;
+use crate::program::farm::ItemKind;
+use crate::scene::builtin;
 
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    check_rays(typed)?;
     check_shading(typed)?;
     check_resolution(&spec.scene, spec.resolution)?;
     check_cells(typed, spec)?;
     check_program(typed, &spec.program)
 }
 
+/// Why an image that is not timed looks at no results of the machine.
+pub const WITHOUT_TIMING: &str = "is about the machine at work, which --timing off leaves out";
+
+/// Why a prediction alone does not look at what is about the run.
+pub const WITHOUT_RUN: &str = "is about the simulation, which --predict-only leaves out";
+
 /// Refuses the flags that an image would not look at.
-pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: &ImageSpec) -> Result<(), InputError> {
+pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    let image = spec.image.clone().unwrap_or_default();
     if image.adaptive && image.samples == 1 {
         let error = InputError::new("--adaptive has nothing to refine a pixel with: it has one sample in any case");
         return Err(error.help("say with --samples how many samples along a side a refined pixel has"));
     }
     if image.timing == Switch::Off {
-        let files = [
-            ("--stats", args.results.stats.is_some()),
-            ("--hits", args.tracing.hits.is_some()),
-            ("--ops", args.tracing.ops.is_some()),
-            ("--plot", args.views.plot.is_some()),
-            ("--page", args.views.page.is_some()),
-            ("--trace", args.views.trace.is_some()),
-            ("--why", args.views.why),
-        ];
-        let (why, help) = ("is about the machine at work, which --timing off leaves out", "leave out one of the two");
-        if let Some((flag, _)) = files.iter().find(|(_, typed)| *typed) {
-            return Err(InputError::new(format!("{flag} {why}")).help(help));
-        }
+        let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
         let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
@@ -52,7 +47,7 @@ pub fn check_image(args: &ImageArgs, typed: &RunOptions, spec: &RunSpec, image: 
 }
 
 /// Refuses what the cost model would not look at.
-pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Result<(), InputError> {
     let program = &spec.program;
     if program.mailbox {
         let error = InputError::new("the cost model knows no mailbox: it is the paper's, which has none");
@@ -63,15 +58,13 @@ pub fn check_model(args: &ModelArgs, typed: &RunOptions, spec: &RunSpec) -> Resu
             InputError::new("the cost model knows neither stop words nor rays forwarded ahead, as the paper does not");
         return Err(error.help("take a program without them, or run this one to see what it does"));
     }
-    if args.predict_only {
-        let (why, help) = ("is about the simulation, which --predict-only leaves out", "leave out one of the two");
+    if predict_only {
+        let (why, help) = (WITHOUT_RUN, "leave out one of the two");
         let names =
             ["order", "fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
         refuse(typed, &names, why, help)?;
-        if args.threads.is_some() {
-            return Err(InputError::new(format!("--threads {why}")).help(help));
-        }
     }
+    check_rays(typed)?;
     check_shading(typed)?;
     check_resolution(&spec.scene, spec.resolution)?;
     check_program(typed, program)
@@ -97,37 +90,35 @@ pub fn check_size_fifos_of_trace(typed: &RunOptions) -> Result<(), InputError> {
     refuse(typed, &others, "is about what the trace has recorded", "leave it out, or --ops")
 }
 
+/// Why a trace that is timed again looks at nothing that is about a run.
+pub const WITHOUT_SCENE: &str = "is about tracing a scene, and a recorded trace goes without";
+
 /// Refuses the flags that only a run has, beside a trace that is timed again.
-pub fn check_why(args: &RunArgs, typed: &RunOptions) -> Result<(), InputError> {
-    let (why, help) = ("is about tracing a scene, and a recorded trace goes without", "leave out one of the two");
+pub fn check_why(typed: &RunOptions) -> Result<(), InputError> {
     let of_machine = MachineFileOptions::PARAMETERS.iter().chain(MachineOptions::PARAMETERS);
     let of_machine: Vec<&str> = of_machine.map(|parameter| parameter.name).collect();
     let names: Vec<&str> = RunOptions::parameters().map(|parameter| parameter.name).collect();
     let names: Vec<&str> = names.into_iter().filter(|name| !of_machine.contains(name)).collect();
-    refuse(typed, &names, why, help)?;
-    let others = [
-        ("--config", args.config.is_some()),
-        ("--image", args.image.is_some()),
-        ("--hits", args.tracing.hits.is_some()),
-        ("--ops", args.tracing.ops.is_some()),
-        ("--threads", args.tracing.threads.is_some()),
-    ];
-    match others.iter().find(|(_, typed)| *typed) {
-        Some((flag, _)) => Err(InputError::new(format!("{flag} {why}")).help(help)),
-        None => Ok(()),
-    }
+    refuse(typed, &names, WITHOUT_SCENE, "leave out one of the two")
 }
 
 /// Refuses the flags that a replay of a trace in cycles would not look at.
-pub fn check_replay_of_cycles(typed: &RunOptions) -> Result<(), InputError> {
+pub(super) fn check_replay_of_cycles(typed: &RunOptions) -> Result<(), InputError> {
     let recorded = [&KERNELS[..], &HOST].concat();
     let help = "record a trace in units of work to see what it does";
     refuse(typed, &recorded, "is a time that the trace has recorded", help)
 }
 
 /// Whether a flag gives the price of a unit of work.
-pub fn prices(typed: &RunOptions, unit: &str) -> bool {
+pub(super) fn prices(typed: &RunOptions, unit: &str) -> bool {
     KERNELS.iter().chain(&HOST).any(|name| name.trim_end_matches("_us") == unit && typed.has(name))
+}
+
+fn check_rays(typed: &RunOptions) -> Result<(), InputError> {
+    match typed.has("rays") && typed.has("size") {
+        true => Err(InputError::new("rays and size cannot both be given").help("the size is that of a camera's image")),
+        false => Ok(()),
+    }
 }
 
 /// Refuses the flags that a farm would not look at.

@@ -1,0 +1,357 @@
+"""The parameters of runs. Written by write_stubs.py."""
+
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any, TypedDict
+
+from numpy.typing import ArrayLike
+
+from ._native import Machine, Program
+
+class MachineChanges(TypedDict, total=False):
+    """Changes to a machine."""
+
+    clock_ns: float | None
+    """Length of a cycle (ns)."""
+
+    word_bytes: int | None
+    """Size of a word (bytes)."""
+
+    fifo_words: int | None
+    """Depth of each FIFO (words)."""
+
+    link_mb_s: float | None
+    """Rate of a link (Mbyte/s)."""
+
+    rate_counts: str | None
+    """What the rate of a link counts."""
+
+    latency_cycles: int | None
+    """Latency of a link (cycles)."""
+
+    memory_words: int | None
+    """Memory of a cell (words)."""
+
+    x_fifo_words: int | None
+    """Depth of each FIFO of X (words)."""
+
+    y_fifo_words: int | None
+    """Depth of each FIFO of Y (words)."""
+
+    z_fifo_words: int | None
+    """Depth of each FIFO of Z (words)."""
+
+    host_ray_us: float | None
+    """Host's time for sending a ray (µs)."""
+
+    host_hit_us: float | None
+    """Host's time for shading a hit (µs)."""
+
+    grid_start: float | None
+    """Grid: start of a ray (µs)."""
+
+    grid_voxel: float | None
+    """Grid: step to a voxel (µs)."""
+
+    slabs_start: float | None
+    """Slabs: start of a ray (µs)."""
+
+    slabs_polygon: float | None
+    """Slabs: test of a polygon (µs)."""
+
+    intersection_start: float | None
+    """Intersection: start of a ray (µs)."""
+
+    intersection_polygon: float | None
+    """Intersection: test of a polygon (µs)."""
+
+class MachineParameters(MachineChanges, total=False):
+    """A machine, and changes to it."""
+
+    machine: str | PathLike[str] | Mapping[str, Any] | Machine | None
+    """Machine."""
+
+class RunParameters(MachineParameters, total=False):
+    """Parameters of a run of primary rays."""
+
+    size_factor: int | None
+    """Size factor of the scene."""
+
+    resolution: int | None
+    """Slices of spheres and cones."""
+
+    size: str | int | tuple[int, int] | None
+    """Size of the image (pixels)."""
+
+    rays: str | PathLike[str] | ArrayLike | None
+    """Rays."""
+
+    order: str | None
+    """Order of the rays."""
+
+    mode: str | None
+    """Mode."""
+
+    program: str | PathLike[str] | Mapping[str, Any] | Program | None
+    """Array program."""
+
+    cells: int | None
+    """Cells."""
+
+    groups: int | None
+    """Groups of cells."""
+
+    partition: str | None
+    """Partition of the scene."""
+
+    grid_coefficient: float | None
+    """Grid coefficient (voxels a polygon)."""
+
+    mailbox: bool | None
+    """Mailbox in the grid."""
+
+    stop_words: int | None
+    """Voxels ahead of the stop words."""
+
+    forward_ahead: int | None
+    """Rays passed on ahead."""
+
+    edges: str | None
+    """Edges of polygons."""
+
+    cells_run: str | None
+    """What the cells run."""
+
+    cell_programs: str | PathLike[str] | None
+    """Programs of the cells."""
+
+    instruction_limit: int | None
+    """Most instructions for one ray."""
+
+class ImageParameters(MachineParameters, total=False):
+    """Parameters of a whole image."""
+
+    size_factor: int | None
+    """Size factor of the scene."""
+
+    resolution: int | None
+    """Slices of spheres and cones."""
+
+    size: str | int | tuple[int, int] | None
+    """Size of the image (pixels)."""
+
+    order: str | None
+    """Order of the rays."""
+
+    mode: str | None
+    """Mode."""
+
+    program: str | PathLike[str] | Mapping[str, Any] | Program | None
+    """Array program."""
+
+    cells: int | None
+    """Cells."""
+
+    groups: int | None
+    """Groups of cells."""
+
+    partition: str | None
+    """Partition of the scene."""
+
+    grid_coefficient: float | None
+    """Grid coefficient (voxels a polygon)."""
+
+    mailbox: bool | None
+    """Mailbox in the grid."""
+
+    stop_words: int | None
+    """Voxels ahead of the stop words."""
+
+    forward_ahead: int | None
+    """Rays passed on ahead."""
+
+    edges: str | None
+    """Edges of polygons."""
+
+    cells_run: str | None
+    """What the cells run."""
+
+    cell_programs: str | PathLike[str] | None
+    """Programs of the cells."""
+
+    instruction_limit: int | None
+    """Most instructions for one ray."""
+
+    samples: int | None
+    """Samples along a side of a pixel."""
+
+    adaptive: bool | None
+    """Samples only where they tell."""
+
+    depth: int | None
+    """Reflections and refractions at the most."""
+
+    min_contribution: float | None
+    """Least share of a pixel that is followed."""
+
+    timing: str | None
+    """Timing."""
+
+    policy: str | None
+    """What the host sends next."""
+
+    in_flight: int | None
+    """Rays in the array at the most."""
+
+    open_samples: int | None
+    """Samples under way at the most."""
+
+class ModelParameters(MachineParameters, total=False):
+    """Parameters of a prediction."""
+
+    size_factor: int | None
+    """Size factor of the scene."""
+
+    resolution: int | None
+    """Slices of spheres and cones."""
+
+    size: str | int | tuple[int, int] | None
+    """Size of the image (pixels)."""
+
+    rays: str | PathLike[str] | ArrayLike | None
+    """Rays."""
+
+    order: str | None
+    """Order of the rays."""
+
+    mode: str | None
+    """Mode."""
+
+    program: str | PathLike[str] | Mapping[str, Any] | Program | None
+    """Array program."""
+
+    cells: int | None
+    """Cells."""
+
+    groups: int | None
+    """Groups of cells."""
+
+    partition: str | None
+    """Partition of the scene."""
+
+    grid_coefficient: float | None
+    """Grid coefficient (voxels a polygon)."""
+
+    mailbox: bool | None
+    """Mailbox in the grid."""
+
+    stop_words: int | None
+    """Voxels ahead of the stop words."""
+
+    forward_ahead: int | None
+    """Rays passed on ahead."""
+
+class FarmParameters(TypedDict, total=False):
+    """Parameters of a farm."""
+
+    size_factor: int | None
+    """Size factor of the scene."""
+
+    resolution: int | None
+    """Slices of spheres and cones."""
+
+    size: str | int | tuple[int, int] | None
+    """Size of the image (pixels)."""
+
+    grid_coefficient: float | None
+    """Grid coefficient (voxels a polygon)."""
+
+    machine: str | PathLike[str] | Mapping[str, Any] | Machine | None
+    """Machine."""
+
+    grid_start: float | None
+    """Grid: start of a ray (µs)."""
+
+    grid_voxel: float | None
+    """Grid: step to a voxel (µs)."""
+
+    slabs_start: float | None
+    """Slabs: start of a ray (µs)."""
+
+    slabs_polygon: float | None
+    """Slabs: test of a polygon (µs)."""
+
+    intersection_start: float | None
+    """Intersection: start of a ray (µs)."""
+
+    intersection_polygon: float | None
+    """Intersection: test of a polygon (µs)."""
+
+    samples: int | None
+    """Samples along a side of a pixel."""
+
+    adaptive: bool | None
+    """Samples only where they tell."""
+
+    depth: int | None
+    """Reflections and refractions at the most."""
+
+    min_contribution: float | None
+    """Least share of a pixel that is followed."""
+
+    tasks: int | None
+    """Workers."""
+
+    items: str | None
+    """Work items."""
+
+    tile: int | None
+    """Side of a tile (pixels)."""
+
+    hand_out: str | None
+    """Handing out."""
+
+    scene_by: str | None
+    """The scene comes by."""
+
+    rectangles: int | None
+    """Rectangles of the made-up scene."""
+
+    seed: int | None
+    """Seed of the made-up scene."""
+
+    processors: int | None
+    """Processors."""
+
+    memory_kbyte: int | None
+    """Memory of a processor (kbyte)."""
+
+    buses: int | None
+    """Buses."""
+
+    bus_mb_s: float | None
+    """Rate of a bus (Mbyte/s)."""
+
+    header_bytes: int | None
+    """Header of a message (bytes)."""
+
+    fixed_ms: float | None
+    """Spent once (ms)."""
+
+    per_cap_ms: float | None
+    """Copy of the scene to one processor (ms)."""
+
+    message_ms: float | None
+    """Sending a message (ms)."""
+
+    segment_ms: float | None
+    """Set-up of a work item (ms)."""
+
+    pixel_ms: float | None
+    """Pixel of the made-up scene (ms)."""
+
+    color_ms: float | None
+    """Taking a colour (ms)."""
+
+    shade_hit: float | None
+    """Shading a hit (µs)."""

@@ -1,0 +1,88 @@
+"""Dicts that the simulator gives. They are dicts and no more; these names are for type checkers."""
+
+from typing import TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+_For = TypedDict("_For", {"for": str})
+
+class Wait(_For):
+    """One wait of a standstill. `for` is "word", "room", "return" or "nothing"."""
+
+    actor: str
+    """Who waits: "cell 3", "the host"."""
+    on: str
+    """For whom."""
+    channel: str | None
+    """The channel of the FIFO that it stands at: X, Y or Z."""
+    capacity: int | None
+    """Words that the FIFO holds."""
+    since: int
+    """The cycle since when."""
+    op: str
+    """The op that waits."""
+    moved: int
+    """How many of the op's words have been moved."""
+    ray: int
+    """The ray whose op it is."""
+    position: int
+    """The op's place in what the actor does for the ray, from 0."""
+    text: str
+    """All of it, as a sentence."""
+
+class Counts(TypedDict):
+    """How often the kernels did their work."""
+
+    voxels: int
+    slab_tests: int
+    intersection_tests: int
+    hits: int
+
+class FifoLevels(TypedDict):
+    """What every FIFO held in each bin (FIFOs x bins): words, and the cycles at whose end it was full."""
+
+    min: NDArray[np.uint64]
+    max: NDArray[np.uint64]
+    mean: NDArray[np.float64]
+    full: NDArray[np.uint64]
+
+class Timelines(TypedDict):
+    """A run over time, cut into bins."""
+
+    bin: int
+    """Width of a bin, in cycles."""
+    start: NDArray[np.uint64]
+    """The first cycle of each bin."""
+    cells: dict[str, NDArray[np.uint64]]
+    """For each state, the cycles of every cell in it (cells x bins)."""
+    fifos: FifoLevels
+    """What every FIFO held."""
+    rays: NDArray[np.uint64]
+    """How many answers came back in each bin."""
+
+class CellState(TypedDict):
+    """A cell that has run a program."""
+
+    stopped: str | None
+    """Why it stands still: "halted", or "x" or "y" for a word from there; None if it does not."""
+    messages: int
+    """Messages that are done."""
+    executed: int
+    """Instructions that it executed."""
+    cycles: int
+    """Cycles that the last message took, if no word was waited for."""
+    address: int
+    """The next instruction."""
+    x_read: int
+    """How many words of X it read."""
+    y_read: int
+    """How many words of Y it read."""
+    x_out: NDArray[np.uint32]
+    """What it wrote to the right neighbour's X."""
+    y_out: NDArray[np.uint32]
+    """What it wrote to the right neighbour's Y."""
+    registers: dict[str, int]
+    """The registers that are not 0."""
+    data: NDArray[np.uint32]
+    """Its data memory."""

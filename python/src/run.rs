@@ -1,0 +1,349 @@
+//! Runs, images and replays.
+
+use std::io::Write;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pcs_sim::geometry::Hit;
+use pcs_sim::measure::{Observed, Profile, StateKind};
+use pcs_sim::program::Counts;
+use pcs_sim::quantities::Cycles;
+use pcs_sim::report::trace::{Format, Trace};
+use pcs_sim::report::{bottleneck, hits};
+use pcs_sim::run::Watching;
+use pyo3::exceptions::{PyKeyError, PyRuntimeWarning};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::made::{Described, Made, has_none, locked, save_plots};
+use crate::outputs;
+use crate::table::{Table, number, text, whole};
+use crate::trouble::{Trouble, wrong};
+use crate::view::Picture;
+use crate::work::{Crew, briefly, work};
+
+/// A run that is over: of primary rays, of a whole image, of a recorded trace, or of a farm.
+///
+/// What a run over time looked like (`timelines`, `plot`, `page`) is found out when it is first asked for: by running it
+/// again under a probe, which changes nothing.
+#[pyclass(frozen, module = "pcs_sim")]
+#[derive(Debug)]
+pub struct Run {
+    made: Made,
+    crew: Crew,
+    profile: Mutex<Option<Arc<Profile>>>,
+}
+
+impl Run {
+    /// A run that is over; who did it does it again where that is asked for.
+    pub fn new(made: Made, crew: Crew) -> Run {
+        Run { made, crew, profile: Mutex::default() }
+    }
+
+    /// Runs it once more, watched.
+    fn watch(&self, py: Python<'_>, watching: &Watching) -> PyResult<Observed> {
+        self.made.measured()?;
+        work(py, self.crew, "rays", |task| self.made.again(watching, task))
+    }
+
+    /// What was run, as JSON.
+    pub fn configuration(&self, py: Python<'_>) -> PyResult<serde_json::Value> {
+        self.made.configuration().map_err(|error| wrong(py, error.to_string()))
+    }
+
+    /// The run over time.
+    fn probed(&self, py: Python<'_>) -> PyResult<Arc<Profile>> {
+        let kept = locked(&self.profile).clone();
+        if let Some(profile) = kept {
+            return Ok(profile);
+        }
+        let observed = self.watch(py, &Watching { profile: true, ..Watching::default() })?;
+        let profile = Arc::new(observed.profile.ok_or_else(|| has_none("a run that was not probed", "profile"))?);
+        *locked(&self.profile) = Some(profile.clone());
+        Ok(profile)
+    }
+}
+
+#[pymethods]
+impl Run {
+    /// Simulated time, in cycles.
+    #[getter]
+    fn cycles(&self) -> PyResult<u64> {
+        Ok(self.made.measured()?.cycles.0)
+    }
+
+    /// Simulated time, in seconds.
+    #[getter]
+    fn seconds(&self) -> PyResult<f64> {
+        Ok(self.made.clock().seconds(self.made.measured()?.cycles))
+    }
+
+    /// How many rays the host sent.
+    #[getter]
+    fn rays(&self) -> PyResult<u64> {
+        match &self.made {
+            Made::Farm { .. } => Err(has_none("a farm", "count of rays")),
+            _ => Ok(self.made.measured()?.jobs),
+        }
+    }
+
+    /// Rays a second of simulated time.
+    #[getter]
+    fn rays_per_second(&self) -> PyResult<f64> {
+        let seconds = self.seconds()?;
+        Ok(if seconds > 0.0 { self.rays()? as f64 / seconds } else { 0.0 })
+    }
+
+    /// One sentence on what limits the machine.
+    #[getter]
+    fn bottleneck(&self) -> PyResult<String> {
+        Ok(bottleneck::sentence(self.made.measured()?))
+    }
+
+    /// How often the kernels did their work: `voxels`, `slab_tests`, `intersection_tests`, `hits`.
+    #[getter]
+    fn counts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let Counts { voxels, slab_tests, intersection_tests, hits } = *self.made.tallied()?;
+        let counts = PyDict::new(py);
+        counts.set_item("voxels", voxels)?;
+        counts.set_item("slab_tests", slab_tests)?;
+        counts.set_item("intersection_tests", intersection_tests)?;
+        counts.set_item("hits", hits)?;
+        Ok(counts)
+    }
+
+    /// Where every cell's cycles went: a row a cell, a column a state. The states of a cell sum to the run's cycles.
+    #[getter]
+    fn cells(&self) -> PyResult<Table> {
+        let stats = self.made.measured()?;
+        let names = match &self.made {
+            Made::Farm { .. } => (0..stats.stations.len()).map(|task| stats.topology.station(task)).collect(),
+            _ => self.made.described().names,
+        };
+        let all = 0..stats.stations.len();
+        let states = stats.topology.states.all().iter().filter(|state| state.used || state.kind == StateKind::Works);
+        let mut columns = vec![
+            whole("cell", all.clone().map(|cell| cell as u64)),
+            text("runs", all.map(|cell| names.get(cell).cloned().unwrap_or_default())),
+        ];
+        columns.extend(states.map(|state| whole(state.key(), stats.stations.iter().map(|times| times.of(state.id).0))));
+        Table::new(columns)
+    }
+
+    /// What every FIFO held: a row a FIFO. `capacity`, `words` (through it), `max` and `mean` are in words; `full` and
+    /// `empty` are shares of the run.
+    #[getter]
+    fn fifos(&self) -> PyResult<Table> {
+        let stats = self.made.measured()?;
+        let infos = || stats.topology.fifos.iter();
+        let fifos = || stats.fifos.iter();
+        Table::new(vec![
+            text("name", infos().map(|info| info.name.clone())),
+            text("channel", infos().map(|info| info.group.clone())),
+            text("from", infos().map(|info| info.from.to_string())),
+            text("to", infos().map(|info| info.to.to_string())),
+            whole("capacity", infos().map(|info| info.capacity.0)),
+            whole("words", fifos().map(|fifo| fifo.words.0)),
+            whole("max", fifos().map(|fifo| fifo.max.0)),
+            number("mean", fifos().map(|fifo| Some(fifo.mean(stats.cycles)))),
+            number("full", fifos().map(|fifo| Some(stats.share(fifo.full)))),
+            number("empty", fifos().map(|fifo| Some(stats.share(fifo.empty)))),
+        ])
+    }
+
+    /// Each ray's first hit, of a run in the order of the rays' numbers (of pixels, line by line), of an image in the order
+    /// in which the host sent them: a structured array of `t` (inf on a miss),
+    /// `polygon` (the number of the scene's face, -1 on a miss), `alpha` and `beta`.
+    #[getter]
+    fn hits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (setup, hits) = self.made.found()?;
+        let polygons = setup.workload.polygons();
+        let face = |hit: &Hit| if hit.is_hit() { i64::from(polygons.face(hit.polygon)) } else { -1 };
+        let kinds = [("t", "f4"), ("polygon", "i8"), ("alpha", "f4"), ("beta", "f4")];
+        let array = py.import("numpy")?.getattr("empty")?.call1((hits.len(), kinds.to_vec()))?;
+        array.set_item("t", PyArray1::from_iter(py, hits.iter().map(|hit| hit.t)))?;
+        array.set_item("polygon", PyArray1::from_iter(py, hits.iter().map(face)))?;
+        array.set_item("alpha", PyArray1::from_iter(py, hits.iter().map(|hit| hit.alpha)))?;
+        array.set_item("beta", PyArray1::from_iter(py, hits.iter().map(|hit| hit.beta)))?;
+        Ok(array)
+    }
+
+    /// The picture: height x width x 3, linear light, line by line from the top left. None if the rays are no camera's.
+    #[getter]
+    fn image<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray3<f32>>>> {
+        let size = self.made.setup("image")?.spec.size;
+        let Some(pixels) = self.made.pixels() else { return Ok(None) };
+        let array = PyArray1::from_vec(py, pixels);
+        Ok(Some(array.reshape([size.height as usize, size.width as usize, 3])?))
+    }
+
+    /// The run over time, cut into bins of `bin` cycles: `start` is each one's first cycle; `cells` has for each state the
+    /// cycles of every cell (cells x bins); `fifos` the `min`, `max` and `mean` of what every FIFO held, and the `full` cycles
+    /// (FIFOs x bins); `rays` how many answers came back.
+    #[getter]
+    fn timelines<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let profile = self.probed(py)?;
+        let (bins, bin) = (profile.jobs.len(), profile.bin.0);
+        let grid = |rows: usize, values: Vec<u64>| PyArray1::from_vec(py, values).reshape([rows, bins]);
+        let cells = PyDict::new(py);
+        for state in profile.topology.states.used() {
+            let times = profile.stations.iter().flatten().map(|times| times.of(state.id).0);
+            cells.set_item(state.key(), grid(profile.stations.len(), times.collect())?)?;
+        }
+        let held = || profile.fifos.iter().flat_map(|fifo| fifo.bins.iter());
+        let count = profile.fifos.len();
+        let length = |index: usize| bin.min(profile.cycles.0 - index as u64 * bin) as f64;
+        let means = profile.fifos.iter().flat_map(|fifo| fifo.bins.iter().enumerate());
+        let means = means.map(|(index, held)| held.word_cycles as f64 / length(index));
+        let fifos = PyDict::new(py);
+        fifos.set_item("min", grid(count, held().map(|held| held.min.0).collect())?)?;
+        fifos.set_item("max", grid(count, held().map(|held| held.max.0).collect())?)?;
+        fifos.set_item("mean", PyArray1::from_iter(py, means).reshape([count, bins])?)?;
+        fifos.set_item("full", grid(count, held().map(|held| held.full.0).collect())?)?;
+        let timelines = PyDict::new(py);
+        timelines.set_item("bin", bin)?;
+        timelines.set_item("start", PyArray1::from_iter(py, (0..bins as u64).map(|index| index * bin)))?;
+        timelines.set_item("cells", cells)?;
+        timelines.set_item("fifos", fifos)?;
+        timelines.set_item("rays", PyArray1::from_slice(py, &profile.jobs))?;
+        Ok(timelines)
+    }
+
+    /// All statistics: what `--stats` writes.
+    #[getter]
+    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.getattr("loads")?.call1((self.made.json()?,))
+    }
+
+    /// What was run, with every default filled in: `config=` repeats it.
+    #[getter]
+    fn config<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.getattr("loads")?.call1((self.configuration(py)?.to_string(),))
+    }
+
+    /// What the user should know: what had to be rounded, cut or assumed.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.made.notes()
+    }
+
+    /// All pictures of the run over time, by name.
+    fn plots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let profile = self.probed(py)?;
+        let pictures = PyDict::new(py);
+        for picture in briefly(py, |_| self.made.drawn(&profile))? {
+            let name = picture.name.clone();
+            pictures.set_item(name, Py::new(py, Picture { picture })?)?;
+        }
+        Ok(pictures)
+    }
+
+    /// A picture of the run over time: `cells` (of a farm `tasks`, and the first if none is named), `fifos`,
+    /// `fifo-histograms`, `rays` or `latency`. (Of many FIFOs there is one for each channel: `fifos-x`, ...)
+    #[pyo3(signature = (name=None))]
+    fn plot<'py>(&self, py: Python<'py>, name: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
+        let (pictures, name) = (self.plots(py)?, name.unwrap_or(self.made.first_picture()));
+        let names = pictures.keys();
+        let picture = pictures.get_item(name)?;
+        picture.ok_or_else(|| PyKeyError::new_err(format!("there is no picture '{name}', there are {names}")))
+    }
+
+    /// The page that shows the run in a browser, as HTML.
+    fn page(&self, py: Python<'_>) -> PyResult<String> {
+        let (profile, stats) = (self.probed(py)?, self.made.measured()?);
+        briefly(py, |_| self.made.html(stats, &profile))
+    }
+
+    /// Writes results as the command does, all or none of each: statistics, hits, the picture, the page, a folder of plots, a
+    /// trace for viewers (.pftrace, .vcd, .fst) of the cycles from `trace_window[0]` to before `trace_window[1]`. Files that
+    /// exist are replaced only with `force`. Gives the files that it wrote.
+    #[pyo3(signature = (*, stats=None, hits=None, image=None, page=None, plot=None, trace=None, trace_window=None, force=false))]
+    // A keyword each.
+    #[expect(clippy::too_many_arguments)]
+    fn save(
+        &self,
+        py: Python<'_>,
+        stats: Option<PathBuf>,
+        hits: Option<PathBuf>,
+        image: Option<PathBuf>,
+        page: Option<PathBuf>,
+        plot: Option<PathBuf>,
+        trace: Option<PathBuf>,
+        trace_window: Option<(u64, u64)>,
+        force: bool,
+    ) -> PyResult<Vec<PathBuf>> {
+        let mut written = Vec::new();
+        if let Some(path) = stats {
+            let json = self.made.json()?;
+            written.push(briefly(py, |_| outputs::write(&path, force, |file| file.write_all(json.as_bytes())))?);
+        }
+        if let Some(path) = hits {
+            let (setup, found) = self.made.found()?;
+            let polygons = setup.workload.polygons();
+            written.push(briefly(py, |_| outputs::write(&path, force, |file| hits::write(file, polygons, &found)))?);
+        }
+        if let Some(path) = image {
+            self.made.setup("image")?;
+            written.push(briefly(py, |_| self.made.save_picture(&path, force))?);
+        }
+        if let Some(path) = page {
+            let (profile, stats) = (self.probed(py)?, self.made.measured()?);
+            written.push(briefly(py, |_| {
+                let html = self.made.html(stats, &profile)?;
+                outputs::write(&path, force, |file| file.write_all(html.as_bytes()))
+            })?);
+        }
+        if let Some(folder) = plot {
+            let profile = self.probed(py)?;
+            written.extend(briefly(py, |_| save_plots(&folder, force, self.made.drawn(&profile)?))?);
+        }
+        if let Some(path) = trace {
+            let window = trace_window.map_or(Cycles(0)..Cycles(u64::MAX), |(from, until)| Cycles(from)..Cycles(until));
+            written.push(self.save_trace(py, &path, window, force)?);
+        }
+        Ok(written)
+    }
+
+    fn __str__(&self) -> String {
+        self.made.text()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<pcs_sim.Run: {}>", self.made.described().caption.title)
+    }
+
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        let picture = match self.made.measured() {
+            Ok(_) => {
+                let profile = self.probed(py)?;
+                let pictures = briefly(py, |_| self.made.drawn(&profile))?;
+                let first = self.made.first_picture();
+                pictures.into_iter().find(|picture| picture.name == first).map(|picture| picture.rendered.svg)
+            }
+            Err(_) => None,
+        };
+        let helpers = py.import("pcs_sim._helpers")?;
+        helpers.getattr("html_text")?.call1((self.__str__(), picture))?.extract()
+    }
+}
+
+impl Run {
+    fn save_trace(&self, py: Python<'_>, path: &Path, window: Range<Cycles>, force: bool) -> PyResult<PathBuf> {
+        let format = Format::of(path).map_err(|error| Trouble::from(error).raise(py))?;
+        if window.is_empty() {
+            return Err(wrong(py, "trace_window has no cycle: its end must be larger than its start"));
+        }
+        let observed = self.watch(py, &Watching { recording: Some(window), ..Watching::default() })?;
+        let recording = observed.recording.ok_or_else(|| has_none("a run that was not recorded", "trace"))?;
+        let Described { caption, names, .. } = &self.made.described();
+        let trace = Trace { caption, clock: self.made.clock(), cell_names: names, recording: &recording };
+        let written = briefly(py, |_| outputs::write(path, force, |file| trace.write(format, file)))?;
+        for note in trace.notes(format) {
+            let note = std::ffi::CString::new(note).unwrap_or_default();
+            PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &note, 1)?;
+        }
+        Ok(written)
+    }
+}

@@ -1,0 +1,1 @@
+"""Tests of the module, against the command and against what it says of itself."""

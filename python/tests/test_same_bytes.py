@@ -1,0 +1,243 @@
+"""The module gives the bytes that the command gives for the same parameters."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pcs_sim
+
+from .support import LOOP, command, flags
+
+RUNS: list[dict[str, Any]] = [
+    {"scene": "room", "size": "24x18"},
+    {"scene": "room", "size": "24x18", "mode": "broadcast", "cells": 4, "fifo_words": 16, "link_mb_s": 40.0},
+    {"scene": "tetra", "size": "20x20", "mode": "hybrid", "cells": 4, "partition": "work", "grid_coefficient": 5.5},
+    {"scene": "room", "size": "16x12", "program": "hybrid-3", "groups": 2, "mailbox": True, "y_fifo_words": 64},
+    {"scene": "room", "size": "24x18", "mode": "broadcast", "cells": 8, "order": "shuffle:5"},
+    {"scene": "room", "size": "6x4", "cells_run": "programs", "instruction_limit": 100000},
+    {"scene": "balls", "size_factor": 1, "resolution": 8, "size": "16x16", "clock_ns": 25.0, "stop_words": 4},
+]
+
+IMAGES: list[dict[str, Any]] = [
+    {"scene": "room", "size": "16x12"},
+    {"scene": "tetra", "size": "12x12", "mode": "broadcast", "cells": 2, "samples": 2, "adaptive": True, "depth": 2},
+    {"scene": "room", "size": "12x8", "policy": "generation", "in_flight": 5, "host_hit_us": 10.0},
+]
+
+FILES = ["stats.json", "hits.csv", "image.png", "page.html", "trace.vcd"]
+
+
+def same(folder: Path, names: list[str]) -> None:
+    """Compares the files in two folders."""
+    for name in names:
+        ours, theirs = (folder / "ours" / name).read_bytes(), (folder / "theirs" / name).read_bytes()
+        assert ours == theirs, f"{name} differs"
+
+
+@pytest.fixture
+def two(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Two folders: ours, which is the current one, and theirs, the command's."""
+    for name in ["ours", "theirs"]:
+        (folder / name).mkdir()
+    monkeypatch.chdir(folder / "ours")
+    return folder
+
+
+@pytest.mark.parametrize("parameters", RUNS)
+def test_runs(two: Path, parameters: dict[str, Any]) -> None:
+    run = pcs_sim.run(**parameters, ops="run.ops")
+    written = run.save(
+        stats="stats.json", hits="hits.csv", image="image.png", page="page.html", plot="plots", trace="trace.vcd"
+    )
+    results = "--stats stats.json --hits hits.csv --image image.png --page page.html --plot plots --trace trace.vcd"
+    ended = command(two / "theirs", *flags(parameters), *results.split(), "--ops", "run.ops")
+    assert ended.status == 0, ended.err
+    names = sorted(path.relative_to(two / "theirs").as_posix() for path in (two / "theirs").rglob("*.*"))
+    assert sorted([*(path.as_posix() for path in written), "run.ops"]) == names
+    same(two, names)
+    assert ended.out.startswith(str(run))
+    assert run.stats == json.loads((two / "theirs" / "stats.json").read_text())
+    noted = [line.removeprefix("note: ") for line in ended.err.splitlines() if line.startswith("note: ")]
+    assert run.notes == [note for note in noted if "trace" not in note]
+
+
+@pytest.mark.parametrize("parameters", IMAGES)
+def test_images(two: Path, parameters: dict[str, Any]) -> None:
+    run = pcs_sim.image(**parameters, ops="run.ops")
+    run.save(stats="stats.json", hits="hits.csv", image="image.png", page="page.html", plot="plots")
+    run.save(image="image.pfm")
+    rest = flags({name: value for name, value in parameters.items() if name != "scene"})
+    results = "--stats stats.json --hits hits.csv -o image.png --page page.html --plot plots --ops run.ops"
+    ended = command(two / "theirs", "image", parameters["scene"], *rest, *results.split())
+    assert ended.status == 0, ended.err
+    again = command(two / "theirs", "image", parameters["scene"], *rest, "-o", "image.pfm")
+    assert again.status == 0, again.err
+    same(two, ["stats.json", "hits.csv", "image.png", "image.pfm", "page.html", "plots/cells.svg", "run.ops"])
+    assert ended.out.startswith(str(run))
+    pfm = (two / "theirs" / "image.pfm").read_bytes()
+    assert run.image is not None
+    assert pfm.endswith(run.image[::-1].astype("<f4").tobytes())
+
+
+def test_an_image_without_timing(two: Path) -> None:
+    run = pcs_sim.image("room", size=8, timing="off")
+    run.save(image="image.png")
+    assert command(two / "theirs", *"image room --size 8x8 --timing off -o image.png".split()).status == 0
+    same(two, ["image.png"])
+    assert not hasattr(run, "cycles")
+    assert "image without timing" in run._repr_html_()
+
+
+def test_replays(two: Path) -> None:
+    for folder in ["ours", "theirs"]:
+        pcs_sim.run("room", size="16x12", ops=two / folder / "run.ops")
+    run = pcs_sim.replay("run.ops", fifo_words=8, grid_voxel=3.9)
+    run.save(stats="stats.json", page="page.html", trace="trace.fst")
+    arguments = "replay run.ops --fifo-words 8 --grid-voxel 3.9 --stats stats.json --page page.html --trace trace.fst"
+    ended = command(two / "theirs", *arguments.split())
+    assert ended.status == 0, ended.err
+    same(two, ["stats.json", "page.html", "trace.fst"])
+    assert ended.out.startswith(str(run))
+    repeated = pcs_sim.replay(config=run, fifo_words=16)
+    arguments = "replay --config stats.json --fifo-words 16 --stats again.json"
+    assert command(two / "theirs", *arguments.split()).status == 0
+    repeated.save(stats="again.json")
+    same(two, ["again.json"])
+    assert pcs_sim.replay("run.ops", fifo_words=512).cycles == pcs_sim.run("room", size="16x12").cycles
+
+
+def test_a_replay_on_a_machine_at_hand(two: Path) -> None:
+    for folder in ["ours", "theirs"]:
+        pcs_sim.run("room", size="8x8", ops=two / folder / "run.ops")
+    machine = {**pcs_sim.Machine().to_dict(), "fifo_words": 9}
+    machine["times_us"] = {**machine["times_us"], "grid_voxel": 3.0}
+    (two / "theirs" / "m.ron").write_text("(" + json.dumps(machine)[1:-1].replace('"Link"', "Link") + ")")
+    ours = pcs_sim.replay("run.ops", machine=machine)
+    assert ours.cycles == pcs_sim.run("room", size=8, machine=pcs_sim.Machine(machine)).cycles
+    assert ours.cycles != pcs_sim.run("room", size=8, fifo_words=9).cycles
+
+
+def test_models(two: Path) -> None:
+    model = pcs_sim.model("room", size="24x18", mode="broadcast", cells=4)
+    model.save("model.json")
+    ended = command(two / "theirs", *"model room --size 24x18 --mode broadcast --cells 4 --stats model.json".split())
+    assert ended.status == 0, ended.err
+    same(two, ["model.json"])
+    assert ended.out.startswith(str(model))
+    alone = pcs_sim.model("room", size="24x18", predict_only=True)
+    ended = command(two / "theirs", *"model room --size 24x18 --predict-only".split())
+    assert ended.out == str(alone)
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"size": "32x32", "tasks": 3},
+        {"scene": "room", "size": "16x12", "tasks": 2, "items": "tiles", "tile": 4, "samples": 2},
+    ],
+)
+def test_farms(two: Path, parameters: dict[str, Any]) -> None:
+    run = pcs_sim.farm(**parameters)
+    run.save(stats="stats.json", page="page.html", plot="plots", trace="trace.pftrace")
+    arguments = [parameters.get("scene", "rectangles"), *flags({**parameters, "scene": None})]
+    del arguments[arguments.index("--scene") : arguments.index("--scene") + 2]
+    results = "--stats stats.json --page page.html --plot plots --trace trace.pftrace"
+    ended = command(two / "theirs", "farm", *arguments, *results.split())
+    assert ended.status == 0, ended.err
+    same(two, ["stats.json", "page.html", "plots/tasks.svg", "plots/latency.svg", "trace.pftrace"])
+    assert ended.out.startswith(str(run))
+    assert run.plot().name == "tasks"
+    assert "<svg" in run._repr_html_()
+    assert run.stats["workers"] == parameters["tasks"]
+    assert pcs_sim.farm(config=run).stats == run.stats
+    assert list(run.cells["runs"]) == [task["name"] for task in run.stats["tasks"]]
+    for name in ["hits", "counts", "image", "rays", "rays_per_second"]:
+        assert not hasattr(run, name)
+
+
+def test_sweeps_of_farms() -> None:
+    table = pcs_sim.sweep({"size": 16, "tasks": [1, 2, 4], "items": "lines"})
+    assert list(table["tasks"]) == [1, 2, 4]
+    assert list(table["seconds"]) == [pcs_sim.farm(size=16, tasks=tasks, items="lines").seconds for tasks in [1, 2, 4]]
+
+
+SWEEP: dict[str, Any] = {
+    "scene": "room",
+    "size": [8, "16x12"],
+    "mode": ["pipeline", "broadcast"],
+    "fifo_words": {"from": 8, "to": 32, "times": 2},
+    "cells": 3,
+    "memory_words": [1000, 100000],
+}
+
+
+def test_sweeps(two: Path) -> None:
+    ron = """(scene: "room", size: [8, "16x12"], mode: ["pipeline", "broadcast"],
+        fifo_words: (from: 8, to: 32, times: 2), cells: 3, memory_words: [1000, 100000])"""
+    (two / "theirs" / "sweep.ron").write_text(ron)
+    ended = command(two / "theirs", "sweep", "sweep.ron", "-o", "table.csv")
+    assert ended.status == 0, ended.err
+    table = pcs_sim.sweep(SWEEP, table="table.csv")
+    same(two, ["table.csv", "table.parquet"])
+    assert len(table) == 24
+    assert any(table.to_dict()["error"])
+    assert pcs_sim.sweep(SWEEP).to_dict() == table.to_dict()
+    # The command goes on with what the module began, and the other way round.
+    journal = (two / "ours" / "table.journal").read_bytes()
+    assert sorted(journal.splitlines()) == sorted((two / "theirs" / "table.journal").read_bytes().splitlines())
+    (two / "ours" / "table.journal").write_bytes(b"".join(journal.splitlines(keepends=True)[:7]))
+    assert pcs_sim.sweep(SWEEP, table="table.csv").to_dict() == table.to_dict()
+    same(two, ["table.csv", "table.parquet"])
+    (two / "theirs" / "table.journal").write_bytes(b"".join(journal.splitlines(keepends=True)[:9]))
+    ended = command(two / "theirs", "sweep", "sweep.ron", "-o", "table.csv")
+    assert "24 points, 16 of them done now" in ended.out
+    same(two, ["table.csv", "table.parquet"])
+    assert pcs_sim.sweep(two / "theirs" / "sweep.ron").to_dict() == table.to_dict()
+
+
+def test_configurations(two: Path) -> None:
+    run = pcs_sim.run("room", size=8, mode="broadcast", cells=2)
+    run.save(stats=two / "theirs" / "stats.json")
+    ended = command(two / "theirs", *"--config stats.json --fifo-words 7 --stats again.json".split())
+    assert ended.status == 0, ended.err
+    expected = json.loads((two / "theirs" / "again.json").read_text())
+    for config in [run, run.stats, run.config, run.stats["configuration"], two / "theirs" / "stats.json"]:
+        assert pcs_sim.run(config=config, fifo_words=7).stats == expected
+
+
+def test_machines_and_programs_as_values(two: Path) -> None:
+    expected = pcs_sim.run("room", size=8, mode="hybrid", cells=4, fifo_words=20).stats
+    machine, program = pcs_sim.Machine(fifo_words=20), pcs_sim.Program("hybrid")
+    (two / "ours" / "p.ron").write_text(
+        '(name: "hybrid", groups: 4, stages: [[grid, slabs], [intersection]], partition: regular)'
+    )
+    machines: list[Any] = [machine, machine.to_dict(), pcs_sim.Machine(machine.to_dict()), pcs_sim.Machine(machine)]
+    programs: list[Any] = [program, program.to_dict(), "hybrid", pcs_sim.Program(program.to_dict())]
+    for given, known in zip(machines, programs):
+        assert pcs_sim.run("room", size=8, machine=given, program=known, cells=4).stats == expected
+    assert pcs_sim.Program("p.ron").to_dict()["stages"] == program.to_dict()["stages"]
+    assert machine == pcs_sim.Machine(machine)
+    assert machine != pcs_sim.Machine()
+
+
+def test_hits(two: Path) -> None:
+    run = pcs_sim.run("tetra", size="16x12")
+    run.save(hits="hits.csv")
+    rows = [line.split(",") for line in (two / "ours" / "hits.csv").read_text().splitlines()[1:]]
+    hits = run.hits
+    assert len(hits) == len(rows) == run.rays
+    assert [np.float32(row[1]) for row in rows] == list(hits["t"])
+    assert [int(row[2] or -1) for row in rows] == list(hits["polygon"])
+    assert (hits["polygon"] >= 0).sum() == run.counts["hits"]
+
+
+def test_what_a_replay_does_not_have() -> None:
+    Path("loop.ops").write_text(LOOP)
+    run = pcs_sim.replay("loop.ops", fifo_words=600)
+    for name in ["hits", "counts", "image"]:
+        assert not hasattr(run, name)

@@ -1,0 +1,257 @@
+//! What people read of a run: what ran, on what machine, how fast, and where the time went.
+
+use super::bottleneck;
+use super::kinds::{self, RaysByKind};
+use super::losses::Losses;
+use super::prediction::{self, Row};
+use super::stats::{self, Configuration};
+use super::summary::{self, grouped};
+use super::why;
+use crate::host::order::Order;
+use crate::machine::{Machine, MachineSpec};
+use crate::measure::{Clock, CriticalPath, Measured};
+use crate::program::{Kernel, Workload};
+use crate::run::{Forecast, Outcome, Rendered, Replay, RunSpec, Setup, Timing};
+use crate::scene::Scene;
+
+/// What runs, in one line: a run of primary rays.
+pub fn title(setup: &Setup) -> String {
+    let Setup { spec, scene, prepared, workload, .. } = setup;
+    run_title(spec, scene, workload, prepared.rays.len())
+}
+
+/// The same of a run that is described, laid out, and has so many rays.
+pub fn run_title(spec: &RunSpec, scene: &Scene, workload: &Workload, rays: usize) -> String {
+    let RunSpec { program, order, .. } = spec;
+    format!(
+        "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays{}",
+        program.name,
+        workload.cells(),
+        plural(workload.groups(), "group"),
+        program.stages.len(),
+        scene.name,
+        grouped(workload.polygons().len() as u64),
+        grouped(rays as u64),
+        in_order(*order),
+    )
+}
+
+/// What runs, in one line: a whole image.
+pub fn image_title(setup: &Setup, rendered: &Rendered) -> String {
+    let Setup { spec: RunSpec { program, order, .. }, scene, workload, .. } = setup;
+    let rays: u64 = rendered.kinds.iter().map(|kind| kind.rays).sum();
+    let polygons = grouped(workload.polygons().len() as u64);
+    let per_pixel = rays as f64 / rendered.pixels.len().max(1) as f64;
+    let what = format!("scene {} ({polygons} polygons), {} rays, {per_pixel:.2} a pixel", scene.name, grouped(rays));
+    if rendered.timing.is_none() {
+        return format!("image without timing: {what}");
+    }
+    let groups = plural(workload.groups(), "group");
+    let (name, cells, order) = (&program.name, workload.cells(), in_order(*order));
+    format!("{name} on {cells} cells in {groups} of {}: {what}{order}", program.stages.len())
+}
+
+/// What runs, in one line: a replay.
+pub fn replay_title(replay: &Replay) -> String {
+    let Replay { spec, trace, .. } = replay;
+    format!("replay of {} on {} cells: {} rays", spec.ops.display(), trace.cells(), grouped(trace.jobs()))
+}
+
+/// What people read of a run of primary rays.
+pub fn text(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
+    let (names, clock) = (cell_names(&setup.workload), setup.machine.spec.clock());
+    let path = outcome.observed.path.as_ref();
+    format!("{}\n{}", head(setup, outcome), body((&outcome.stats, path), losses, &names, clock))
+}
+
+/// What ran, and how fast.
+pub fn head(setup: &Setup, outcome: &Outcome) -> String {
+    let Setup { machine, prepared, workload, .. } = setup;
+    let (spec, rays) = (&machine.spec, prepared.rays.len());
+    let hits = outcome.counts.hits;
+    let mut lines = vec![
+        title(setup),
+        machine_line(spec),
+        summary::speed(&outcome.stats, spec.clock()),
+        format!(
+            "{} rays hit ({:.1} %); {} voxels, {} slabs tests and {} intersection tests a ray",
+            grouped(hits),
+            100.0 * hits as f64 / rays.max(1) as f64,
+            per_ray(outcome.counts.voxels, rays),
+            per_ray(outcome.counts.slab_tests, rays),
+            per_ray(outcome.counts.intersection_tests, rays),
+        ),
+    ];
+    lines.push(memory_line(workload) + "\n");
+    lines.join("\n")
+}
+
+/// Where the cycles of the cells went, what the FIFOs held, what limits the machine, and why it took as long if that is known.
+pub fn body(
+    (stats, path): (&Measured, Option<&CriticalPath>),
+    losses: Option<&Losses>,
+    names: &[String],
+    clock: Clock,
+) -> String {
+    let why = path.map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
+    format!("{}\n{}\n{}\n{why}", summary::cells(stats, names), summary::fifos(stats), verdict(stats, losses, clock),)
+}
+
+/// What people read of a whole image.
+pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String {
+    let title = image_title(setup, rendered);
+    let Some(timing) = &rendered.timing else {
+        return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
+    };
+    let (spec, stats) = (&setup.machine.spec, &timing.stats);
+    let path = timing.observed.path.as_ref();
+    let why = path.map(|path| format!("\n{}{}", why::text(path, false), why::OF_AN_IMAGE)).unwrap_or_default();
+    [
+        title,
+        machine_line(spec),
+        summary::speed(stats, spec.clock()),
+        memory_line(&setup.workload),
+        format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
+        summary::cells(stats, &cell_names(&setup.workload)),
+        summary::fifos(stats),
+        format!("{}\n{why}", verdict(stats, losses, spec.clock())),
+    ]
+    .join("\n")
+}
+
+/// What people read of a replay.
+pub fn replay_text(replay: &Replay, seen: (&Measured, Option<&CriticalPath>), losses: Option<&Losses>) -> String {
+    format!("{}\n{}", replay_head(replay, seen.0), body(seen, losses, &[], replay.machine.spec.clock()))
+}
+
+/// What was replayed, and how fast.
+pub fn replay_head(replay: &Replay, stats: &Measured) -> String {
+    let spec = &replay.machine.spec;
+    format!("{}\n{}\n{}\n", replay_title(replay), machine_line(spec), summary::speed(stats, spec.clock()))
+}
+
+/// What people read of a prediction: `rows` are its quantities, with those of the run or without.
+pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast: &Forecast, rows: &[Row]) -> String {
+    let Forecast { array, predicted, best, polygons, rays } = forecast;
+    let program = &spec.program;
+    let title = format!(
+        "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays{}",
+        program.name,
+        program.cells(),
+        plural(program.groups, "group"),
+        program.stages.len(),
+        program.grid_coefficient,
+        scene.name,
+        grouped(*polygons as u64),
+        grouped(*rays as u64),
+        in_order(spec.order),
+    );
+    format!(
+        "{title}\n{}\n\n{}\n{}",
+        machine_line(&machine.spec),
+        prediction::to_table(rows),
+        prediction::sentences(predicted, best, array),
+    )
+}
+
+/// The statistics of a run of primary rays, as JSON.
+pub fn stats_json(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> serde_json::Result<String> {
+    let configuration = Configuration::new(&setup.spec, &setup.workload);
+    let seen = (&outcome.stats, outcome.observed.path.as_ref());
+    stats::to_json(seen, setup.machine.spec.clock(), losses, Some(&outcome.counts), &configuration)
+}
+
+/// The statistics of a whole image that was timed, as JSON.
+pub fn image_stats_json(
+    setup: &Setup,
+    rendered: &Rendered,
+    timing: &Timing,
+    losses: Option<&Losses>,
+) -> serde_json::Result<String> {
+    let configuration = Configuration::new(&setup.spec, &setup.workload);
+    let kinds = RaysByKind::new(&rendered.kinds, timing);
+    let seen = (&timing.stats, timing.observed.path.as_ref());
+    stats::image_to_json(seen, setup.machine.spec.clock(), losses, (&rendered.counts, &kinds), &configuration)
+}
+
+/// The statistics of a replay, as JSON.
+pub fn replay_stats_json(
+    replay: &Replay,
+    seen: (&Measured, Option<&CriticalPath>),
+    losses: Option<&Losses>,
+) -> serde_json::Result<String> {
+    let configuration = Configuration::Replay(Box::new(replay.spec.clone()));
+    stats::to_json(seen, replay.machine.spec.clock(), losses, None, &configuration)
+}
+
+/// What limits the machine, and where it is worth a word, to what it loses its time.
+pub fn verdict(stats: &Measured, losses: Option<&Losses>, clock: Clock) -> String {
+    let lost = losses.map(|losses| format!("\n{}", losses.sentence(stats, clock))).unwrap_or_default();
+    format!("{}{lost}", bottleneck::sentence(stats))
+}
+
+/// Names the order of the rays in a title, if it is not the usual one.
+fn in_order(order: Order) -> String {
+    if order == Order::Raster { String::new() } else { format!(", in the order {order}") }
+}
+
+/// The machine in one line.
+pub fn machine_line(spec: &MachineSpec) -> String {
+    let own = match spec.own_words.len() {
+        0 => String::new(),
+        count => format!(" ({count} with depths of their own)"),
+    };
+    format!(
+        "machine: {} ns a cycle, {}-word FIFOs{own}, {} Mbyte/s links ({}), latency {}",
+        spec.clock_ns,
+        spec.fifo_words.0,
+        spec.link_mb_s,
+        match spec.link_rate().cycles_per_word {
+            1 => "a word a cycle".to_owned(),
+            cycles => format!("a word in {cycles} cycles"),
+        },
+        spec.latency,
+    )
+}
+
+/// The fullest cell's memory, in one line; of cells that run programs, with its parts.
+fn memory_line(workload: &Workload) -> String {
+    let largest = (0..workload.cells()).map(|cell| (workload.memory_of(cell).total(), std::cmp::Reverse(cell))).max();
+    let (words, std::cmp::Reverse(cell)) = largest.unwrap_or_default();
+    let line = format!("memory: {} words in the fullest cell, {cell}", grouped(words.0));
+    if workload.cell_options().is_none() {
+        return line;
+    }
+    let memory = workload.memory_of(cell);
+    format!(
+        "{line}: grid {} (equation 4), slabs {} (equation 6), planes and vertices {}, program and its tables {}",
+        grouped(memory.grid.0),
+        grouped(memory.slabs.0),
+        grouped(memory.polygons.0),
+        grouped(memory.program.0),
+    )
+}
+
+/// What each cell runs.
+pub fn cell_names(workload: &Workload) -> Vec<String> {
+    (0..workload.cells()).map(|cell| kernel_names(workload.kernels_of(cell))).collect()
+}
+
+/// What a cell runs, in a word or two.
+fn kernel_names(kernels: &[Kernel]) -> String {
+    let name = |kernel: &Kernel| match kernel {
+        Kernel::Grid => "grid",
+        Kernel::Slabs => "slabs",
+        Kernel::Intersection => "intersection",
+    };
+    if kernels.len() == 3 { "all".to_owned() } else { kernels.iter().map(name).collect::<Vec<_>>().join("+") }
+}
+
+fn per_ray(count: u64, rays: usize) -> String {
+    format!("{:.2}", count as f64 / rays.max(1) as f64)
+}
+
+/// `1 group`, `2 groups`.
+pub fn plural(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}
