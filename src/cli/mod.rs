@@ -232,7 +232,7 @@ fn note(text: impl std::fmt::Display) {
     }
 }
 
-/// Whether what is drawn on a terminal may move and have colours there.
+/// Whether the terminal can neither draw a line again nor show colours.
 fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
 }

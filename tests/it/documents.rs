@@ -154,7 +154,7 @@ fn tables_md_lists_every_field() {
         "--scene room --size 8x6 --mode broadcast --cells 2 --why --ops a.ops",
         "replay a.ops",
         "image room --size 8x6 -o i.png",
-        "--scene tetra --size-factor 3 --size 8 --cells-run programs",
+        "--scene tetra --size-factor 3 --size 8x8 --cells-run programs",
         "--mode broadcast --cells 8 --partition work --scene teapot --size 48x48",
     ];
     assert_eq!(written(&runs), names("Statistics\n"));

@@ -15,7 +15,7 @@ fn a_file_on_a_base_is_the_base_with_its_changes() {
     folder.file("machines/fast.ron", r#"(base: "deep.ron", times_us: (grid_voxel: 3.9), y_fifo_words: 8)"#);
     assert_eq!(folder.run(&format!("{run} --machine machines/fast.ron")).success(), flags);
     folder.file("instructions.ron", r#"(base: "standard", link_mb_s: 40)"#);
-    folder.run("--scene tetra --size-factor 2 --size 4 --cells-run programs --machine instructions.ron").success();
+    folder.run("--scene tetra --size-factor 2 --size 4x4 --cells-run programs --machine instructions.ron").success();
     let farm = "farm rectangles --size 20x10 --tasks 2 --json";
     folder.file("capitan.ron", r#"(base: "standard", bus_mb_s: 5)"#);
     let with_file = folder.run(&format!("{farm} --machine capitan.ron")).success();
