@@ -226,7 +226,7 @@ pub mod cancel;
 pub mod error;
 pub mod geometry;
 pub mod host;
-mod input;
+pub mod input;
 pub mod isa;
 pub mod machine;
 pub mod measure;

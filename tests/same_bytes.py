@@ -44,7 +44,8 @@ class Allowed:
 ALLOWED = [
     Allowed("help/*", "*: stdout", "flags are added"),
     Allowed("*", "*.json", "seconds are divided by 1e9", r'"seconds"|"rays_per_second"|"mean"'),
-    Allowed("*", "*: stdout", "seconds are divided by 1e9", r"simulated time|\d(ms|µs| s)\b| ms| µs"),
+    Allowed("*", "*: stdout", "seconds are divided by 1e9; tables fit 80 columns",
+            r"simulated time|\d(ms|µs| s)\b| ms| µs|^(cell|task)\b|^\d+ |^CAP|^ {8}|\d %$"),
     Allowed("report/*", "*", "seconds are divided by 1e9"),
     Allowed("views/*", "*latency*", "seconds are divided by 1e9"),
     Allowed("*", "*.html", "the page shows the run's whole description, and its time divided by 1e9"),
@@ -66,6 +67,8 @@ ALLOWED = [
     Allowed("scene-file/*", "*: stderr", "what was passed over is said", "skipped|passed over"),
     Allowed("scene-file/*", "2: stdout", "it is of an image, whose secondary rays stand off otherwise"),
     Allowed("scene-file/bad/*", "*: stderr", "what is no geometry does not stop geometry"),
+    Allowed("*", "*.csv", "on a miss the hits leave t empty", r"^\d+,(inf)?,,,$"),
+    Allowed("sweep/*", "*: stdout", "failed points are counted", "points"),
     Allowed("programs/gears/mode-broadcast-cells-5", "*: stdout", "slivers have slack, and lie in a voxel or two more", "memory:"),
     Allowed("scene-file/painted.ron", "3: stdout", "slivers have slack, and lie in a voxel or two more", r"9\.6"),
     Allowed("compare*", "*: stdout", "the configuration is the whole description"),

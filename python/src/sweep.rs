@@ -35,7 +35,7 @@ pub fn sweep(
     };
     let sweep = read.map_err(|error| Trouble::from(error).raise(py))?;
     let rows = work(py, crew(py, threads, progress)?, "points", |task| match &table {
-        Some(path) => recorded(&sweep, Record::open(&sweep, &sweep.columns(), path, force)?, task),
+        Some(path) => recorded(&sweep, Record::open(&sweep, path, force)?, task),
         None => in_memory(&sweep, task),
     })?;
     let rows = rows.iter().map(Vec::as_slice).collect();

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueEnum};
+use pcs_sim::input::STREAM;
 use pcs_sim::machine::{CapitanOptions, Cycles, MachineOptions};
 use pcs_sim::measure::Actor;
 use pcs_sim::run::{
@@ -25,6 +26,27 @@ pub struct Cli {
     pub command: Option<Command>,
     #[command(flatten)]
     pub run: RunArgs,
+    /// Print nothing but errors: neither results, nor notes, nor progress.
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+}
+
+impl Cli {
+    /// What is typed, and what it is short for.
+    pub fn spelled_out(mut self) -> Cli {
+        let (json, stats) = match &mut self.command {
+            None => (self.run.results.json, &mut self.run.results.stats),
+            Some(Command::Image(args)) => (args.results.json, &mut args.results.stats),
+            Some(Command::Farm(args)) => (args.json, &mut args.stats),
+            Some(Command::Replay(args)) => (args.results.json, &mut args.results.stats),
+            Some(Command::Model(args)) => (args.results.json, &mut args.results.stats),
+            Some(_) => return self,
+        };
+        if json {
+            *stats = Some(PathBuf::from(STREAM));
+        }
+        self
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -59,6 +81,10 @@ pub enum Command {
     Step(StepArgs),
     /// Lists the built-in scenes.
     Scenes,
+    /// Prints what makes a shell complete this command and its flags.
+    Completions(CompletionsArgs),
+    /// Writes the manual's pages, one for each command.
+    Man(ManArgs),
 }
 
 #[derive(Clone, Debug, Args)]
@@ -240,9 +266,12 @@ pub struct FarmArgs {
     pub light: LightOptions,
     #[command(flatten)]
     pub machine: CapitanOptions,
-    /// Write all statistics as JSON.
+    /// Write all statistics as JSON; - is standard output, which then has nothing else.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub stats: Option<PathBuf>,
+    /// Print all statistics as JSON, and nothing else: short for --stats -.
+    #[arg(long, help_heading = "Results", conflicts_with = "stats")]
+    pub json: bool,
     /// Replace result files that exist.
     #[arg(long, help_heading = "Results")]
     pub force: bool,
@@ -307,9 +336,12 @@ impl From<OpsForm> for Form {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Results")]
 pub struct ResultArgs {
-    /// Write all statistics as JSON.
+    /// Write all statistics as JSON; - is standard output, which then has nothing else.
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
+    /// Print all statistics as JSON, and nothing else: short for --stats -.
+    #[arg(long, conflicts_with = "stats")]
+    pub json: bool,
     /// Replace result files that exist.
     #[arg(long)]
     pub force: bool,
@@ -320,7 +352,7 @@ pub struct ResultArgs {
 
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
-    /// The trace, as --ops wrote it.
+    /// The trace, as --ops wrote it; - is standard input.
     #[arg(value_name = "OPS", required_unless_present = "config")]
     pub ops: Option<PathBuf>,
     /// Repeat the replay that a file describes: statistics, or their configuration. Flags beside it change that.
@@ -451,8 +483,11 @@ pub struct SweepArgs {
     pub sweep: PathBuf,
     /// The table: FILE.csv, and the same as FILE.parquet. It grows as points finish. A sweep that was stopped goes on
     /// where FILE.journal says; one that is done is not run again.
-    #[arg(short = 'o', long, value_name = "FILE")]
-    pub table: PathBuf,
+    #[arg(short = 'o', long, value_name = "FILE", required_unless_present = "count")]
+    pub table: Option<PathBuf>,
+    /// Tell how many points the sweep has, and run none.
+    #[arg(long, conflicts_with_all = ["table", "plot", "force", "watch", "accept_failures", "threads"])]
+    pub count: bool,
     /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode.
     ///
     /// The plot lies beside the table, as SVG and PNG. May be given several times, x= first.
@@ -461,9 +496,15 @@ pub struct SweepArgs {
     /// Replace plots that exist, and the table and journal of another sweep.
     #[arg(long)]
     pub force: bool,
+    /// Take a table in which points failed for a success: exit status 0.
+    #[arg(long)]
+    pub accept_failures: bool,
     /// Watch the points come in, on a terminal.
     #[arg(long)]
     pub watch: bool,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
 }
 
 /// `pcs-sim model`.
@@ -512,6 +553,23 @@ pub struct PlotArgs {
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub title: String,
     /// Replace pictures that exist.
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_name = "SHELL")]
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// The folder that they are written to: pcs-sim.1, pcs-sim-image.1, ...
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Replace pages that exist.
     #[arg(long)]
     pub force: bool,
 }

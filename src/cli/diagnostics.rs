@@ -8,6 +8,8 @@ use pcs_sim::error::{InputError, Place, Spot};
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
 
+use super::is_dumb;
+
 /// Longer source lines are cut down to this many characters around the fault.
 const WIDEST_SOURCE: usize = 160;
 
@@ -31,8 +33,16 @@ pub fn draw(error: &InputError) -> String {
     if let Some(help) = &error.help {
         group = group.element(Level::HELP.message(help.as_str()));
     }
-    let renderer = if std::io::stderr().is_terminal() { Renderer::styled() } else { Renderer::plain() };
-    renderer.render(&[group])
+    renderer().render(&[group])
+}
+
+/// With colours on a terminal, unless it has none or the user wants none (<https://no-color.org>).
+fn renderer() -> Renderer {
+    let unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    match std::io::stderr().is_terminal() && !unwanted && !is_dumb() {
+        true => Renderer::styled(),
+        false => Renderer::plain(),
+    }
 }
 
 /// The part of a source line that is shown, and where in it the fault is, in bytes.
@@ -58,7 +68,7 @@ pub fn draw_fault(fault: &Fault) -> String {
     let Fault { kind, cell, message, address, source } = fault;
     let title = format!("{kind}: cell {cell}, ray {message}, address {address}");
     let title = Level::ERROR.primary_title(title);
-    let renderer = if std::io::stderr().is_terminal() { Renderer::styled() } else { Renderer::plain() };
+    let renderer = renderer();
     let Some(source) = source else { return renderer.render(&[annotate_snippets::Group::with_title(title)]) };
     let path = source.path.display().to_string();
     let annotation = AnnotationKind::Primary.span(0..source.text.len());

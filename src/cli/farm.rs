@@ -33,7 +33,7 @@ pub fn farm(args: &FarmArgs, typed: &Typed) -> Result<(), Failure> {
         setup.map_err(Failure::from)
     })?;
     bar.finish_and_clear();
-    setup.notes().for_each(|note| eprintln!("note: {note}"));
+    setup.notes().for_each(super::note);
     if fewest < setup.spec.tasks {
         return print(&compared(&setup, fewest)?);
     }

@@ -24,7 +24,7 @@ pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
             Some(numbers(&machine.times, Some(&options))?)
         }
         None => {
-            eprintln!("note: the machine file does not say what instructions cost; `pcs-sim calibrate` adds it");
+            super::note("the machine file does not say what instructions cost; `pcs-sim calibrate` adds it");
             None
         }
     };

@@ -11,6 +11,7 @@ mod farm;
 mod figure7;
 mod image;
 mod interrupt;
+mod manual;
 mod model;
 mod outputs;
 mod plot;
@@ -28,9 +29,10 @@ mod why;
 use std::convert::Infallible;
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::error::ErrorKind;
-use clap::{ArgMatches, CommandFactory, FromArgMatches};
+use clap::{ArgMatches, FromArgMatches};
 
 use args::{Cli, Command, Moment, Typed};
 use pcs_sim::error::InputError;
@@ -135,7 +137,8 @@ impl From<MeasureError> for Failure {
 
 /// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed, 130 for one that was stopped.
 pub fn main() -> ExitCode {
-    let parsed = Cli::command().try_get_matches().and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let parsed =
+        manual::command().try_get_matches().and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -144,6 +147,10 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if asked_for { 0 } else { 2 });
         }
     };
+    let cli = cli.spelled_out();
+    if cli.quiet {
+        be_quiet();
+    }
     let ended = interrupt::listen().and_then(|()| command(&cli, &matches));
     interrupt::settle();
     match ended {
@@ -171,6 +178,8 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
         Some(Command::Disasm(args)) => disasm::disasm(args),
         Some(Command::Step(args)) => step::step(args),
         Some(Command::Scenes) => scenes::scenes(),
+        Some(Command::Completions(args)) => manual::completions(args),
+        Some(Command::Man(args)) => manual::man(args),
     }
 }
 
@@ -195,8 +204,44 @@ fn report(failure: &Failure) -> ExitCode {
     }
 }
 
-/// Prints to stdout. A reader that has gone away (`| head`) is no failure.
+/// Whether standard output is for a result's file, or for nothing.
+static TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Whether only errors are told.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From here on, nothing is printed to stdout: a result's file goes there.
+fn take_stdout() {
+    TAKEN.store(true, Ordering::Relaxed);
+}
+
+/// From here on, only errors are told.
+fn be_quiet() {
+    take_stdout();
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// What the user should know beside the results.
+fn note(text: impl std::fmt::Display) {
+    if !is_quiet() {
+        eprintln!("note: {text}");
+    }
+}
+
+/// Whether what is drawn on a terminal may move and have colours there.
+fn is_dumb() -> bool {
+    std::env::var_os("TERM").is_some_and(|term| term == "dumb")
+}
+
+/// Prints to stdout, unless that is taken. A reader that has gone away (`| head`) is no failure.
 fn print(text: &str) -> Result<(), Failure> {
+    if TAKEN.load(Ordering::Relaxed) {
+        return Ok(());
+    }
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Failure::Output(format!("cannot write to stdout: {error}")))

@@ -31,7 +31,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     let scene = layers.scene(&run)?;
     spinner.finish_and_clear();
     for note in machine.notes.iter().chain(&scene.notes) {
-        eprintln!("note: {note}");
+        super::note(note);
     }
     let outcome = if args.predict_only { None } else { Some(simulate(&mut layers, &run, args.threads)?) };
     let run = outcome.as_ref().map(|(workload, outcome, _)| prediction::Run {

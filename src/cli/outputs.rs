@@ -4,9 +4,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
+use pcs_sim::input::STREAM;
 use pcs_sim::run::{OutputFile, OutputFolder, noting};
 
-use super::{Failure, interrupt};
+use super::{Failure, interrupt, take_stdout};
 
 /// Opens a result file, if one is asked for.
 pub fn open(path: Option<&Path>, force: bool) -> Result<Option<OutputFile>, InputError> {
@@ -15,6 +16,9 @@ pub fn open(path: Option<&Path>, force: bool) -> Result<Option<OutputFile>, Inpu
 
 /// Opens a result file.
 pub fn create(path: &Path, force: bool) -> Result<OutputFile, InputError> {
+    if path == Path::new(STREAM) {
+        take_stdout();
+    }
     interrupt::outputs().file(path, force)
 }
 
@@ -41,7 +45,8 @@ pub fn check_distinct(outputs: &[Option<&PathBuf>], inputs: &[Option<&Path>]) ->
         if outputs[..index].iter().any(|(_, other)| other == its_place) && !is_device(path) {
             return Err(InputError::in_file(path, "the file is named for two results"));
         }
-        if inputs.iter().flatten().any(|input| place(input) == *its_place) {
+        let mut inputs = inputs.iter().flatten().filter(|input| **input != Path::new(STREAM));
+        if inputs.any(|input| place(input) == *its_place) {
             return Err(InputError::in_file(path, "the file is an input of this run"));
         }
     }

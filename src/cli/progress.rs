@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::interrupt;
+use super::{interrupt, is_dumb, is_quiet};
 
 /// A bar that counts rays, with the time that is left. It draws on stderr, and only if that is a terminal.
 pub fn rays(count: u64) -> ProgressBar {
@@ -29,7 +29,7 @@ pub fn samples() -> ProgressBar {
 
 /// A bar that has no end in sight.
 pub fn waiting(message: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new_spinner().with_style(style("{prefix}{spinner} {msg}")).with_message(message);
+    let bar = drawn(ProgressBar::no_length()).with_style(style("{prefix}{spinner} {msg}")).with_message(message);
     bar.enable_steady_tick(Duration::from_millis(200));
     interrupt::under_way(&bar, None, None);
     bar
@@ -37,7 +37,14 @@ pub fn waiting(message: &'static str) -> ProgressBar {
 
 /// Progress in a line; `{prefix}` stands for what is seen above it.
 fn bar(count: u64, template: &str) -> ProgressBar {
-    ProgressBar::new(count).with_style(style(template))
+    drawn(ProgressBar::with_draw_target(Some(count), ProgressDrawTarget::hidden())).with_style(style(template))
+}
+
+/// Lets a bar be seen, where that is wanted and lines can be drawn again.
+fn drawn(bar: ProgressBar) -> ProgressBar {
+    let hidden = is_quiet() || is_dumb();
+    bar.set_draw_target(if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() });
+    bar
 }
 
 fn style(template: &str) -> ProgressStyle {

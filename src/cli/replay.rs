@@ -38,7 +38,7 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
     let losses = bottleneck::losses(&result, || shuffled.time(&replay.machine.spec, &replay.costs, &cancel));
     let losses = losses.as_ref();
     live.finish();
-    replay.machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    replay.machine.notes.iter().for_each(super::note);
     let head = account::replay_head(&replay, &result);
     print(&report(head, told, (&result, losses, &[]), (&observed, clock))?)?;
     let mut written = Vec::new();

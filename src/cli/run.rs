@@ -87,7 +87,7 @@ fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
 
 /// What the user should know before the figures: what had to be rounded, cut or assumed.
 pub fn notes(setup: &Setup) {
-    setup.notes().for_each(|note| eprintln!("note: {note}"));
+    setup.notes().for_each(super::note);
 }
 
 fn simulate(

@@ -55,7 +55,7 @@ pub fn size_fifos(args: &SizeArgs, typed: &Typed) -> Result<(), Failure> {
         Some(path) => of_trace(args, typed, path),
         None => of_run(args, typed, &workers),
     })?;
-    recording.machine.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    recording.machine.notes.iter().for_each(super::note);
     let Recording { title, ops, costs, machine, least_z_words, .. } = &recording;
     let batches = match ops {
         Ops::Traced(traced) => traced.batches(),
@@ -91,7 +91,7 @@ fn of_run(args: &SizeArgs, typed: &Typed, workers: &Workers) -> Result<Recording
     let traced = layers.traced(&run, workers)?;
     let (scene, prepared) = (layers.scene(&run)?, layers.prepared(&run)?);
     spinner.finish_and_clear();
-    scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    scene.notes.iter().for_each(super::note);
     let workload = traced.workload();
     Ok(Recording {
         title: account::run_title(&run.spec, &scene, workload, prepared.rays.len()),
@@ -156,7 +156,7 @@ impl Outputs {
         let (columns, rows) = (sizes.columns(), sizes.rows());
         let all = Table { columns: &columns, rows };
         outputs::finish(self.csv, &mut written, |file| table::write_csv(file, &all))?;
-        outputs::finish(self.parquet, &mut written, |file| table::write_parquet(file, &all))?;
+        outputs::finish(self.parquet, &mut written, |file| table::write_parquet(file, &all, &[]))?;
         if !self.pictures.is_empty() {
             let title = format!("FIFOs of {}", recording.title);
             let pictures = sizes.pictures(&title).map_err(|error| Failure::Output(error.to_string()))?;

@@ -99,7 +99,7 @@ impl Views {
         let (Some((file, format)), Some(recording)) = (self.trace, &run.observed.recording) else { return Ok(()) };
         let trace = Trace { caption, clock, cell_names, recording };
         outputs::finish(Some(file), written, |file| trace.write(format, file))?;
-        trace.notes(format).iter().for_each(|note| eprintln!("note: {note}"));
+        trace.notes(format).iter().for_each(super::note);
         Ok(())
     }
 }

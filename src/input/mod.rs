@@ -5,3 +5,5 @@ pub(crate) mod file;
 pub(crate) mod reading;
 pub(crate) mod ron_text;
 pub(crate) mod text;
+
+pub use file::STREAM;

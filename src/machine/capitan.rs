@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::events::Buses;
-use super::file::{impossible, machine_parameters, within};
+use super::file::{base_of, impossible, machine_parameters, within};
 use super::{Cycles, HostTimes, KernelTimes, Times};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
@@ -109,19 +109,7 @@ impl CapitanFile {
 
     /// CAPITAN, as the thesis has it and as it was fitted.
     pub fn standard() -> Result<CapitanFile, InputError> {
-        CapitanFile::parse(Path::new("capitan.ron"), Self::STANDARD_TEXT)
-    }
-
-    /// Reads the file of a machine, which must be a possible one.
-    pub fn read(path: &Path) -> Result<CapitanFile, InputError> {
-        CapitanFile::parse(path, &fields::read_text(path)?)
-    }
-
-    /// Reads the text of a machine file; `path` is for the errors.
-    pub fn parse(path: &Path, text: &str) -> Result<CapitanFile, InputError> {
-        let file: CapitanFile = fields::parse(path, text)?;
-        file.convert().map_err(|fault| fault.in_text(path, text))?;
-        Ok(file)
+        fields::parse(Path::new("capitan.ron"), Self::STANDARD_TEXT)
     }
 
     /// The machine in nanoseconds, or why it is impossible.

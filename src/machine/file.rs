@@ -1,13 +1,18 @@
 //! What the files of machines have in common: each parameter is declared once, and a value that cannot be is told in one way.
 
 use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 
+use crate::error::InputError;
 use crate::input::fields::Fault;
 
 /// Declares a machine's parameters, each once: the machine file and the changes that are laid over it come of it.
 ///
 /// A field of the file that may be missing has its `#[serde(default)]`; those among `optional` may be `None`, those among `host`
-/// are 0 where they are missing. What only the file has stands among `beside`.
+/// are 0 where they are missing. What only the file has stands among `beside`. The file has a `standard` one, and a way to `convert` it
+/// that fails if it is impossible.
+///
+/// A file that names a `base`, which is "standard" or another file, has only what differs from it.
 macro_rules! machine_parameters {
     (
         $(#[$file_meta:meta])* pub struct $File:ident;
@@ -50,6 +55,71 @@ macro_rules! machine_parameters {
             }
         }
 
+        impl $File {
+            /// Reads the file of a machine, which must be a possible one.
+            pub fn read(path: &Path) -> Result<$File, InputError> {
+                $File::parse(path, &fields::read_text(path)?)
+            }
+
+            /// Reads the text of a machine file; `path` is for the errors, and its folder is where the file's `base` is looked for.
+            pub fn parse(path: &Path, text: &str) -> Result<$File, InputError> {
+                $File::parse_on(path, text, 0)
+            }
+
+            /// The same of a file on which so many others stand.
+            fn parse_on(path: &Path, text: &str, others: usize) -> Result<$File, InputError> {
+                let file = match $File::based(path, text, others)? {
+                    Some(file) => file,
+                    None => fields::parse(path, text)?,
+                };
+                file.convert().map_err(|fault| fault.in_text(path, text))?;
+                Ok(file)
+            }
+
+            /// The machine of a text that only has what differs from another, its `base`. `None` if it names none.
+            fn based(path: &Path, text: &str, others: usize) -> Result<Option<$File>, InputError> {
+                #[derive(serde::Deserialize)]
+                struct Named {
+                    #[serde(default)]
+                    base: Option<String>,
+                }
+                #[derive(Default, serde::Deserialize)]
+                #[serde(deny_unknown_fields, default)]
+                struct Times {
+                    $($time: Option<f64>,)*
+                }
+                #[derive(serde::Deserialize)]
+                #[serde(deny_unknown_fields)]
+                struct Changes {
+                    base: String,
+                    $(#[serde(default)] $name: Option<$type>,)*
+                    $(#[serde(default)] $maybe: Option<$maybe_type>,)*
+                    $(#[serde(default)] $host: Option<f64>,)*
+                    #[serde(default)]
+                    times_us: Times,
+                    $(#[serde(default)] $beside: Option<$beside_type>,)*
+                }
+                // What makes no sense is told of by who reads all of it.
+                if !fields::parse::<Named>(path, text).is_ok_and(|named| named.base.is_some()) {
+                    return Ok(None);
+                }
+                let changes: Changes = fields::parse(path, text)?;
+                let mut file = match changes.base.as_str() {
+                    "standard" => $File::standard()?,
+                    name => {
+                        let below = base_of(path, name, others)?;
+                        $File::parse_on(&below, &fields::read_text(&below)?, others + 1)?
+                    }
+                };
+                $(file.$name = changes.$name.unwrap_or(file.$name);)*
+                $(file.$maybe = changes.$maybe.or(file.$maybe);)*
+                $(file.$host = changes.$host.unwrap_or(file.$host);)*
+                $(file.times_us.$time = changes.times_us.$time.unwrap_or(file.times_us.$time);)*
+                $(file.$beside = changes.$beside.unwrap_or(file.$beside);)*
+                Ok(Some(file))
+            }
+        }
+
         impl $Options {
             /// Lays the changes over a machine file.
             pub fn change(&self, file: &mut $File) {
@@ -63,6 +133,18 @@ macro_rules! machine_parameters {
 }
 
 pub(super) use machine_parameters;
+
+/// Files stand on each other no deeper: more are a circle.
+const MOST_BASES: usize = 16;
+
+/// Where the base of a machine file is, on which so many others stand.
+pub(super) fn base_of(path: &Path, name: &str, others: usize) -> Result<PathBuf, InputError> {
+    if others >= MOST_BASES {
+        let error = InputError::in_file(path, format!("more than {MOST_BASES} machine files stand on each other"));
+        return Err(error.help("a base must not stand on the file that names it"));
+    }
+    Ok(path.parent().unwrap_or(Path::new("")).join(name))
+}
 
 /// Fails if a whole number is outside its range.
 pub(super) fn within(name: &'static str, value: u64, range: RangeInclusive<u64>) -> Result<(), Fault> {

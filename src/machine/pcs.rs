@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::file::{impossible, machine_parameters, within};
+use super::file::{base_of, impossible, machine_parameters, within};
 use super::{Cycles, FifoName, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
@@ -103,19 +103,7 @@ impl MachineFile {
 
     /// PCS, as the paper and the standard machine file have it.
     pub fn standard() -> Result<MachineFile, InputError> {
-        MachineFile::parse(Path::new("pcs.ron"), Self::STANDARD_TEXT)
-    }
-
-    /// Reads the file of a machine, which must be a possible one.
-    pub fn read(path: &Path) -> Result<MachineFile, InputError> {
-        MachineFile::parse(path, &fields::read_text(path)?)
-    }
-
-    /// Reads the text of a machine file; `path` is for the errors.
-    pub fn parse(path: &Path, text: &str) -> Result<MachineFile, InputError> {
-        let file: MachineFile = fields::parse(path, text)?;
-        file.convert().map_err(|fault| fault.in_text(path, text))?;
-        Ok(file)
+        fields::parse(Path::new("pcs.ron"), Self::STANDARD_TEXT)
     }
 
     /// The text of such a file.

@@ -78,9 +78,28 @@ pub fn fifo_rows(run: &Measured) -> Rows {
     }
 }
 
-/// The cells' table as text.
+/// The cells' table as text, in 80 columns where it can: in percent, without the states in which no cell ever was.
 pub fn cells(run: &Measured, names: &[String]) -> String {
-    text(cell_rows(run, names))
+    let Rows { header, rows } = cell_rows(run, names);
+    let seen = |state: &State| run.stations.iter().any(|times| times.of(state.id).0 > 0);
+    let shown: Vec<bool> = std::iter::once(true).chain(run.topology.states.used().map(seen)).collect();
+    let shown = |row: Vec<String>, as_shown: fn(&str) -> String| {
+        let cells = row.iter().zip(&shown).filter(|(_, shown)| **shown);
+        cells.map(|(cell, _)| as_shown(cell)).collect::<Vec<_>>()
+    };
+    let mut header = shown(header, narrow);
+    header[0] += ", %";
+    let mut table = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    table.add_rows(rows.into_iter().map(|row| shown(row, |cell| cell.replace(" %", ""))));
+    spaced(table, &[], (1, 0))
+}
+
+/// A heading in two lines, if it has two words or a long one.
+fn narrow(heading: &str) -> String {
+    match heading {
+        "intersection" => "inter-\nsection".to_owned(),
+        _ => heading.replacen(' ', "\n", 1),
+    }
 }
 
 /// The FIFOs' table as text.
@@ -110,11 +129,16 @@ pub fn aligned(table: Table) -> String {
 }
 
 /// The same, with more columns of text.
-pub fn aligned_with(mut table: Table, texts: &[usize]) -> String {
+pub fn aligned_with(table: Table, texts: &[usize]) -> String {
+    spaced(table, texts, (1, 1))
+}
+
+/// The same, with so many spaces to the left and to the right of a column.
+fn spaced(mut table: Table, texts: &[usize], (left, right): (u16, u16)) -> String {
     for (index, column) in table.column_iter_mut().enumerate() {
         let is_text = index == 0 || texts.contains(&index);
         column.set_cell_alignment(if is_text { CellAlignment::Left } else { CellAlignment::Right });
-        column.set_padding((if index == 0 { 0 } else { 1 }, 1));
+        column.set_padding((if index == 0 { 0 } else { left }, right));
     }
     let text = table.to_string();
     text.lines().map(|line| format!("{}\n", line.trim_end())).collect()

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempPath;
 
 use crate::error::InputError;
+use crate::input::STREAM;
 
 /// Result files under way, which stand in their places all whole or not at all. A handle: clones stand for the same files,
 /// so that a thread that is told to stop everything can remove them, whoever writes them.
@@ -30,6 +31,8 @@ enum Target {
     Part(Part),
     /// Straight to a device or a pipe, which is no file to be replaced.
     Device(File),
+    /// To standard output.
+    Stdout(Stdout),
 }
 
 /// A file that is removed unless it is put in its place.
@@ -64,7 +67,7 @@ struct Desk {
 
 impl Outputs {
     /// Opens a file to be. Fails if it cannot be written there, if it exists and `overwrite` was not asked for, and after
-    /// [`Outputs::abandon`].
+    /// [`Outputs::abandon`]. The name [`STREAM`] is standard output.
     pub fn file(&self, path: &Path, overwrite: bool) -> Result<OutputFile, InputError> {
         let target = Target::open(self, &followed(path), path, overwrite)?;
         Ok(OutputFile { path: path.to_owned(), writer: BufWriter::with_capacity(1 << 16, target), overwrite })
@@ -157,6 +160,9 @@ fn remove_empty(folders: &[PathBuf]) {
 impl Target {
     /// Opens `place`, which the user knows as `name`.
     fn open(outputs: &Outputs, place: &Path, name: &Path, overwrite: bool) -> Result<Target, InputError> {
+        if name == Path::new(STREAM) {
+            return Ok(Target::Stdout(std::io::stdout()));
+        }
         let refuse = |reason: String| InputError::in_file(name, format!("cannot write the file: {reason}"));
         if let Some((reason, help)) = broken_link(place) {
             return Err(refuse(reason).help(help));
@@ -226,6 +232,7 @@ impl Write for Target {
         match self {
             Target::Part(part) => part.file.write(bytes),
             Target::Device(file) => file.write(bytes),
+            Target::Stdout(out) => out.write(bytes),
         }
     }
 
@@ -233,6 +240,7 @@ impl Write for Target {
         match self {
             Target::Part(part) => part.file.flush(),
             Target::Device(file) => file.flush(),
+            Target::Stdout(out) => out.flush(),
         }
     }
 }

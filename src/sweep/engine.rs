@@ -2,19 +2,33 @@
 
 use std::collections::HashMap;
 use std::hash::Hash;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use super::Sweep;
+use super::effective::{self, OF_ARRAYS, OF_FARMS};
 use super::farm_point::FarmPoint;
 use super::parameters::Points;
 use super::point::{self, Outcome};
 use crate::cancel::Cancelled;
 use crate::run::{Key, Keys, Layers, PlannedRun, Workers};
 
+/// What had to be rounded, in some points of a sweep.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// What, in a sentence.
+    pub text: String,
+    /// In how many points.
+    pub points: usize,
+}
+
+/// What a point gives: its results, and what had to be rounded for it.
+type Given = Result<(Vec<String>, Vec<String>), String>;
+
 impl Sweep {
-    /// Runs points on all cores, and hands each one's results to `done` as they come: a cell for each of
-    /// [`Sweep::results`].
+    /// Runs points, and hands each one's results to `done` as they come: a cell for each of
+    /// [`Sweep::results`]. Returns what had to be rounded, in the order of the points.
     ///
     /// Those of a scene are run one after the other, and among them those that do the same work, so that a scene is
     /// built once, and what its cells do, or what its pixels take, is worked out once.
@@ -25,20 +39,30 @@ impl Sweep {
         points: &[usize],
         workers: &Workers,
         done: impl Fn(usize, Vec<String>) + Sync,
-    ) -> Result<(), Cancelled> {
-        let stopped = || workers.cancel.check().is_err();
-        // What a point comes to that was stopped is no result of it.
-        let done = |index, result: Result<Vec<String>, String>| {
-            if !stopped() {
-                done(index, result.unwrap_or_else(|reason| self.failed(reason)))
-            }
+    ) -> Result<Vec<Note>, Cancelled> {
+        // Each sentence, with the first point that it is about and with how many.
+        let notes: Mutex<HashMap<String, (usize, usize)>> = Mutex::default();
+        let note = |index: usize, text: String| {
+            let mut notes = notes.lock().unwrap_or_else(PoisonError::into_inner);
+            let (first, points) = notes.entry(text).or_insert((index, 0));
+            (*first, *points) = (index.min(*first), *points + 1);
         };
-        match self.of {
-            Points::Arrays => self.run_arrays(points, workers, |index, result: Result<Outcome, String>| {
-                done(index, result.map(|outcome| outcome.results()));
-            }),
+        // What a point comes to that was stopped is no result of it.
+        let done = |index, given: Given| {
+            if workers.cancel.check().is_err() {
+                return;
+            }
+            let (results, notes) = given.unwrap_or_else(|reason| (self.failed(reason), Vec::new()));
+            notes.into_iter().for_each(|text| note(index, text));
+            done(index, results);
+        };
+        on_threads(workers, || match self.of {
+            Points::Arrays => self.run_arrays(points, workers, done),
             Points::Farms => self.run_farms(points, workers, done),
-        }
+        })?;
+        let mut notes: Vec<_> = notes.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect();
+        notes.sort_by(|(text, (first, _)), (other, (others_first, _))| (first, text).cmp(&(others_first, other)));
+        Ok(notes.into_iter().map(|(text, (_, points))| Note { text, points }).collect())
     }
 
     /// The results of a point that failed: all empty but the last.
@@ -53,7 +77,7 @@ impl Sweep {
         &self,
         points: &[usize],
         workers: &Workers,
-        done: impl Fn(usize, Result<Vec<String>, String>) + Sync,
+        done: impl Fn(usize, Given) + Sync,
     ) -> Result<(), Cancelled> {
         let mut possible = Vec::new();
         for &index in points {
@@ -65,7 +89,11 @@ impl Sweep {
         for same_work in by_key(possible.iter().collect(), FarmPoint::work_key) {
             workers.cancel.check()?;
             let scene = same_work[0].1.lay_out(workers);
-            let run = |point: &FarmPoint| point.run(scene.as_ref().map_err(String::clone)?, &workers.cancel);
+            let run = |point: &FarmPoint| {
+                let results = point.run(scene.as_ref().map_err(String::clone)?, &workers.cancel)?;
+                let effective = effective::cells(&OF_FARMS, &self.parameters, &point.machine);
+                Ok(([effective, results].concat(), point.machine.notes.clone()))
+            };
             same_work.par_iter().for_each(|(index, point)| done(*index, run(point)));
         }
         workers.cancel.check()
@@ -80,7 +108,7 @@ impl Sweep {
         &self,
         points: &[usize],
         workers: &Workers,
-        done: impl Fn(usize, Result<Outcome, String>) + Sync,
+        done: impl Fn(usize, Given) + Sync,
     ) -> Result<(), Cancelled> {
         let planned: Vec<Result<PlannedRun, String>> = points.par_iter().map(|&index| self.planned(index)).collect();
         let mut possible = Vec::new();
@@ -90,6 +118,11 @@ impl Sweep {
                 Err(reason) => done(index, Err(reason)),
             }
         }
+        let done = |index, planned: &PlannedRun, outcome: Result<Outcome, String>| {
+            let effective = || effective::cells(&OF_ARRAYS, &self.parameters, &planned.machine);
+            let given = |outcome: Outcome| ([effective(), outcome.results()].concat(), planned.machine.notes.clone());
+            done(index, outcome.map(given));
+        };
         let mut layers = Layers::default();
         for same_ops in by_layers(&possible) {
             workers.cancel.check()?;
@@ -104,6 +137,15 @@ impl Sweep {
     }
 }
 
+/// Does something on so many threads as there are workers.
+fn on_threads<T: Send>(workers: &Workers, work: impl FnOnce() -> T + Send) -> T {
+    match rayon::ThreadPoolBuilder::new().num_threads(workers.threads).build() {
+        Ok(pool) => pool.install(work),
+        // No threads can be had: what there is has to do.
+        Err(_) => work(),
+    }
+}
+
 /// A point's number and what is to be run for it.
 type Point = (usize, PlannedRun);
 
@@ -111,18 +153,18 @@ fn run_same_ops(
     points: &[&Point],
     layers: &mut Layers,
     workers: &Workers,
-    done: &(impl Fn(usize, Result<Outcome, String>) + Sync),
+    done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>) + Sync),
 ) {
     let (first, others) = match points {
         [first, others @ ..] => (&first.1, others),
         [] => return,
     };
     if others.is_empty() || first.spec.image.is_some() {
-        return points.iter().for_each(|(index, planned)| done(*index, point::run(planned, layers, workers)));
+        return points.iter().for_each(|(index, planned)| done(*index, planned, point::run(planned, layers, workers)));
     }
     let traced = layers.traced(first, workers).map_err(point::reason);
     let time = |planned| point::time(planned, traced.as_ref().map_err(String::clone)?, &workers.cancel);
-    points.par_iter().for_each(|(index, planned)| done(*index, time(planned)));
+    points.par_iter().for_each(|(index, planned)| done(*index, planned, time(planned)));
 }
 
 /// The points by the ops that they share, those of the same scene one after the other, and among them those of the same

@@ -37,7 +37,8 @@ pub const COLUMNS: [Column<'static>; 18] = [
 /// All that a point is made of.
 pub struct FarmPoint {
     spec: FarmSpec,
-    machine: Capitan,
+    /// Its machine.
+    pub machine: Capitan,
 }
 
 impl FarmPoint {

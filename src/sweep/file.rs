@@ -1,14 +1,17 @@
 //! The file of a sweep: for each parameter a value, a list of values or a range.
 
+use std::collections::HashMap;
+use std::fmt::Write;
 use std::path::Path;
 
 use super::parameters::{self, MOST_VALUES, Parameter, Points, SweepFile};
-use super::{farm_point, point};
+use super::{effective, farm_point, point};
 use crate::error::{InputError, Place};
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};
 use crate::isa::{Sources, assemble};
-use crate::report::table::Column;
+use crate::machine::{CapitanFile, MachineFile};
+use crate::report::table::{Column, Kind};
 use crate::scene::ReadOptions;
 
 /// The points of a sweep: every combination of its parameters' values.
@@ -19,7 +22,8 @@ pub struct Sweep {
     /// The parameters that it sets or varies.
     pub parameters: Vec<Parameter>,
     points: usize,
-    files: Vec<FileRead>,
+    /// The files that the points read, with what was in them when the sweep was read, by the value that names them.
+    files: HashMap<(&'static str, String), Vec<FileRead>>,
 }
 
 impl Sweep {
@@ -48,22 +52,24 @@ impl Sweep {
         Ok(Sweep { of, parameters, points: count as usize, files })
     }
 
-    /// The files that its points read, with those behind them, as they were when the sweep was read.
-    pub fn files(&self) -> &[FileRead] {
-        &self.files
+    /// The files that its points read, with those behind them.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.values().flatten().map(|file| file.path.as_path())
     }
 
     /// The columns of its table: the parameters, then the results.
     pub fn columns(&self) -> Vec<Column<'static>> {
-        self.parameters.iter().map(|parameter| parameter.column).chain(self.results().iter().copied()).collect()
+        self.parameters.iter().map(|parameter| parameter.column).chain(self.results()).collect()
     }
 
-    /// What its table tells of a point, behind the parameters.
-    pub fn results(&self) -> &'static [Column<'static>] {
+    /// What its table tells of a point, behind the parameters: what the machine made of their values, and what came out.
+    pub fn results(&self) -> Vec<Column<'static>> {
+        let mut columns = effective::columns(self.of, &self.parameters);
         match self.of {
-            Points::Arrays => &point::COLUMNS,
-            Points::Farms => &farm_point::COLUMNS,
+            Points::Arrays => columns.extend(point::COLUMNS),
+            Points::Farms => columns.extend(farm_point::COLUMNS),
         }
+        columns
     }
 
     /// How many points it has.
@@ -83,22 +89,50 @@ impl Sweep {
         values
     }
 
-    /// What tells the sweep apart from all others: the program's version, the values, and what is in the files that they
-    /// name and in those behind them.
-    pub fn identity(&self) -> String {
-        let parameters = self.parameters.iter().map(|parameter| (parameter.column.name, &parameter.values));
-        let parameters: Vec<_> = parameters.collect();
-        let all = format!("{parameters:?} {:?}", self.files);
-        format!("{} {}", env!("CARGO_PKG_VERSION"), blake3::hash(all.as_bytes()).to_hex())
+    /// What tells a point apart from all others: its values, and what is in the files that they name and in those behind
+    /// them.
+    pub fn identity(&self, index: usize) -> String {
+        let values = self.point(index);
+        let values = self.parameters.iter().map(|parameter| parameter.column.name).zip(values);
+        let with_files = values.map(|(name, value)| {
+            let key = (name, value);
+            let files = self.files.get(&key);
+            (key, files)
+        });
+        let all: Vec<_> = with_files.collect();
+        blake3::hash(format!("{all:?}").as_bytes()).to_hex()[..32].to_owned()
+    }
+
+    /// The sweep as a file says it, its ranges written out.
+    pub fn text(&self) -> String {
+        let mut text = "(\n".to_owned();
+        for Parameter { column, values } in &self.parameters {
+            let quoted = values.iter().map(|value| match column.kind {
+                Kind::Text => format!("{value:?}"),
+                Kind::Truth | Kind::Whole | Kind::Number => value.clone(),
+            });
+            let list = quoted.collect::<Vec<_>>().join(", ");
+            let _ = match values.len() {
+                1 => writeln!(text, "    {}: {list},", column.name),
+                _ => writeln!(text, "    {}: [{list}],", column.name),
+            };
+        }
+        text + ")\n"
     }
 }
 
 /// The files that the points read, with what is in them.
-fn files_of(parameters: &[Parameter]) -> Vec<FileRead> {
-    let named = parameters.iter().flat_map(|parameter| {
-        parameter.values.iter().filter(|value| Path::new(value).exists()).map(|value| (parameter.column.name, value))
-    });
-    named.flat_map(|(name, value)| files_behind(name, Path::new(value))).collect()
+fn files_of(parameters: &[Parameter]) -> HashMap<(&'static str, String), Vec<FileRead>> {
+    let values = parameters
+        .iter()
+        .flat_map(|parameter| parameter.values.iter().map(|value| (parameter.column.name, value.clone())));
+    let named = values.filter(|(_, value)| Path::new(value).exists());
+    named
+        .map(|(name, value)| {
+            let files = files_behind(name, Path::new(&value));
+            ((name, value), files)
+        })
+        .collect()
 }
 
 /// The files that a value of a parameter stands for. A pipe, which can be read but once, is left out.
@@ -115,6 +149,11 @@ fn files_behind(name: &str, path: &Path) -> Vec<FileRead> {
     let (_, files) = reading::noting(|| match name {
         // A reader that fails has told what it read so far.
         "scene" => crate::scene::load(path, &ReadOptions::default()).map_or((), drop),
+        "machine" => {
+            // It is of one kind or of the other.
+            let (array, farm) = (MachineFile::read(path).is_ok(), CapitanFile::read(path).is_ok());
+            debug_assert!(!(array && farm));
+        }
         "cell_programs" => assemble(path, Sources::Files, &[]).map_or((), drop),
         _ => fields::read_text(path).map_or((), drop),
     });

@@ -1,34 +1,38 @@
-//! The journal of a sweep: a line for each point that is done, so that a killed sweep can go on.
+//! The journal of a sweep: a line for each point that is done, so that a killed sweep can go on, and one that gets more
+//! points runs no others.
 
+use std::collections::HashMap;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use crate::error::InputError;
 
-/// The rows of the points that are done, in memory and in a file that outlives the process. As long as it is open, no
+/// The results of the points that are done, in memory and in a file that outlives the process. As long as it is open, no
 /// other process can open it.
 #[derive(Debug)]
 pub(super) struct Journal {
     file: File,
-    /// For each point, its row once it is done.
-    rows: Vec<Option<Vec<String>>>,
+    heading: Heading,
+    /// For each point, its results once it is done.
+    results: Vec<Option<Vec<String>>>,
 }
 
 /// What a journal is for.
 #[derive(Debug)]
 pub(super) struct Heading {
-    /// Tells the sweep apart from all others.
-    pub identity: String,
-    /// How many points it has.
-    pub points: usize,
-    /// How many cells a row has.
-    pub columns: usize,
+    /// What all points have in common: the program's version, and what is told of a point.
+    pub kind: String,
+    /// What tells each point apart from all others.
+    pub points: Vec<String>,
+    /// How many cells a point's results have.
+    pub cells: usize,
 }
 
 /// Why a journal cannot be gone on with.
 enum Refused {
     OtherSweep,
+    OtherPoints(usize),
     Damaged(usize),
     Failed(std::io::Error),
 }
@@ -40,8 +44,10 @@ impl From<std::io::Error> for Refused {
 }
 
 impl Journal {
-    /// Opens the journal of a sweep, or starts one. With `force`, another sweep's journal makes room for this one's.
-    pub fn open(path: &Path, heading: &Heading, force: bool) -> Result<Journal, InputError> {
+    /// Opens the journal of a sweep, or starts one. Points that were not in it are to be run.
+    ///
+    /// With `force`, points that this sweep does not have are dropped; without, there must be none.
+    pub fn open(path: &Path, heading: Heading, force: bool) -> Result<Journal, InputError> {
         let failed = |error: std::io::Error| InputError::in_file(path, format!("cannot be used: {error}"));
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(failed)?;
         match file.try_lock() {
@@ -52,17 +58,18 @@ impl Journal {
                 return Err(error.help("wait for it to end, or give the table another name"));
             }
         }
-        let mut journal = Journal { file, rows: vec![None; heading.points] };
-        match journal.recover(heading) {
+        let mut journal = Journal { file, results: vec![None; heading.points.len()], heading };
+        match journal.recover() {
             Ok(()) => Ok(journal),
-            Err(Refused::OtherSweep | Refused::Damaged(_)) if force => {
-                journal.start_anew(heading).map_err(failed)?;
+            Err(Refused::OtherSweep | Refused::OtherPoints(_) | Refused::Damaged(_)) if force => {
+                journal.start_anew().map_err(failed)?;
                 Ok(journal)
             }
-            Err(Refused::OtherSweep) => {
-                let error =
-                    InputError::in_file(path, "is the journal of another sweep, or the files of this one changed");
-                Err(error.help("give the table another name, or --force to start this sweep in place of the other"))
+            Err(Refused::OtherSweep) => Err(other_sweep(path, "")),
+            Err(Refused::OtherPoints(count)) => {
+                let points =
+                    if count == 1 { "1 of its points is".to_owned() } else { format!("{count} of its points are") };
+                Err(other_sweep(path, &format!(": {points} not among these")))
             }
             Err(Refused::Damaged(line)) => {
                 let error = InputError::in_file(path, format!("is no journal: line {line} makes no sense"));
@@ -73,50 +80,76 @@ impl Journal {
     }
 
     /// Reads what is there, and cuts off a line that was being written when the process ended.
-    fn recover(&mut self, heading: &Heading) -> Result<(), Refused> {
+    fn recover(&mut self) -> Result<(), Refused> {
         let mut bytes = Vec::new();
         self.file.read_to_end(&mut bytes)?;
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
         let mut lines = bytes[..whole].split_inclusive(|&byte| byte == b'\n');
-        let Some(first) = lines.next() else { return Ok(self.start_anew(heading)?) };
-        let identity: String = serde_json::from_slice(first).map_err(|_| Refused::Damaged(1))?;
-        if identity != heading.identity {
+        let Some(first) = lines.next() else { return Ok(self.start_anew()?) };
+        let kind: String = serde_json::from_slice(first).map_err(|_| Refused::Damaged(1))?;
+        if kind != self.heading.kind {
             return Err(Refused::OtherSweep);
         }
+        // A value may stand twice among those of a parameter.
+        let mut places: HashMap<&str, Vec<usize>> = HashMap::new();
+        for (place, point) in self.heading.points.iter().enumerate() {
+            places.entry(point).or_default().push(place);
+        }
+        let mut of_others = 0;
         for (line, number) in lines.zip(2..) {
-            let entry: Result<(usize, Vec<String>), _> = serde_json::from_slice(line);
-            let fits = |(index, row): &(usize, Vec<String>)| *index < self.rows.len() && row.len() == heading.columns;
-            let (index, row) = entry.ok().filter(fits).ok_or(Refused::Damaged(number))?;
-            self.rows[index] = Some(row);
+            let entry: Result<(&str, Vec<String>), _> = serde_json::from_slice(line);
+            let entry = entry.ok().filter(|(_, results)| results.len() == self.heading.cells);
+            let (point, results) = entry.ok_or(Refused::Damaged(number))?;
+            match places.get(point) {
+                Some(places) => places.iter().for_each(|&place| self.results[place] = Some(results.clone())),
+                None => of_others += 1,
+            }
+        }
+        if of_others > 0 {
+            return Err(Refused::OtherPoints(of_others));
         }
         self.file.set_len(whole as u64)?;
         self.file.seek(SeekFrom::End(0))?;
         Ok(())
     }
 
-    fn start_anew(&mut self, heading: &Heading) -> std::io::Result<()> {
-        self.rows.fill(None);
+    /// Writes the journal again: its heading, and the points that it shares with what was there.
+    fn start_anew(&mut self) -> std::io::Result<()> {
+        let mut lines = serde_json::to_string(&self.heading.kind)? + "\n";
+        for (point, results) in self.heading.points.iter().zip(&self.results) {
+            if let Some(results) = results {
+                lines += &line(point, results)?;
+            }
+        }
         self.file.set_len(0)?;
         self.file.rewind()?;
-        let line = serde_json::to_string(&heading.identity)? + "\n";
-        self.file.write_all(line.as_bytes())
+        self.file.write_all(lines.as_bytes())
     }
 
     /// Whether a point is done.
     pub fn has(&self, index: usize) -> bool {
-        self.rows[index].is_some()
+        self.results[index].is_some()
     }
 
     /// Enters a point that is done: in one write, so that a kill loses at most its own line.
-    pub fn enter(&mut self, index: usize, row: Vec<String>) -> std::io::Result<()> {
-        let line = serde_json::to_string(&(index, &row))? + "\n";
-        self.file.write_all(line.as_bytes())?;
-        self.rows[index] = Some(row);
+    pub fn enter(&mut self, index: usize, results: Vec<String>) -> std::io::Result<()> {
+        self.file.write_all(line(&self.heading.points[index], &results)?.as_bytes())?;
+        self.results[index] = Some(results);
         Ok(())
     }
 
-    /// The rows of the points that are done, in the order of the points.
-    pub fn rows(&self) -> impl Iterator<Item = &[String]> {
-        self.rows.iter().flatten().map(Vec::as_slice)
+    /// The results of the points that are done, with their numbers, in the order of the points.
+    pub fn results(&self) -> impl Iterator<Item = (usize, &[String])> {
+        self.results.iter().enumerate().filter_map(|(index, results)| Some((index, results.as_deref()?)))
     }
+}
+
+fn other_sweep(path: &Path, why: &str) -> InputError {
+    let what = "is the journal of another sweep, or the files of this one changed";
+    let error = InputError::in_file(path, format!("{what}{why}"));
+    error.help("give the table another name, or --force to start this sweep in place of the other")
+}
+
+fn line(point: &str, results: &[String]) -> std::io::Result<String> {
+    Ok(serde_json::to_string(&(point, results))? + "\n")
 }

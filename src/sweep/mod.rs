@@ -1,5 +1,6 @@
 //! Many runs at once: which points a sweep has, and the record that lets a killed one go on.
 
+mod effective;
 mod engine;
 mod farm_point;
 mod file;
@@ -9,6 +10,7 @@ mod point;
 mod range;
 mod record;
 
+pub use engine::Note;
 pub use file::Sweep;
 pub use parameters::{Parameter, Points};
 pub use record::{Record, Unrecorded};

@@ -1,13 +1,16 @@
 //! What is known of a sweep, in files: the table in two formats, which grows as points finish, and the journal.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::Sweep;
+use rayon::prelude::*;
+
 use super::journal::{Heading, Journal};
+use super::{Note, Sweep};
 use crate::cancel::Cancelled;
 use crate::error::InputError;
 use crate::report::table::{self, Column, Table};
@@ -23,6 +26,10 @@ use crate::run::Workers;
 pub struct Record {
     places: Places,
     columns: Vec<Column<'static>>,
+    /// The rows of the points that are done, with their numbers, in the order of the points.
+    rows: BTreeMap<usize, Vec<String>>,
+    /// The sweep as a file says it.
+    sweep: String,
     journal: Journal,
     /// When the table may be written next: writing it takes a small share of the time, however long it is.
     due: Instant,
@@ -53,25 +60,27 @@ const SHORTEST_PAUSE: Duration = Duration::from_millis(250);
 const PAUSE_FACTOR: u32 = 20;
 
 impl Record {
-    /// Opens the record of a sweep, or starts one. `path` names the table, as `.csv` or `.parquet`; its rows begin with
-    /// the sweep's parameters.
+    /// Opens the record of a sweep, or starts one. `path` names the table, as `.csv` or `.parquet`.
     ///
     /// Fails if there are such files of something else and `force` was not asked for, and if another process has it open.
-    pub fn open(sweep: &Sweep, columns: &[Column<'static>], path: &Path, force: bool) -> Result<Record, InputError> {
+    pub fn open(sweep: &Sweep, path: &Path, force: bool) -> Result<Record, InputError> {
         let places = Places::new(path)?;
         let begun = std::fs::metadata(&places.journal).is_ok_and(|journal| journal.len() > 0);
         if !force && !begun {
             places.check_free()?;
         }
-        let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
-        let identity = format!("{} {names:?}", sweep.identity());
-        let heading = Heading { identity, points: sweep.points(), columns: columns.len() };
-        let journal = Journal::open(&places.journal, &heading, force)?;
-        Ok(Record { places, columns: columns.to_vec(), journal, due: Instant::now() })
+        let results = sweep.results();
+        let names: Vec<&str> = results.iter().map(|column| column.name).collect();
+        let kind = format!("{} {}", env!("CARGO_PKG_VERSION"), names.join(" "));
+        let points = (0..sweep.points()).into_par_iter().map(|index| sweep.identity(index)).collect();
+        let journal = Journal::open(&places.journal, Heading { kind, points, cells: results.len() }, force)?;
+        let row = |(index, results): (usize, &[String])| (index, [&sweep.point(index), results].concat());
+        let rows = journal.results().map(row).collect();
+        Ok(Record { places, columns: sweep.columns(), rows, sweep: sweep.text(), journal, due: Instant::now() })
     }
 
     /// Runs the points that are not done, and enters each as it is; `seen` is told of its row. The table's files are up to
-    /// date in the end.
+    /// date in the end. Returns what had to be rounded in the points that were run.
     ///
     /// # Errors
     ///
@@ -81,26 +90,32 @@ impl Record {
         sweep: &Sweep,
         workers: &Workers,
         mut seen: impl FnMut(&[String]) + Send,
-    ) -> Result<(), Unrecorded> {
+    ) -> Result<Vec<Note>, Unrecorded> {
         let todo: Vec<usize> = (0..sweep.points()).filter(|&index| !self.has(index)).collect();
         let state = Mutex::new((&mut *self, &mut seen, Ok(())));
         let ended = sweep.run(&todo, workers, |index, results| {
-            let row = [sweep.point(index), results].concat();
+            let row = [sweep.point(index), results.clone()].concat();
             let mut guard = state.lock().unwrap_or_else(PoisonError::into_inner);
             let (record, seen, written) = &mut *guard;
             seen(&row);
             if written.is_ok() {
-                *written = record.enter(index, row);
+                *written = record.enter(index, results, row);
             }
         });
         let (_, _, written) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        ended?;
-        Ok(written.and_then(|()| self.write_table())?)
+        let notes = ended?;
+        written.and_then(|()| self.write_table())?;
+        Ok(notes)
     }
 
-    /// How many points are done.
+    /// How many points are done, those that failed among them.
     pub fn done(&self) -> usize {
-        self.journal.rows().count()
+        self.rows.len()
+    }
+
+    /// Why points failed, in their order.
+    pub fn failures(&self) -> impl Iterator<Item = &str> {
+        self.rows.values().filter_map(|row| row.last()).map(String::as_str).filter(|reason| !reason.is_empty())
     }
 
     /// Whether a point is done.
@@ -108,9 +123,10 @@ impl Record {
         self.journal.has(index)
     }
 
-    /// Enters the row of a point that is done.
-    pub fn enter(&mut self, index: usize, row: Vec<String>) -> std::io::Result<()> {
-        self.journal.enter(index, row)?;
+    /// Enters a point that is done.
+    fn enter(&mut self, index: usize, results: Vec<String>, row: Vec<String>) -> std::io::Result<()> {
+        self.journal.enter(index, results)?;
+        self.rows.insert(index, row);
         if Instant::now() < self.due {
             return Ok(());
         }
@@ -124,12 +140,14 @@ impl Record {
     pub fn write_table(&self) -> std::io::Result<()> {
         let table = self.table();
         replace(&self.places.csv, |file| table::write_csv(file, &table).map_err(std::io::Error::other))?;
-        replace(&self.places.parquet, |file| table::write_parquet(file, &table).map_err(std::io::Error::other))
+        replace(&self.places.parquet, |file| {
+            table::write_parquet(file, &table, &[("pcs_sim.sweep", &self.sweep)]).map_err(std::io::Error::other)
+        })
     }
 
     /// The points that are done.
     pub fn table(&self) -> Table<'_> {
-        Table { columns: &self.columns, rows: self.journal.rows().collect() }
+        Table { columns: &self.columns, rows: self.rows.values().map(Vec::as_slice).collect() }
     }
 
     /// Where the table is: as CSV, as Parquet.

@@ -67,7 +67,100 @@ fn rays_from_a_file_take_the_place_of_the_camera() {
     folder.file("rays.csv", "ox,oy,oz,dx,dy,dz,tmax\n0.5,0.25,-1,0,0,2,inf\n0.5,0.25,-1,0,0,2,0.25\n7,7,7,1,0,0,9\n");
     folder.file("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
     folder.run("--scene square.obj --rays rays.csv --hits h.csv").success();
-    assert_eq!(folder.read("h.csv"), "ray,t,polygon,alpha,beta\n0,0.5,0,0.25,0.25\n1,inf,,,\n2,inf,,,\n");
+    assert_eq!(folder.read("h.csv"), "ray,t,polygon,alpha,beta\n0,0.5,0,0.25,0.25\n1,,,,\n2,,,,\n");
+}
+
+/// The statistics alone go to standard output, and are those of the file.
+#[test]
+fn statistics_go_to_stdout() {
+    let folder = Folder::new();
+    for run in [
+        "--scene room --size 8x6",
+        "image room --size 8x6 -o i.png --force",
+        "farm rectangles --size 20x10 --tasks 2",
+        "model room --size 8x8",
+    ] {
+        folder.run(&format!("{run} --stats s.json --force")).success();
+        let stats = folder.read("s.json");
+        assert_eq!(folder.run(&format!("{run} --json")).success(), stats, "{run}");
+        assert_eq!(folder.run(&format!("{run} --stats -")).success(), stats, "{run}");
+    }
+    let error = folder.run("--scene room --size 8x6 --stats - --hits -").refused();
+    assert!(error.contains("named for two results"), "{error}");
+}
+
+/// A pipe gives a recording, which is read more than once, and other inputs.
+#[cfg(unix)]
+#[test]
+fn inputs_come_from_stdin() {
+    let folder = Folder::new();
+    folder.run("--scene room --size 8x6 --ops a.ops --stats run.json").success();
+    let piped = |args: &str, input: &str| {
+        let command = format!("{} {args} < {input}", env!("CARGO_BIN_EXE_pcs-sim"));
+        let output = std::process::Command::new("sh").args(["-c", &command]).current_dir(folder.path(".")).output();
+        let output = output.unwrap();
+        assert!(output.status.success(), "{args}: {output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let from_file = folder.run("replay a.ops").success();
+    assert_eq!(piped("replay -", "a.ops"), from_file.replace("replay of a.ops", "replay of -"));
+    assert_eq!(piped("--config - --json", "run.json"), folder.read("run.json"));
+}
+
+#[test]
+fn the_quiet_say_nothing() {
+    let folder = Folder::new();
+    for run in ["--quiet --scene room --size 8x6 --link-mb-s 30 --stats s.json", "image room --size 8x6 -o i.png -q"] {
+        let finished = folder.run(run);
+        assert_eq!((finished.status, finished.stdout.as_str(), finished.stderr.as_str()), (0, "", ""), "{run}");
+    }
+    assert_eq!(folder.names(), ["i.png", "s.json"]);
+    assert!(folder.run("--quiet --scene atlantis").refused().contains("atlantis"));
+}
+
+/// What people read of a run fits a terminal of 80 columns, sentences apart.
+#[test]
+fn tables_fit_80_columns() {
+    let folder = Folder::new();
+    for run in [
+        "--scene room --size 8x6",
+        "--scene teapot --size 48x48 --mode hybrid --cells 12 --fifo-words 4 --link-mb-s 10",
+        "farm rectangles --size 40x30 --tasks 3",
+    ] {
+        let text = folder.run(run).success();
+        let tables = text.lines().skip_while(|line| !line.is_empty());
+        let rows = tables.filter(|line| line.contains("  ") && !line.ends_with('.'));
+        let widest = rows.max_by_key(|row| row.chars().count()).unwrap();
+        assert!(widest.chars().count() <= 80, "{widest}");
+    }
+}
+
+/// The help tells every default of the machine, and no flag that is always refused.
+#[test]
+fn help_tells_defaults() {
+    let folder = Folder::new();
+    let help = folder.run("--help").success();
+    let flat = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(flat.contains("[default: the machine file's; 512 in the standard one]"), "{help}");
+    assert!(flat.contains("Figure 7: the grid's work, in µs a voxel [default: the machine file's; 7.8"), "{help}");
+    assert!(!help.contains("--host-hit-us"), "{help}");
+    assert!(folder.run("image --help").success().contains("--host-hit-us"));
+    assert!(!folder.run("replay --help").success().contains("--memory-words"));
+}
+
+#[test]
+fn shells_and_the_manual_know_the_flags() {
+    let folder = Folder::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = folder.run(&format!("completions {shell}")).success();
+        assert!(script.contains("fifo-words") && script.contains("sweep"), "{shell}: {script}");
+    }
+    let told = folder.run("man pages").success();
+    assert!(told.starts_with("wrote pages/pcs-sim.1\n") && told.contains("wrote pages/pcs-sim-sweep.1\n"), "{told}");
+    let page = folder.read("pages/pcs-sim-sweep.1");
+    assert!(page.contains("accept\\-failures") && page.starts_with(".ie"), "{page}");
+    assert!(folder.run("man pages").refused().contains("exists already"));
+    folder.run("man pages --force").success();
 }
 
 #[test]

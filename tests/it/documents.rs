@@ -1,7 +1,14 @@
 //! The documents say what the code says.
 
+use std::collections::BTreeSet;
+
 use pcs_sim::machine::{CapitanFile, CapitanOptions, MachineFile, MachineOptions};
+use pcs_sim::report::table::{Column, Kind};
+use pcs_sim::run::{FarmRunOptions, RunOptions};
+use pcs_sim::sweep::Sweep;
 use serde_json::Value;
+
+use crate::support::command::Folder;
 
 /// The rows of docs/machine.md's table of parameters, a name, a unit and a default each.
 fn documented() -> Vec<[String; 3]> {
@@ -73,4 +80,84 @@ fn farm_md_lists_every_parameter_with_its_default() {
     let expected: Vec<_> =
         parameters.map(|it| (it.name.to_owned(), unit(it.label), default_of(&file, it.name))).collect();
     assert_eq!(listed, expected);
+}
+
+/// The lines of a section of docs/tables.md whose heading begins so, without the head of its table.
+fn listed(heading: &str) -> Vec<String> {
+    let text = std::fs::read_to_string("docs/tables.md").unwrap();
+    let (_, section) = text.split_once(&format!("\n## {heading}")).unwrap();
+    let section = section.split("\n## ").next().unwrap();
+    section.lines().filter(|line| line.starts_with("| `")).map(str::to_owned).collect()
+}
+
+/// docs/tables.md lists every column of a sweep's table, with what it holds, what it means, and its unit.
+#[test]
+fn tables_md_lists_every_column() {
+    let folder = Folder::new();
+    let results = |text: &str| Sweep::read(&folder.file("sweep.ron", text)).unwrap().results();
+    let line = |name: &str, kind: Kind, label: &str| {
+        let holds = match kind {
+            Kind::Text => "text",
+            Kind::Truth => "true or false",
+            Kind::Whole => "whole",
+            Kind::Number => "number",
+        };
+        format!("| `{name}` | {holds} | {label} |")
+    };
+    let lines = |columns: &[Column]| columns.iter().map(|it| line(it.name, it.kind, it.label)).collect::<Vec<_>>();
+    let (arrays, farms) = (results(r#"(machine: "pcs.ron")"#), results("(farm: true, bus_mb_s: 10)"));
+    let (rounded, of_arrays) = arrays.split_at(9);
+    let (bus, of_farms) = farms.split_at(1);
+    assert_eq!(listed("A sweep's table: the results of an array"), lines(of_arrays));
+    assert_eq!(listed("A sweep's table: the results of a farm"), lines(of_farms));
+    assert_eq!(listed("A sweep's table: what the machine"), [lines(rounded), lines(bus)].concat());
+    let known = RunOptions::parameters().chain(RunOptions::image_parameters()).chain(FarmRunOptions::parameters());
+    let known = known.map(|it| line(it.name, it.kind.into(), it.label));
+    let known: BTreeSet<String> =
+        known.chain([line("image", Kind::Truth, "whole image"), line("farm", Kind::Truth, "farm")]).collect();
+    assert_eq!(listed("A sweep's table: the parameters").into_iter().collect::<BTreeSet<_>>(), known);
+}
+
+/// The paths of the values of some JSON.
+fn paths(value: &Value, path: &str, into: &mut BTreeSet<String>) {
+    match value {
+        _ if path == "configuration" => drop(into.insert(path.to_owned())),
+        Value::Object(fields) => fields.iter().for_each(|(name, value)| {
+            let name = if path == "rays_by_kind" { "KIND" } else { name };
+            let dot = if path.is_empty() { "" } else { "." };
+            paths(value, &format!("{path}{dot}{name}"), into);
+        }),
+        Value::Array(values) => values.iter().for_each(|value| paths(value, &format!("{path}[]"), into)),
+        _ => drop(into.insert(path.to_owned())),
+    }
+}
+
+/// docs/tables.md lists every field of statistics, and no other.
+#[test]
+fn tables_md_lists_every_field() {
+    let folder = Folder::new();
+    let written = |commands: &[&str]| {
+        let mut fields = BTreeSet::new();
+        for command in commands {
+            folder.run(&format!("{command} --stats s.json --force")).success();
+            paths(&serde_json::from_str(&folder.read("s.json")).unwrap(), "", &mut fields);
+        }
+        fields
+    };
+    let names = |heading: &str| {
+        let lines = listed(heading);
+        let columns = lines.iter().map(|line| line.split(" | ").collect::<Vec<_>>());
+        let name = |columns: Vec<&str>| columns[0].trim_start_matches("| `").trim_end_matches('`').to_owned();
+        columns.map(name).collect::<BTreeSet<String>>()
+    };
+    let runs = [
+        "--scene room --size 8x6 --mode broadcast --cells 2 --why --ops a.ops",
+        "replay a.ops",
+        "image room --size 8x6 -o i.png",
+        "--scene tetra --size-factor 3 --size 8 --cells-run programs",
+        "--mode broadcast --cells 8 --partition work --scene teapot --size 48x48",
+    ];
+    assert_eq!(written(&runs), names("Statistics\n"));
+    assert_eq!(written(&["farm rectangles --size 20x10 --tasks 2"]), names("Statistics of a farm"));
+    assert_eq!(written(&["model room --size 8x8"]), names("Predictions"));
 }

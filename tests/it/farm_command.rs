@@ -120,7 +120,7 @@ fn farms_are_swept_and_drawn() {
     let folder = Folder::new();
     folder.file("farms.ron", SWEEP);
     let stdout = folder.run("sweep farms.ron -o farms.csv --plot x=tasks y=seconds by=scene_by").success();
-    assert!(stdout.starts_with("8 points, 8 of them done now\nwrote farms.csv"), "{stdout}");
+    assert!(stdout.starts_with("8 points: 8 done\nwrote farms.csv"), "{stdout}");
     let table = folder.read("farms.csv");
     insta::assert_snapshot!(table);
     // A point is what the command runs.
@@ -130,7 +130,7 @@ fn farms_are_swept_and_drawn() {
     let column = table.lines().next().unwrap().split(',').position(|name| name == "seconds").unwrap();
     assert_eq!(row[column].parse::<f64>().unwrap(), one["seconds"].as_f64().unwrap());
     let again = folder.run("sweep farms.ron -o farms.csv").success();
-    assert!(again.starts_with("8 points, 0 of them done now"), "{again}");
+    assert!(again.starts_with("8 points: 8 done (0 now)"), "{again}");
 }
 
 #[test]

@@ -29,6 +29,7 @@ mod interrupt;
 mod isa;
 mod killed_sweeps;
 mod layers;
+mod machine_files;
 mod manual;
 mod model_command;
 mod modes_agree;

@@ -31,7 +31,7 @@ fn a_point_is_what_a_run_with_its_flags_is() {
     let folder = Folder::new();
     folder.file("sweep.ron", SWEEP);
     let stdout = folder.run("sweep sweep.ron --table t.csv").success();
-    assert_eq!(stdout, "12 points, 12 of them done now\nwrote t.csv\nwrote t.parquet\n");
+    assert_eq!(stdout, "12 points: 12 done\nwrote t.csv\nwrote t.parquet\n");
     assert_eq!(folder.names(), ["s.json", "sweep.ron", "t.csv", "t.journal", "t.parquet"][1..]);
     let rows = rows(&folder.read("t.csv"));
     assert_eq!(rows[0][..5], ["scene", "size", "mode", "fifo_words", "link_mb_s"]);
@@ -60,7 +60,7 @@ fn machines_that_cannot_run_programs_fail_alone() {
     for (order, runs) in [(r#""costs.ron", "plain.ron""#, 0), (r#""plain.ron", "costs.ron""#, 1)] {
         let sweep = r#"scene: "tetra", size_factor: 2, size: 4, cells_run: "programs", machine:"#;
         folder.file("sweep.ron", format!("({sweep} [{order}])"));
-        folder.run("sweep sweep.ron -o t.csv --force").success();
+        folder.run("sweep sweep.ron -o t.csv --force --accept-failures").success();
         let rows = rows(&folder.read("t.csv"));
         let (errors, cycles) = (column(&rows, "error"), column(&rows, "cycles"));
         assert_eq!((errors[runs].as_str(), cycles[1 - runs].as_str()), ("", ""), "{rows:?}");
@@ -111,7 +111,7 @@ fn images_and_primary_rays_stand_in_one_table() {
     folder.file("none.ron", r#"(scene: "room", size: 6, image: false, depth: 2)"#);
     folder.file("off.ron", r#"(scene: "room", size: 6, timing: "off")"#);
     for (name, reason) in [("none", "depth is for images, and image is false"), ("off", "timing is off")] {
-        folder.run(&format!("sweep {name}.ron --table {name}.csv")).success();
+        folder.run(&format!("sweep {name}.ron --table {name}.csv")).failed();
         let table = folder.read(&format!("{name}.csv"));
         assert!(table.contains(reason), "{table}");
     }
@@ -161,7 +161,10 @@ fn points_fail_alone_with_their_reason() {
         "sweep.ron",
         r#"(scene: ["room", "atlantis"], size: 4, fifo_words: [0, 4], mode: ["pipeline", "sideways"])"#,
     );
-    folder.run("sweep sweep.ron --table t.csv").success();
+    let failed = folder.run("sweep sweep.ron --table t.csv").failed();
+    assert!(failed.contains("error: 7 of 8 points failed: the column `error` says why"), "{failed}");
+    let told = folder.run("sweep sweep.ron --table t.csv --accept-failures").success();
+    insta::assert_snapshot!("failures are counted", told);
     let rows = rows(&folder.read("t.csv"));
     let errors = column(&rows, "error");
     assert!(errors[0].contains("fifo_words is 0"), "{errors:?}");
@@ -248,7 +251,7 @@ fn a_finished_sweep_is_not_run_again() {
     folder.run("sweep sweep.ron -o t.csv").success();
     let before = folder.read("t.csv");
     let again = folder.run("sweep sweep.ron -o t.csv").success();
-    assert!(again.starts_with("2 points, 0 of them done now\n"), "{again}");
+    assert!(again.starts_with("2 points: 2 done (0 now)\n"), "{again}");
     assert_eq!(folder.read("t.csv"), before);
     // The scene is part of the sweep: another one needs another table.
     folder.file("room.obj", OBJ.replace("v 0 1 0", "v 0 2 0"));
@@ -260,6 +263,79 @@ fn a_finished_sweep_is_not_run_again() {
 }
 
 const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nf 1 2 3\nf 2 3 4\nf 1 3 4\n";
+
+/// A sweep that gets more values runs the new points, and its table is in the order of the new file.
+#[test]
+fn only_new_points_are_run() {
+    let folder = Folder::new();
+    let sweep = |depths: &str| folder.file("sweep.ron", format!(r#"(scene: "room", size: 6, fifo_words: {depths})"#));
+    sweep("[8, 32]");
+    folder.run("sweep sweep.ron -o t.csv").success();
+    sweep("[4, 32, 16, 8]");
+    let told = folder.run("sweep sweep.ron -o t.csv").success();
+    assert!(told.starts_with("4 points: 4 done (2 now)\n"), "{told}");
+    folder.run("sweep sweep.ron -o whole.csv").success();
+    assert_eq!(folder.read("t.csv"), folder.read("whole.csv"));
+    assert_eq!(column(&rows(&folder.read("t.csv")), "fifo_words"), ["4", "32", "16", "8"]);
+    // Fewer points: the others would be lost.
+    sweep("[8, 16]");
+    let error = folder.run("sweep sweep.ron -o t.csv").refused();
+    assert!(error.contains("2 of its points are not among these"), "{error}");
+    let told = folder.run("sweep sweep.ron -o t.csv --force").success();
+    assert!(told.starts_with("2 points: 2 done (0 now)\n"), "what it shares with the other is kept: {told}");
+    assert_eq!(rows(&folder.read("t.csv")).len(), 3);
+}
+
+#[test]
+fn points_are_counted_and_run_on_some_threads() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", SWEEP);
+    assert_eq!(folder.run("sweep sweep.ron --count").success(), "12 points\n");
+    assert_eq!(folder.names(), ["sweep.ron"]);
+    for threads in [1, 3] {
+        folder.run(&format!("sweep sweep.ron --threads {threads} -o t{threads}.csv")).success();
+    }
+    assert_eq!(folder.read("t1.csv"), folder.read("t3.csv"));
+    let error = folder.run("sweep sweep.ron").refused();
+    assert!(error.contains("--table <FILE>"), "{error}");
+    let error = folder.run("sweep sweep.ron --count -o t.csv").refused();
+    assert!(error.contains("cannot be used with"), "{error}");
+}
+
+/// What was rounded is told once, and stands in the table.
+#[test]
+fn what_was_rounded_is_told() {
+    let folder = Folder::new();
+    let sweep = r#"(scene: "room", size: 6, mode: ["pipeline", "broadcast"], link_mb_s: [80, 30, 160], grid_voxel: [7.8, 7.81])"#;
+    folder.file("sweep.ron", sweep);
+    let told = folder.run("sweep sweep.ron -o t.csv").stderr;
+    insta::assert_snapshot!("roundings", told);
+    let rows = rows(&folder.read("t.csv"));
+    assert_eq!(column(&rows, "link_cycles_per_word")[..6], ["1", "1", "3", "3", "1", "1"]);
+    assert_eq!(column(&rows, "grid_voxel_cycles")[..2], ["156", "157"]);
+    assert!(!rows[0].iter().any(|name| name == "grid_start_cycles"), "not asked");
+    assert_eq!(in_parquet(&folder, "t.parquet"), rows);
+    let all = r#"(scene: "room", size: 6, clock_ns: [50, 300, 301, 302])"#;
+    folder.file("all.ron", all);
+    let told = folder.run("sweep all.ron -o all.csv").stderr;
+    insta::assert_snapshot!("many roundings", told);
+}
+
+/// A table says where it comes from, and the sweep can be run again.
+#[test]
+fn a_table_has_its_sweep() {
+    let folder = Folder::new();
+    folder.file("sweep.ron", SWEEP);
+    folder.run("sweep sweep.ron --table t.csv").success();
+    let file = SerializedFileReader::new(std::fs::File::open(folder.path("t.parquet")).unwrap()).unwrap();
+    let pairs = file.metadata().file_metadata().key_value_metadata().unwrap();
+    let told = |key: &str| pairs.iter().find(|pair| pair.key == key).unwrap().value.clone().unwrap();
+    assert_eq!(told("pcs_sim.version"), env!("CARGO_PKG_VERSION"));
+    folder.file("again.ron", told("pcs_sim.sweep"));
+    let again = folder.run("sweep again.ron --table t.csv").success();
+    assert!(again.starts_with("12 points: 12 done (0 now)"), "{again}");
+    insta::assert_snapshot!("the sweep of a table", told("pcs_sim.sweep"));
+}
 
 #[test]
 fn files_of_others_are_kept_unless_asked() {

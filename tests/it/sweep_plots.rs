@@ -42,7 +42,7 @@ fn a_finished_table_is_plotted_without_running_again() {
     folder.file("sweep.ron", SWEEP);
     folder.run("sweep sweep.ron -o t.csv").success();
     let stdout = folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works").success();
-    assert!(stdout.starts_with("20 points, 0 of them done now\n"), "{stdout}");
+    assert!(stdout.starts_with("20 points: 20 done (0 now)\n"), "{stdout}");
     assert!(folder.read("t-mean_works-over-link_mb_s.svg").contains("bars go from the least to the most"));
     let error = folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works").refused();
     assert!(error.contains("exists already") && error.contains("t-mean_works-over-link_mb_s.svg"), "{error}");
@@ -71,7 +71,7 @@ fn plots_that_cannot_be_are_refused_before_anything_runs() {
 fn points_that_failed_are_left_out_and_counted() {
     let folder = Folder::new();
     folder.file("sweep.ron", r#"(scene: "room", size: 8, fifo_words: [0, 4, 8])"#);
-    folder.run("sweep sweep.ron -o t.csv --plot x=fifo_words y=cycles").success();
+    folder.run("sweep sweep.ron -o t.csv --plot x=fifo_words y=cycles").failed();
     assert!(folder.read("t-cycles-over-fifo_words.svg").contains("1 point that failed is left out"));
     folder.file("none.ron", r#"(scene: "room", size: 8, fifo_words: [0])"#);
     let error = folder.run("sweep none.ron -o none.csv --plot x=fifo_words y=cycles").failed();

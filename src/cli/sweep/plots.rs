@@ -1,7 +1,7 @@
 //! The plots of a sweep's table.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::report::plot::curves::{self, Axes};
@@ -25,11 +25,11 @@ struct Plot {
 
 impl Plots {
     /// Finds the columns, and opens the files.
-    pub fn open(args: &SweepArgs, columns: &[Column]) -> Result<Plots, InputError> {
+    pub fn open(args: &SweepArgs, table: &Path, columns: &[Column]) -> Result<Plots, InputError> {
         let named: Vec<Axes> = split(&args.plot).map(|words| axes(words, columns)).collect::<Result<_, _>>()?;
         let file = |axes: &Axes, ending: &str| {
-            let stem = args.table.file_stem().unwrap_or_default().to_string_lossy();
-            let name = args.table.with_file_name(format!("{stem}-{}.{ending}", axes.name(columns)));
+            let stem = table.file_stem().unwrap_or_default().to_string_lossy();
+            let name = table.with_file_name(format!("{stem}-{}.{ending}", axes.name(columns)));
             outputs::create(&name, args.force)
         };
         let open = |axes: Axes| Ok(Plot { svg: file(&axes, "svg")?, png: file(&axes, "png")?, axes });

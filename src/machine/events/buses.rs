@@ -21,6 +21,11 @@ impl Buses {
         Buses { byte: byte_millicycles, free: vec![0; count], busy: vec![0; count] }
     }
 
+    /// Thousandths of a cycle that a byte takes.
+    pub fn byte_millicycles(&self) -> u64 {
+        self.byte
+    }
+
     /// Cycles for which a message has a bus, rounded up.
     pub fn time(&self, bytes: u64) -> Cycles {
         Cycles((u128::from(bytes) * u128::from(self.byte)).div_ceil(1000) as u64)

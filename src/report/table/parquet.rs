@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
@@ -28,12 +29,17 @@ pub enum ParquetError {
     },
 }
 
-/// Writes a table as Parquet. Cells without a value are null.
-pub fn write_parquet(out: impl Write + Send, table: &Table<'_>) -> Result<(), ParquetError> {
+/// Writes a table as Parquet. Cells without a value are null. The file's metadata have the version of pcs-sim, under
+/// `pcs_sim.version`, and what `told` has: keys with their values.
+pub fn write_parquet(out: impl Write + Send, table: &Table<'_>, told: &[(&str, &str)]) -> Result<(), ParquetError> {
+    let told = told.iter().chain(&[("pcs_sim.version", env!("CARGO_PKG_VERSION"))]);
+    let told = told.map(|(key, value)| KeyValue::new((*key).to_owned(), Some((*value).to_owned())));
+
     let fields = table.columns.iter().map(field).collect::<Result<_, _>>()?;
     let schema = Type::group_type_builder("table").with_fields(fields).build()?;
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(told.collect()))
         .set_created_by(concat!("pcs-sim version ", env!("CARGO_PKG_VERSION")).to_owned());
     let mut writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties.build()))?;
     let mut rows = writer.next_row_group()?;

@@ -10,6 +10,7 @@ use super::line::{Actor, Line, lines};
 use super::survey::Survey;
 use super::{Form, MAGIC};
 use crate::error::InputError;
+use crate::input::file;
 use crate::quantities::Cycles;
 use crate::seam::{Costs, OpBatch, Vocabulary};
 
@@ -37,7 +38,7 @@ impl ActivityTrace {
     /// If the file cannot be read, or some line is none of a trace: with the line and the column.
     pub fn open(path: &Path, cycles: &Arc<Vocabulary>) -> Result<ActivityTrace, InputError> {
         let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
-        let file = File::open(path).map_err(unreadable)?;
+        let file = file::open(path).map_err(unreadable)?;
         if file.metadata().map_err(unreadable)?.is_dir() {
             return Err(InputError::in_file(path, "cannot read the file: it is a directory"));
         }

@@ -1,0 +1,75 @@
+//! The flags as others need them: defaults in the help, completions for shells, pages of the manual.
+
+use std::io::Write;
+
+use clap::{Arg, Command, CommandFactory};
+use clap_mangen::Man;
+use pcs_sim::machine::{CapitanFile, MachineFile};
+use serde_json::Value;
+
+use super::args::{Cli, CompletionsArgs, ManArgs};
+use super::{Failure, outputs, print};
+
+/// All that can be typed, with the defaults that machine files give, and without flags that a command always refuses.
+pub fn command() -> Command {
+    let standard = serde_json::to_value(MachineFile::standard().ok()).unwrap_or_default();
+    let capitan = serde_json::to_value(CapitanFile::standard().ok()).unwrap_or_default();
+    let mut command = told(Cli::command(), &standard);
+    for name in ["image", "replay", "model"] {
+        command = command.mut_subcommand(name, |command| told(command, &standard));
+    }
+    let shades_nothing = |arg: Arg| arg.hide(true);
+    command
+        .mut_subcommand("farm", |command| told(command, &capitan))
+        .mut_subcommand("model", |command| command.mut_arg("host_hit_us", shades_nothing))
+        .mut_subcommand("replay", |command| command.mut_arg("memory_words", shades_nothing))
+        .mut_arg("host_hit_us", shades_nothing)
+}
+
+/// Tells the defaults of a machine's parameters.
+fn told(command: Command, machine: &Value) -> Command {
+    command.mut_args(|arg| {
+        let name = arg.get_id().as_str();
+        let default = machine.get(name).or_else(|| machine.get("times_us")?.get(name));
+        match (default, arg.get_help()) {
+            (Some(default), Some(help)) => {
+                let default = default.to_string().trim_matches('"').to_lowercase();
+                let default = default.strip_suffix(".0").unwrap_or(&default);
+                let help = format!("{help} [default: the machine file's; {default} in the standard one]");
+                arg.help(help)
+            }
+            _ => arg,
+        }
+    })
+}
+
+/// `pcs-sim completions SHELL`
+pub fn completions(args: &CompletionsArgs) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut command(), "pcs-sim", &mut script);
+    print(&String::from_utf8_lossy(&script))
+}
+
+/// `pcs-sim man DIR`
+pub fn man(args: &ManArgs) -> Result<(), Failure> {
+    let failed = |error: std::io::Error| Failure::Output(format!("cannot write {}: {error}", args.folder.display()));
+    let _folder = outputs::folder(&args.folder).map_err(failed)?;
+    let mut all = command().disable_help_subcommand(true);
+    all.build();
+    let of_commands = all.get_subcommands().map(|command| {
+        let name = format!("pcs-sim-{}", command.get_name());
+        command.clone().name(name.clone()).display_name(name)
+    });
+    let pages: Vec<Command> = std::iter::once(all.clone()).chain(of_commands).collect();
+    let mut written = Vec::new();
+    for page in pages {
+        let path = args.folder.join(format!("{}.1", page.get_name()));
+        let file = outputs::create(&path, args.force)?;
+        outputs::finish(Some(file), &mut written, |file| {
+            let mut text = Vec::new();
+            Man::new(page).render(&mut text)?;
+            file.write_all(&text)
+        })?;
+    }
+    print(&outputs::list(&written))
+}
