@@ -150,16 +150,15 @@ def test_every_flag_is_a_parameter(folder: Path) -> None:
     others = {"help", "version", "output", "predict-only"} | results
     for call in ["run", "image", "model", "replay", "farm"]:
         told = command(folder, *([] if call == "run" else [call]), "--help").out
-        # A flag stands first in its line.
-        flags = {words[-2 if words[-1].startswith("<") else -1] for words in flag_lines(told)}
+        flags = {next(word for word in words if word.startswith("--")).rstrip(",.") for words in flag_lines(told)}
         names = {"--" + name.replace("_", "-") for name, taken in zip(known["name"], known[call]) if taken}
         assert names - {"--scene"} <= flags, call
         assert flags - names <= {f"--{other}" for other in others}, call
 
 
 def flag_lines(told: str) -> list[list[str]]:
-    """The lines of a help that begin with a flag, up to its value."""
-    lines = [line.strip().split("  ")[0].split(" [")[0].split() for line in told.splitlines()]
+    """The words of the lines of a help that begin with a flag."""
+    lines = [line.split() for line in told.splitlines()]
     return [words for words in lines if words and (words[0].startswith("--") or re.fullmatch("-[a-zA-Z],", words[0]))]
 
 

@@ -163,7 +163,10 @@ ELSEWHERE: list[tuple[Callable[[], object], str]] = [
     (lambda: pcs_sim.sweep({"fifo_words": {"from": 1}}), "fifo_words: missing field"),
     (lambda: pcs_sim.sweep({"fifo_words": []}), "a list needs at least one value"),
     (lambda: pcs_sim.sweep({"fifo_words": {"from": 1, "to": 9}}), "a step above 0"),
-    (lambda: pcs_sim.sweep({"size": list(range(1, 2000)), "fifo_words": list(range(1, 2000))}), "may have up to 1000000"),
+    (
+        lambda: pcs_sim.sweep({"size": list(range(1, 2000)), "fifo_words": list(range(1, 2000))}),
+        "may have up to 1000000",
+    ),
     (lambda: pcs_sim.sweep([1, 2]), "a sweep is"),  # type: ignore[arg-type]
     (lambda: pcs_sim.sweep("nowhere.ron"), "cannot read the file"),
     (lambda: pcs_sim.sweep({"scene": "room", "size": 2}, table="table.txt"), "must end in .csv or .parquet"),
