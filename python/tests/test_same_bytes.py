@@ -181,7 +181,7 @@ def test_sweeps(two: Path) -> None:
         fifo_words: (from: 8, to: 32, times: 2), cells: 3, memory_words: [1000, 100000])"""
     (two / "theirs" / "sweep.ron").write_text(ron)
     ended = command(two / "theirs", "sweep", "sweep.ron", "-o", "table.csv")
-    assert ended.status == 0, ended.err
+    assert (ended.status, "12 of 24" in ended.err) == (1, True), "points that fail are counted"
     table = pcs_sim.sweep(SWEEP, table="table.csv")
     same(two, ["table.csv", "table.parquet"])
     assert len(table) == 24
@@ -195,7 +195,7 @@ def test_sweeps(two: Path) -> None:
     same(two, ["table.csv", "table.parquet"])
     (two / "theirs" / "table.journal").write_bytes(b"".join(journal.splitlines(keepends=True)[:9]))
     ended = command(two / "theirs", "sweep", "sweep.ron", "-o", "table.csv")
-    assert "24 points, 16 of them done now" in ended.out
+    assert "(16 now)" in ended.out
     same(two, ["table.csv", "table.parquet"])
     assert pcs_sim.sweep(two / "theirs" / "sweep.ron").to_dict() == table.to_dict()
 
@@ -231,7 +231,7 @@ def test_hits(two: Path) -> None:
     rows = [line.split(",") for line in (two / "ours" / "hits.csv").read_text().splitlines()[1:]]
     hits = run.hits
     assert len(hits) == len(rows) == run.rays
-    assert [np.float32(row[1]) for row in rows] == list(hits["t"])
+    assert [np.float32(row[1] or "inf") for row in rows] == list(hits["t"])
     assert [int(row[2] or -1) for row in rows] == list(hits["polygon"])
     assert (hits["polygon"] >= 0).sum() == run.counts["hits"]
 
