@@ -76,14 +76,14 @@ fn statistics_go_to_stdout() {
     let folder = Folder::new();
     for run in [
         "--scene room --size 8x6",
-        "image room --size 8x6 -o i.png --force",
+        "image room --size 8x6 -o i.png",
         "farm rectangles --size 20x10 --tasks 2",
         "model room --size 8x8",
     ] {
         folder.run(&format!("{run} --stats s.json --force")).success();
         let stats = folder.read("s.json");
-        assert_eq!(folder.run(&format!("{run} --json")).success(), stats, "{run}");
-        assert_eq!(folder.run(&format!("{run} --stats -")).success(), stats, "{run}");
+        assert_eq!(folder.run(&format!("{run} --json --force")).success(), stats, "{run}");
+        assert_eq!(folder.run(&format!("{run} --stats - --force")).success(), stats, "{run}");
     }
     let error = folder.run("--scene room --size 8x6 --stats - --hits -").refused();
     assert!(error.contains("named for two results"), "{error}");

@@ -109,7 +109,7 @@ fn a_stopped_sweep_is_of_the_files_that_it_began_with() {
     let journal: Vec<String> = folder.read("t.journal").lines().take(2).map(|line| format!("{line}\n")).collect();
     let stop = || folder.file("t.journal", journal.concat());
     stop();
-    assert!(folder.run("sweep sweep.ron -o t.csv").success().contains("1 of them done now"));
+    assert!(folder.run("sweep sweep.ron -o t.csv").success().contains("2 points: 2 done (1 now)"));
     stop();
     folder.file("m.mtl", "newmtl red\nKd 0 1 0\n");
     let error = folder.run("sweep sweep.ron -o t.csv").refused();
@@ -118,5 +118,5 @@ fn a_stopped_sweep_is_of_the_files_that_it_began_with() {
     std::fs::remove_file(folder.path("m.mtl")).unwrap();
     folder.run("sweep sweep.ron -o t.csv").refused();
     folder.file("m.mtl", "newmtl red\nKd 1 0 0\n");
-    assert!(folder.run("sweep sweep.ron -o t.csv").success().contains("1 of them done now"));
+    assert!(folder.run("sweep sweep.ron -o t.csv").success().contains("2 points: 2 done (1 now)"));
 }
