@@ -145,23 +145,22 @@ impl<'a> Processor<'a> {
     /// Executes instructions that work between registers and memory, up to so many, as far as the next one is such.
     fn run_plain(&mut self, most: u64, ops: &mut OpStream) {
         let steps = self.executable.steps.as_slice();
-        let (mut address, mut classes, mut executed) = (self.address, self.classes, 0);
+        let (mut address, mut executed) = (self.address, 0);
         let before = self.executed - self.before;
         while executed < most {
             let Some(step) = steps.get(address as usize).filter(|step| !step.special) else { break };
             if step.work != self.work {
-                self.classes = classes;
                 self.note(ops);
                 self.work = step.work;
             }
-            classes[(step.class & 15) as usize] += 1;
+            self.classes[(step.class & 15) as usize] += 1;
             executed += 1;
             match self.execute(step, address, before + executed) {
                 FAILED => break,
                 next => address = next,
             }
         }
-        (self.address, self.classes) = (address, classes);
+        self.address = address;
         self.executed += executed;
     }
 
