@@ -11,7 +11,7 @@
 
 use glam::Vec3;
 
-use super::polygon::PolygonHit;
+use super::hit::PolygonHit;
 use super::ray::Ray;
 
 /// A corner as it is seen along the ray: the ray is the axis of `z`.

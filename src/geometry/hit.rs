@@ -33,3 +33,16 @@ impl Hit {
         if first { self } else { other }
     }
 }
+
+/// A hit on one polygon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PolygonHit {
+    /// Where on the ray.
+    pub t: f32,
+    /// α in the fan triangle.
+    pub alpha: f32,
+    /// β in the fan triangle.
+    pub beta: f32,
+    /// Which triangle of the fan: k is (S0, Sk+1, Sk+2).
+    pub triangle: u32,
+}

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::bounds::{Bounds, largest_coordinate};
 use super::closed;
 use super::edges::Edges;
-use super::hit::Hit;
+use super::hit::{Hit, PolygonHit};
 use super::ray::{Ray, dot};
 use super::rounding;
 use super::slivers::overshoot;
@@ -48,19 +48,6 @@ struct Record {
     count: u32,
     /// i1 and i2, the directions that span the plane of projection.
     axes: [u8; 2],
-}
-
-/// A hit on one polygon.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PolygonHit {
-    /// Where on the ray.
-    pub t: f32,
-    /// α in the fan triangle.
-    pub alpha: f32,
-    /// β in the fan triangle.
-    pub beta: f32,
-    /// Which triangle of the fan: k is (S0, Sk+1, Sk+2).
-    pub triangle: u32,
 }
 
 impl Polygons {

@@ -4,10 +4,10 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::account::plural;
-use super::bottleneck::{self, percent};
+use super::bottleneck;
 use super::plot::Caption;
 use super::stats::{Configuration, station};
-use super::summary::{self, Rows, grouped, time};
+use super::summary::{self, Rows, grouped, percent, time};
 use crate::machine::{Capitan, CapitanFile, Cycles};
 use crate::measure::LinkStats;
 use crate::program::farm::{HandOut, SceneBy, UNITS};

@@ -1,10 +1,12 @@
 //! What is lost against the busiest cell's work, and to what.
 
-use super::bottleneck::{NOTABLE, percent};
-use super::summary::time;
+use super::summary::{percent, time};
 use crate::measure::{Clock, Measured, StateKind, StateTimes};
 use crate::quantities::Cycles;
 use crate::run::Reordered;
+
+/// A share of the run that is worth a word.
+pub(super) const NOTABLE: f64 = 0.10;
 
 /// The cycles of a run in which its busiest cell does not work, by what would give them back. They sum to what that cell lacks to the
 /// run.

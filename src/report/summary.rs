@@ -2,9 +2,9 @@
 
 use comfy_table::{CellAlignment, Table};
 
-use super::bottleneck::percent;
 use super::time_unit::TimeUnit;
 use crate::measure::{Clock, FifoInfo, FifoStats, Measured, State, StateTimes};
+use crate::quantities::Cycles;
 
 /// A number with its thousands set off: `262 144`.
 pub fn grouped(number: u64) -> String {
@@ -142,4 +142,10 @@ fn spaced(mut table: Table, texts: &[usize], (left, right): (u16, u16)) -> Strin
     }
     let text = table.to_string();
     text.lines().map(|line| format!("{}\n", line.trim_end())).collect()
+}
+
+/// A share in percent with one decimal.
+pub fn percent(part: Cycles, whole: Cycles) -> String {
+    let share = if whole.0 == 0 { 0.0 } else { 100.0 * part.0 as f64 / whole.0 as f64 };
+    format!("{share:.1} %")
 }

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::bottleneck::percent;
-use super::summary::{Rows, aligned_with, grouped, table};
+use super::summary::{Rows, aligned_with, grouped, percent, table};
 use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit};
 use crate::quantities::Cycles;
 

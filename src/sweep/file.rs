@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use super::parameters::{self, MOST_VALUES, Parameter, Points, SweepFile};
+use super::parameters::{self, Parameter, Points, SweepFile};
+use super::range::MOST_VALUES;
 use super::{effective, farm_point, point};
 use crate::error::{InputError, Place};
 use crate::input::fields;

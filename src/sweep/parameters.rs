@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
-use super::range::Range;
+use super::range::{MOST_VALUES, Range};
 use crate::error::InputError;
 use crate::parameters::{Kind as Form, ParameterInfo, named};
 use crate::report::table::{Column, Kind};
@@ -21,9 +21,6 @@ pub struct Parameter {
     /// Its values, as the flag takes them.
     pub values: Vec<String>,
 }
-
-/// More values are surely a mistake.
-pub(super) const MOST_VALUES: usize = 1_000_000;
 
 /// What the points of a sweep are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use super::parameters::MOST_VALUES;
+/// More values are surely a mistake.
+pub(super) const MOST_VALUES: usize = 1_000_000;
 
 /// Values from one to another, both included.
 #[derive(Deserialize)]

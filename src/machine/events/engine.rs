@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::agenda::Agenda;
 use super::buses::Buses;
 use super::lanes::Lanes;
-use super::mailbox::{Mail, Mailbox};
+use super::mailbox::{Mail, Mailbox, Sender};
 use crate::measure::{Measured, Observed, StateId, Topology};
 use crate::quantities::Cycles;
 
@@ -50,21 +50,6 @@ pub enum Delivery {
     Hold(usize, StateId),
     /// It is for all other tasks, and the sender goes on.
     Broadcast,
-}
-
-/// Whose message a task wants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sender {
-    /// Anyone's.
-    Anyone,
-    /// That of one task.
-    Task(usize),
-}
-
-impl Sender {
-    pub(super) fn is(self, task: usize) -> bool {
-        self == Sender::Anyone || self == Sender::Task(task)
-    }
 }
 
 /// What a task is at.

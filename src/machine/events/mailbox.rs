@@ -2,7 +2,20 @@
 
 use std::collections::VecDeque;
 
-use super::engine::Sender;
+/// Whose message a task wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sender {
+    /// Anyone's.
+    Anyone,
+    /// That of one task.
+    Task(usize),
+}
+
+impl Sender {
+    pub(super) fn is(self, task: usize) -> bool {
+        self == Sender::Anyone || self == Sender::Task(task)
+    }
+}
 
 /// A message to a task.
 #[derive(Clone, Debug)]

@@ -20,4 +20,5 @@ mod mailbox;
 mod recorder;
 
 pub use buses::Buses;
-pub use engine::{Act, Delivery, Events, Message, Sender, Standstill, Waits};
+pub use engine::{Act, Delivery, Events, Message, Standstill, Waits};
+pub use mailbox::Sender;

@@ -1,8 +1,9 @@
 //! What limits a farm.
 
-use super::{NOTABLE, SATURATED};
+use super::SATURATED;
 use crate::measure::{Measured, State, StateKind, StateTimes};
 use crate::quantities::Cycles;
+use crate::report::losses::NOTABLE;
 
 /// Workers that compute more of the time are what limits their farm.
 const WORKERS_LIMIT: f64 = 2.0 / 3.0;

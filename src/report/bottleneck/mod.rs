@@ -2,16 +2,14 @@
 
 pub(crate) mod farm;
 
-use super::losses::Losses;
+use super::losses::{Losses, NOTABLE};
+use super::summary::percent;
 use crate::measure::{Actor, Measured, Shape, StateKind, StateTimes, Toward};
 use crate::quantities::Cycles;
 use crate::run::Reordered;
 
 /// What works for more than this share of the run is what the rest waits for.
 const SATURATED: f64 = 0.85;
-
-/// A share of the run that is worth a word.
-pub(super) const NOTABLE: f64 = 0.10;
 
 /// What a first cell waits for the host longer than limits the rest.
 const STARVED: f64 = 0.5;
@@ -129,10 +127,4 @@ fn host_limits(run: &Measured) -> Option<String> {
     (run.share(waiting) > STARVED).then(|| {
         format!("The host limits the array: cell 0 waits for rays {} of the time.", percent(waiting, run.cycles))
     })
-}
-
-/// A share in percent with one decimal.
-pub fn percent(part: Cycles, whole: Cycles) -> String {
-    let share = if whole.0 == 0 { 0.0 } else { 100.0 * part.0 as f64 / whole.0 as f64 };
-    format!("{share:.1} %")
 }

@@ -8,8 +8,8 @@ use super::chart::{self, TimeScale, rgb};
 use super::render::{Drawn, Figure};
 use crate::measure::{FifoBin, FifoInfo, FifoProfile};
 use crate::quantities::Cycles;
-use crate::report::bottleneck::percent;
 use crate::report::palette::{self, Rgb};
+use crate::report::summary::percent;
 
 /// Each FIFO's level over time.
 pub struct Levels<'a> {
