@@ -1,94 +1,20 @@
-//! What can be typed.
+//! What can be typed for runs, images, replays, sweeps, models, plots and comparisons, and what several commands have.
 
 use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::parser::ValueSource;
-use clap::{ArgMatches, Args, Parser, Subcommand, ValueEnum};
-use pcs_sim::input::STREAM;
-use pcs_sim::machine::{CapitanOptions, Cycles, MachineOptions};
-use pcs_sim::measure::Actor;
+use clap::{ArgMatches, Args, ValueEnum};
+use pcs_sim::machine::{Cycles, MachineOptions};
 use pcs_sim::run::{
-    CellsOptions, FarmOptions, FarmRunOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions,
-    ProgramOptions, RayOptions, RunOptions, SceneOptions, ShapeOptions,
+    CellsOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions, ProgramOptions, RayOptions, RunOptions,
+    SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
 
-use super::cell_args::{AsmArgs, CalibrateArgs, DisasmArgs, Figure7Args, StepArgs};
-
-/// Simulates ray tracing on a linear array of PCS processors (INRIA RR-0992, 1989), exact to the cycle.
-///
-/// Without a command it traces a scene: `pcs-sim --mode broadcast --cells 8 --scene reference`.
-#[derive(Debug, Parser)]
-#[command(version, args_conflicts_with_subcommands = true)]
-pub struct Cli {
-    #[command(subcommand)]
-    pub command: Option<Command>,
-    #[command(flatten)]
-    pub run: RunArgs,
-    /// Print nothing but errors: neither results, nor notes, nor progress.
-    #[arg(short, long, global = true)]
-    pub quiet: bool,
-}
-
-impl Cli {
-    /// What is typed, and what it is short for.
-    pub fn spelled_out(mut self) -> Cli {
-        let (json, stats) = match &mut self.command {
-            None => (self.run.results.json, &mut self.run.results.stats),
-            Some(Command::Image(args)) => (args.results.json, &mut args.results.stats),
-            Some(Command::Farm(args)) => (args.json, &mut args.stats),
-            Some(Command::Replay(args)) => (args.results.json, &mut args.results.stats),
-            Some(Command::Model(args)) => (args.results.json, &mut args.results.stats),
-            Some(_) => return self,
-        };
-        if json {
-            *stats = Some(PathBuf::from(STREAM));
-        }
-        self
-    }
-}
-
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// Makes a whole image: the host shades the hits and sends shadow, reflected and refracted rays.
-    Image(Box<ImageArgs>),
-    /// Runs a farm of workers on the machine CAPITAN: a master hands out parts of an image, and each worker has the scene.
-    Farm(Box<FarmArgs>),
-    /// Times a recorded activity trace again, under any machine, without its scene.
-    Replay(Box<ReplayArgs>),
-    /// Finds the fewest words that the FIFOs need, each by itself, for 90 to 100 % of the speed that they could give.
-    SizeFifos(Box<SizeArgs>),
-    /// Tells why a run, or a recorded activity trace, took as long as it did, and what would make it faster.
-    Why(Box<WhyArgs>),
-    /// Runs every combination of parameters that a file lists, and writes one table.
-    Sweep(SweepArgs),
-    /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
-    Model(Box<ModelArgs>),
-    /// Draws one column of a table over another.
-    Plot(PlotArgs),
-    /// Tells in what two statistics files differ, and by how much.
-    Compare(CompareArgs),
-    /// Measures Figure 7's six numbers on both kinds of cell, and holds them against the paper.
-    Figure7(Figure7Args),
-    /// Fits what instructions cost to Figure 7, and writes a machine file.
-    Calibrate(CalibrateArgs),
-    /// Assembles a cell's program to an object file, and lists it with its cycles.
-    Asm(AsmArgs),
-    /// Turns an object file back into source text.
-    Disasm(DisasmArgs),
-    /// Runs a cell's program step by step, on words of your own.
-    Step(StepArgs),
-    /// Lists the built-in scenes.
-    Scenes,
-    /// Prints what makes a shell complete this command and its flags.
-    Completions(CompletionsArgs),
-    /// Writes the manual's pages, one for each command.
-    Man(ManArgs),
-}
-
+/// What can be asked of a run of primary rays.
 #[derive(Clone, Debug, Args)]
-pub struct RunArgs {
+pub struct Asked {
     #[command(flatten)]
     pub program: ProgramOptions,
     #[command(flatten)]
@@ -105,22 +31,10 @@ pub struct RunArgs {
     pub machine_file: MachineFileOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
-    /// Repeat the run that a file describes: statistics, or their configuration. Flags beside it change that.
-    #[arg(long, value_name = "FILE")]
-    pub config: Option<PathBuf>,
-    #[command(flatten)]
-    pub results: ResultArgs,
-    #[command(flatten)]
-    pub views: ViewArgs,
-    /// Write a picture of the primary rays' hits as PNG.
-    #[arg(long, value_name = "FILE", help_heading = "Results", conflicts_with = "rays")]
-    pub image: Option<PathBuf>,
-    #[command(flatten)]
-    pub tracing: TracingArgs,
 }
 
-impl RunArgs {
-    /// What is asked of the run.
+impl Asked {
+    /// What of it was typed.
     pub fn options(&self, typed: &Typed) -> RunOptions {
         let mut options = RunOptions {
             scene: self.scene.clone(),
@@ -136,6 +50,24 @@ impl RunArgs {
         options.retain(|name| typed.has(name));
         options
     }
+}
+
+#[derive(Clone, Debug, Args)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub asked: Asked,
+    /// Repeat the run that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultArgs,
+    #[command(flatten)]
+    pub views: ViewArgs,
+    /// Write a picture of the primary rays' hits as PNG.
+    #[arg(long, value_name = "FILE", help_heading = "Results", conflicts_with = "rays")]
+    pub image: Option<PathBuf>,
+    #[command(flatten)]
+    pub tracing: TracingArgs,
 }
 
 impl ImageArgs {
@@ -176,25 +108,6 @@ impl ModelArgs {
     }
 }
 
-impl SizeArgs {
-    /// What is asked of the run.
-    pub fn options(&self, typed: &Typed) -> RunOptions {
-        let mut options = RunOptions {
-            scene: self.scene.clone(),
-            shape: self.shape.clone(),
-            rays: self.rays.clone(),
-            order: self.order.clone(),
-            program: self.program.clone(),
-            cells: self.cells.clone(),
-            machine_file: self.machine_file.clone(),
-            machine: self.machine.clone(),
-            ..RunOptions::default()
-        };
-        options.retain(|name| typed.has(name));
-        options
-    }
-}
-
 impl ReplayArgs {
     /// What is asked of the machine.
     pub fn options(&self) -> RunOptions {
@@ -207,7 +120,8 @@ impl ReplayArgs {
 pub struct Typed<'a>(pub &'a ArgMatches);
 
 impl Typed<'_> {
-    fn has(&self, name: &str) -> bool {
+    /// Whether an argument was.
+    pub fn has(&self, name: &str) -> bool {
         let known = self.0.try_contains_id(name).is_ok();
         known && self.0.value_source(name) == Some(ValueSource::CommandLine)
     }
@@ -247,54 +161,6 @@ pub struct ImageArgs {
     pub tracing: TracingArgs,
     #[command(flatten)]
     pub views: ViewArgs,
-}
-
-/// `pcs-sim farm`.
-#[derive(Debug, Args)]
-pub struct FarmArgs {
-    /// A built-in scene (`pcs-sim scenes` lists them), a file (.ron, .obj, .ply, .nff), or rectangles: a made-up scene.
-    #[arg(value_name = "SCENE", required_unless_present = "config")]
-    pub scene: Option<String>,
-    /// Repeat the farm that a file describes: statistics, or their configuration. Flags beside it change that.
-    #[arg(long, value_name = "FILE")]
-    pub config: Option<PathBuf>,
-    #[command(flatten)]
-    pub farm: FarmOptions,
-    #[command(flatten)]
-    pub shape: ShapeOptions,
-    #[command(flatten)]
-    pub light: LightOptions,
-    #[command(flatten)]
-    pub machine: CapitanOptions,
-    /// Write all statistics as JSON; - is standard output, which then has nothing else.
-    #[arg(long, value_name = "FILE", help_heading = "Results")]
-    pub stats: Option<PathBuf>,
-    /// Print all statistics as JSON, and nothing else: short for --stats -.
-    #[arg(long, help_heading = "Results", conflicts_with = "stats")]
-    pub json: bool,
-    /// Replace result files that exist.
-    #[arg(long, help_heading = "Results")]
-    pub force: bool,
-    #[command(flatten)]
-    pub views: ViewArgs,
-    /// Threads to use [default: all cores]. The results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-}
-
-impl FarmArgs {
-    /// What is asked of the farm.
-    pub fn options(&self, typed: &Typed) -> FarmRunOptions {
-        let mut options = FarmRunOptions {
-            scene: SceneOptions { scene: self.scene.clone() },
-            shape: self.shape.clone(),
-            light: self.light.clone(),
-            farm: self.farm.clone(),
-            machine: self.machine.clone(),
-        };
-        options.retain(|name| typed.has(name));
-        options
-    }
 }
 
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
@@ -366,96 +232,6 @@ pub struct ReplayArgs {
     pub results: ResultArgs,
     #[command(flatten)]
     pub views: ViewArgs,
-}
-
-/// `pcs-sim size-fifos`.
-#[derive(Debug, Args)]
-pub struct SizeArgs {
-    /// A recorded trace, as --ops wrote it, in place of a run.
-    #[arg(long, value_name = "FILE", conflicts_with = "config")]
-    pub ops: Option<PathBuf>,
-    /// The run that a file describes: statistics, or their configuration. Flags beside it change that.
-    #[arg(long, value_name = "FILE")]
-    pub config: Option<PathBuf>,
-    /// A speed, in percent of that with unlimited FIFOs; may be given several times [default: 100, 99.9, 99, 95 and 90].
-    #[arg(long, value_name = "PERCENT")]
-    pub speed: Vec<f64>,
-    /// Write a table of what was found: FILE.csv, and the same as FILE.parquet.
-    #[arg(short = 'o', long, value_name = "FILE", help_heading = "Results")]
-    pub table: Option<PathBuf>,
-    /// Draw it, as SVG and PNG beside the table: speed over words, and the depths of the FIFOs.
-    #[arg(long, help_heading = "Results", requires = "table")]
-    pub plot: bool,
-    /// Write the machine of each speed, as FILE-99.ron, ... beside the table.
-    #[arg(long, help_heading = "Results", requires = "table")]
-    pub machines: bool,
-    /// Replace result files that exist.
-    #[arg(long, help_heading = "Results")]
-    pub force: bool,
-    #[command(flatten)]
-    pub program: ProgramOptions,
-    #[command(flatten)]
-    pub cells: CellsOptions,
-    #[command(flatten)]
-    pub scene: SceneOptions,
-    #[command(flatten)]
-    pub shape: ShapeOptions,
-    #[command(flatten)]
-    pub rays: RayOptions,
-    #[command(flatten)]
-    pub order: OrderOptions,
-    #[command(flatten)]
-    pub machine_file: MachineFileOptions,
-    #[command(flatten)]
-    pub machine: MachineOptions,
-}
-
-/// `pcs-sim why`.
-#[derive(Debug, Args)]
-pub struct WhyArgs {
-    /// An activity trace, as --ops wrote it, to be timed again. Without one a scene is traced: all flags are those of a run.
-    #[arg(value_name = "OPS")]
-    pub recorded: Option<PathBuf>,
-    /// Tell the times of each cell by themselves.
-    #[arg(long)]
-    pub by_cell: bool,
-    /// Tell of one moment instead: what that cell (or host) does then, and who waits for whom.
-    #[arg(long, value_name = "N", value_parser = actor, conflicts_with = "by_cell")]
-    pub cell: Option<Actor>,
-    /// The moment: a cycle, or a simulated time as in 12.3ms.
-    #[arg(long, value_name = "TIME", value_parser = moment, requires = "cell", conflicts_with = "ray")]
-    pub at: Option<Moment>,
-    /// The moment: the middle of the longest wait of the cell while it is at that ray, counted from 0.
-    #[arg(long, value_name = "N", requires = "cell")]
-    pub ray: Option<u32>,
-    #[command(flatten)]
-    pub run: RunArgs,
-}
-
-/// A moment of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Moment {
-    Cycle(Cycles),
-    /// In seconds of simulated time.
-    Time(f64),
-}
-
-/// A cell's number, or `host`.
-fn actor(text: &str) -> Result<Actor, String> {
-    let cell = || text.parse().map(Actor::Station).map_err(|_| "expected the number of a cell, or host".to_owned());
-    if text == "host" { Ok(Actor::Host) } else { cell() }
-}
-
-fn moment(text: &str) -> Result<Moment, String> {
-    let units = [("ns", 1e-9), ("us", 1e-6), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)];
-    match units.iter().find_map(|&(unit, seconds)| Some((text.strip_suffix(unit)?, seconds))) {
-        None => text.parse().map(|cycle| Moment::Cycle(Cycles(cycle))).ok(),
-        Some((number, unit)) => {
-            let number = number.trim().parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
-            number.map(|number| Moment::Time(number * unit))
-        }
-    }
-    .ok_or_else(|| "expected a cycle, or a time in ns, us, ms or s, as in 12.3ms".to_owned())
 }
 
 #[derive(Clone, Debug, Args)]

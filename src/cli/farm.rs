@@ -11,7 +11,8 @@ use pcs_sim::report::farm as told;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::run::{FarmOutcome, FarmSetup, FarmSpec, OutputFile, moot};
 
-use super::args::{FarmArgs, Typed};
+use super::args::Typed;
+use super::farm_args::FarmArgs;
 use super::run::workers;
 use super::views::{Seen, Views};
 use super::{Failure, outputs, print, progress};

@@ -7,7 +7,8 @@ use clap_mangen::Man;
 use pcs_sim::machine::{CapitanFile, MachineFile};
 use serde_json::Value;
 
-use super::args::{Cli, CompletionsArgs, ManArgs};
+use super::args::{CompletionsArgs, ManArgs};
+use super::commands::Cli;
 use super::{Failure, outputs, print};
 
 /// All that can be typed, with the defaults that machine files give, and without flags that a command always refuses.

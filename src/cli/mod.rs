@@ -4,10 +4,12 @@ mod args;
 mod asm;
 mod calibrate;
 mod cell_args;
+mod commands;
 mod compare;
 mod diagnostics;
 mod disasm;
 mod farm;
+mod farm_args;
 mod figure7;
 mod image;
 mod interrupt;
@@ -25,6 +27,7 @@ mod sweep;
 mod views;
 mod watch;
 mod why;
+mod why_args;
 
 use std::convert::Infallible;
 use std::io::Write;
@@ -34,7 +37,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::error::ErrorKind;
 use clap::{ArgMatches, FromArgMatches};
 
-use args::{Cli, Command, Moment, Typed};
+use args::Typed;
+use commands::{Cli, Command};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
@@ -42,6 +46,7 @@ use pcs_sim::measure::{Actor, Clock, When};
 use pcs_sim::program::NotLaidOut;
 use pcs_sim::program::figure7::MeasureError;
 use pcs_sim::run::RunError;
+use why_args::Moment;
 
 /// What of a run is printed.
 #[derive(Clone, Copy, Debug, PartialEq)]

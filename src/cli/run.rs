@@ -30,7 +30,7 @@ struct Outputs {
 
 /// `pcs-sim [--mode ...] [...]`
 pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
-    let options = args.options(typed);
+    let options = args.asked.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     let run = PlannedRun::new(RunSpec::of_rays(&options, base)?)?;
     moot::check_run(&options, &run.spec)?;
@@ -70,8 +70,8 @@ fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
     let inputs = [
         Some(Path::new(&spec.scene)),
         spec.rays.as_deref(),
-        args.program.program.as_deref(),
-        args.machine_file.machine.as_deref(),
+        args.asked.program.program.as_deref(),
+        args.asked.machine_file.machine.as_deref(),
         args.config.as_deref(),
     ];
     outputs::check_distinct(&named(args), &inputs)?;

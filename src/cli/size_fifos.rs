@@ -17,7 +17,8 @@ use pcs_sim::run::{
 };
 use pcs_sim::seam::{Costs, OpBatch};
 
-use super::args::{SizeArgs, Typed};
+use super::args::Typed;
+use super::why_args::SizeArgs;
 use super::{Failure, outputs, print, progress};
 
 /// The files that the command writes, beside each other.
@@ -77,7 +78,7 @@ pub fn size_fifos(args: &SizeArgs, typed: &Typed) -> Result<(), Failure> {
 
 /// A run whose ops are recorded.
 fn of_run(args: &SizeArgs, typed: &Typed, workers: &Workers) -> Result<Recording, Failure> {
-    let options = args.options(typed);
+    let options = args.asked.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     if base.as_ref().is_some_and(|base| base.image.is_some()) {
         let error = InputError::new("the configuration is that of a whole image");
@@ -107,7 +108,7 @@ fn of_run(args: &SizeArgs, typed: &Typed, workers: &Workers) -> Result<Recording
 
 /// A recorded trace.
 fn of_trace(args: &SizeArgs, typed: &Typed, path: &Path) -> Result<Recording, Failure> {
-    let options = args.options(typed);
+    let options = args.asked.options(typed);
     moot::check_size_fifos(&options)?;
     moot::check_size_fifos_of_trace(&options)?;
     let spinner = progress::waiting("reading the trace");

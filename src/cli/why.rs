@@ -3,7 +3,8 @@
 use pcs_sim::error::InputError;
 use pcs_sim::run::moot;
 
-use super::args::{ReplayArgs, RunArgs, Typed, WhyArgs};
+use super::args::{Asked, ReplayArgs, RunArgs, Typed};
+use super::why_args::WhyArgs;
 use super::{Failure, MomentOf, Told, replay, run};
 
 /// Times the trace or the scene's rays, and tells the critical path, or what happens in one moment.
@@ -13,8 +14,8 @@ pub fn why(args: &WhyArgs, typed: &Typed) -> Result<(), Failure> {
     of_run.views.why = true;
     let Some(ops) = args.recorded.clone() else { return run::run(&of_run, typed, told) };
     check_others(&of_run)?;
-    moot::check_why(&of_run.options(typed))?;
-    let RunArgs { machine_file, machine, results, views, .. } = of_run;
+    moot::check_why(&of_run.asked.options(typed))?;
+    let RunArgs { asked: Asked { machine_file, machine, .. }, results, views, .. } = of_run;
     replay::replay(&ReplayArgs { ops: Some(ops), config: None, machine_file, machine, results, views }, told)
 }
 

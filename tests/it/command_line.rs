@@ -79,6 +79,7 @@ fn statistics_go_to_stdout() {
         "image room --size 8x6 -o i.png",
         "farm rectangles --size 20x10 --tasks 2",
         "model room --size 8x8",
+        "why --scene room --size 8x6",
     ] {
         folder.run(&format!("{run} --stats s.json --force")).success();
         let stats = folder.read("s.json");

@@ -1,0 +1,85 @@
+//! What can be typed to find out why a run took so long, and how deep its FIFOs must be.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pcs_sim::machine::Cycles;
+use pcs_sim::measure::Actor;
+
+use super::args::{Asked, RunArgs};
+
+/// `pcs-sim size-fifos`.
+#[derive(Debug, Args)]
+pub struct SizeArgs {
+    /// A recorded trace, as --ops wrote it, in place of a run.
+    #[arg(long, value_name = "FILE", conflicts_with = "config")]
+    pub ops: Option<PathBuf>,
+    /// The run that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// A speed, in percent of that with unlimited FIFOs; may be given several times [default: 100, 99.9, 99, 95 and 90].
+    #[arg(long, value_name = "PERCENT")]
+    pub speed: Vec<f64>,
+    /// Write a table of what was found: FILE.csv, and the same as FILE.parquet.
+    #[arg(short = 'o', long, value_name = "FILE", help_heading = "Results")]
+    pub table: Option<PathBuf>,
+    /// Draw it, as SVG and PNG beside the table: speed over words, and the depths of the FIFOs.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub plot: bool,
+    /// Write the machine of each speed, as FILE-99.ron, ... beside the table.
+    #[arg(long, help_heading = "Results", requires = "table")]
+    pub machines: bool,
+    /// Replace result files that exist.
+    #[arg(long, help_heading = "Results")]
+    pub force: bool,
+    #[command(flatten)]
+    pub asked: Asked,
+}
+
+/// `pcs-sim why`.
+#[derive(Debug, Args)]
+pub struct WhyArgs {
+    /// An activity trace, as --ops wrote it, to be timed again. Without one a scene is traced: all flags are those of a run.
+    #[arg(value_name = "OPS")]
+    pub recorded: Option<PathBuf>,
+    /// Tell the times of each cell by themselves.
+    #[arg(long)]
+    pub by_cell: bool,
+    /// Tell of one moment instead: what that cell (or host) does then, and who waits for whom.
+    #[arg(long, value_name = "N", value_parser = actor, conflicts_with = "by_cell")]
+    pub cell: Option<Actor>,
+    /// The moment: a cycle, or a simulated time as in 12.3ms.
+    #[arg(long, value_name = "TIME", value_parser = moment, requires = "cell", conflicts_with = "ray")]
+    pub at: Option<Moment>,
+    /// The moment: the middle of the longest wait of the cell while it is at that ray, counted from 0.
+    #[arg(long, value_name = "N", requires = "cell")]
+    pub ray: Option<u32>,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// A moment of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moment {
+    Cycle(Cycles),
+    /// In seconds of simulated time.
+    Time(f64),
+}
+
+/// A cell's number, or `host`.
+fn actor(text: &str) -> Result<Actor, String> {
+    let cell = || text.parse().map(Actor::Station).map_err(|_| "expected the number of a cell, or host".to_owned());
+    if text == "host" { Ok(Actor::Host) } else { cell() }
+}
+
+fn moment(text: &str) -> Result<Moment, String> {
+    let units = [("ns", 1e-9), ("us", 1e-6), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)];
+    match units.iter().find_map(|&(unit, seconds)| Some((text.strip_suffix(unit)?, seconds))) {
+        None => text.parse().map(|cycle| Moment::Cycle(Cycles(cycle))).ok(),
+        Some((number, unit)) => {
+            let number = number.trim().parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
+            number.map(|number| Moment::Time(number * unit))
+        }
+    }
+    .ok_or_else(|| "expected a cycle, or a time in ns, us, ms or s, as in 12.3ms".to_owned())
+}
