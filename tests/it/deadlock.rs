@@ -58,3 +58,13 @@ fn a_loop_through_many_cells_names_only_the_loop() {
     trace.push_str("0 0 x8 o1\n0 1 r8 i1 o9 w8\n0 2 r8 i9 w8 o1\n0 3 r8 i1 o5\n");
     insta::assert_snapshot!(replay(&trace, "--fifo-words 8").failed());
 }
+
+/// Ops that take more cycles than 64 bits can count come to no end, rather than to one that is too early.
+#[test]
+fn time_does_not_begin_again() {
+    let units = "unit gv grid_voxel grid 1000000000\nunit ss slabs_start slabs 1000000000\n";
+    let work = "gv33554431 ss1 ".repeat(600);
+    let trace = format!("pcs-sim trace 2 cells 1 answer 5\n{units}0 host w8\n0 0 x8 {work}o5\n");
+    let error = replay(&trace, "").failed();
+    assert!(error.contains("cell 0") && error.contains("op 1099 of ray 0"), "{error}");
+}

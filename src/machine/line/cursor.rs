@@ -94,12 +94,12 @@ impl Cursor {
         let (mut clock, mut done) = (self.clock, self.done);
         while let Some((unit, count)) = ops.get(done).and_then(|op| Some((op.unit()?, op.count() as u64))) {
             let (cost, state) = ledger.prices.of(unit);
-            let until = clock + count * cost;
-            if until > self.limit {
+            // Time itself has an end, too: where cycles no longer fit into 64 bits.
+            let Some(until) = clock.checked_add(count * cost).filter(|until| *until <= self.limit) else {
                 ledger.spend(state, clock, self.limit - clock);
                 (self.clock, self.done) = (self.limit, done);
                 return self.halt(Halt::Limit, count);
-            }
+            };
             ledger.spend(state, clock, until - clock);
             clock = until;
             done += 1;
