@@ -10,6 +10,7 @@ use super::args::{
 };
 use super::cell_args::{AsmArgs, CalibrateArgs, DisasmArgs, Figure7Args, StepArgs};
 use super::farm_args::FarmArgs;
+use super::ipsc2_args::Ipsc2Args;
 use super::why_args::{SizeArgs, WhyArgs};
 
 /// Simulates ray tracing on a linear array of PCS processors (INRIA RR-0992, 1989), exact to the cycle.
@@ -34,6 +35,7 @@ impl Cli {
             None => (self.run.results.json, &mut self.run.results.stats),
             Some(Command::Image(args)) => (args.results.json, &mut args.results.stats),
             Some(Command::Farm(args)) => (args.json, &mut args.stats),
+            Some(Command::Ipsc2(args)) => (args.json, &mut args.stats),
             Some(Command::Replay(args)) => (args.results.json, &mut args.results.stats),
             Some(Command::Why(args)) => (args.run.results.json, &mut args.run.results.stats),
             Some(Command::Model(args)) => (args.results.json, &mut args.results.stats),
@@ -52,6 +54,8 @@ pub enum Command {
     Image(Box<ImageArgs>),
     /// Runs a farm of workers on the machine CAPITAN: a master hands out parts of an image, and each worker has the scene.
     Farm(Box<FarmArgs>),
+    /// Makes an image on the nodes of an iPSC/2, a hypercube: image SCENE --on ipsc2.
+    Ipsc2(Box<Ipsc2Args>),
     /// Times a recorded activity trace again, under any machine, without its scene.
     Replay(Box<ReplayArgs>),
     /// Finds the fewest words that the FIFOs need, each by itself, for 90 to 100 % of the speed that they could give.

@@ -3,9 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
+use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::image;
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
@@ -25,9 +27,29 @@ use super::{Failure, outputs, print, progress};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
-enum Format {
+pub enum Format {
     Png,
     Pfm,
+}
+
+impl Format {
+    /// The format that an image's name stands for.
+    pub fn of(path: &Path) -> Result<Format, InputError> {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("png") => Ok(Format::Png),
+            Some("pfm") => Ok(Format::Pfm),
+            _ => Err(InputError::in_file(path, "is no name of an image").help("images end in .png or .pfm")),
+        }
+    }
+
+    /// Writes pixels of linear light.
+    pub fn write(self, out: &mut impl Write, size: ImageSize, pixels: &[Vec3]) -> Result<(), String> {
+        match self {
+            Format::Png => image::write_png(out, size, pixels).map_err(|error| error.to_string()),
+            Format::Pfm => image::write_pfm(out, size, pixels).map_err(|error| error.to_string()),
+        }
+    }
 }
 
 /// The files that the command writes.
@@ -41,7 +63,7 @@ struct Outputs {
 
 /// Makes the image.
 pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
-    let format = format(args)?;
+    let format = Format::of(&args.output)?;
     let options = args.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     let run = PlannedRun::new(RunSpec::of_image(&options, base)?)?;
@@ -57,15 +79,6 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
     let written = write_outputs(format, &setup, (&rendered, losses.as_ref()), &found, files)?;
     print(&outputs::list(&written))
-}
-
-fn format(args: &ImageArgs) -> Result<Format, InputError> {
-    let extension = args.output.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        Some("png") => Ok(Format::Png),
-        Some("pfm") => Ok(Format::Pfm),
-        _ => Err(InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm")),
-    }
 }
 
 /// Refuses results of the machine without a machine.
@@ -170,10 +183,7 @@ fn write_outputs(
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let (size, pixels) = (setup.spec.size, &rendered.pixels);
-    outputs::finish(files.image, &mut written, |file| match format {
-        Format::Png => image::write_png(file, size, pixels).map_err(|error| error.to_string()),
-        Format::Pfm => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
-    })?;
+    outputs::finish(files.image, &mut written, |file| format.write(file, size, pixels))?;
     if let Some(timing) = &rendered.timing {
         let configuration = Configuration::new(&setup.spec, &setup.workload);
         outputs::finish(files.stats, &mut written, |file| {

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use clap::{Arg, Command, CommandFactory};
 use clap_mangen::Man;
-use pcs_sim::machine::{CapitanFile, MachineFile};
+use pcs_sim::machine::{CapitanFile, Ipsc2File, MachineFile};
 use serde_json::Value;
 
 use super::args::{CompletionsArgs, ManArgs};
@@ -15,6 +15,7 @@ use super::{Failure, outputs, print};
 pub fn command() -> Command {
     let standard = serde_json::to_value(MachineFile::standard().ok()).unwrap_or_default();
     let capitan = serde_json::to_value(CapitanFile::standard().ok()).unwrap_or_default();
+    let ipsc2 = serde_json::to_value(Ipsc2File::standard().ok()).unwrap_or_default();
     let mut command = told(Cli::command(), &standard);
     for name in ["image", "replay", "model"] {
         command = command.mut_subcommand(name, |command| told(command, &standard));
@@ -22,6 +23,7 @@ pub fn command() -> Command {
     let shades_nothing = |arg: Arg| arg.hide(true);
     command
         .mut_subcommand("farm", |command| told(command, &capitan))
+        .mut_subcommand("ipsc2", |command| told(command, &ipsc2))
         .mut_subcommand("model", |command| command.mut_arg("host_hit_us", shades_nothing))
         .mut_subcommand("replay", |command| command.mut_arg("memory_words", shades_nothing))
         .mut_arg("host_hit_us", shades_nothing)

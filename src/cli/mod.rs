@@ -13,6 +13,8 @@ mod farm_args;
 mod figure7;
 mod image;
 mod interrupt;
+mod ipsc2;
+mod ipsc2_args;
 mod manual;
 mod model;
 mod outputs;
@@ -118,7 +120,7 @@ impl<E: std::fmt::Display> From<RunError<E>> for Failure {
             RunError::Fault(fault) => fault.into(),
             RunError::Unfit(error) => error.into(),
             RunError::Batch(error) => InputError::new(error.to_string()).into(),
-            RunError::Standstill(_) | RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
+            RunError::Standstill(_) | RunError::Nodes(_) | RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
                 Failure::Output(error.to_string())
             }
         }
@@ -143,7 +145,7 @@ impl From<MeasureError> for Failure {
 /// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed, 130 for one that was stopped.
 pub fn main() -> ExitCode {
     let parsed =
-        manual::command().try_get_matches().and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+        manual::command().try_get_matches_from(ipsc2::spelled_out(std::env::args_os().collect())).and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -170,6 +172,7 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
         None => run::run(&cli.run, typed, Told::All),
         Some(Command::Image(args)) => image::image(args, typed),
         Some(Command::Farm(args)) => farm::farm(args, typed),
+        Some(Command::Ipsc2(args)) => ipsc2::ipsc2(args, typed),
         Some(Command::Replay(args)) => replay::replay(args, Told::All),
         Some(Command::SizeFifos(args)) => size_fifos::size_fifos(args, typed),
         Some(Command::Why(args)) => why::why(args, typed),

@@ -62,6 +62,8 @@ pub struct Grid {
 /// A voxel that a ray is in.
 #[derive(Clone, Copy, Debug)]
 pub struct Visit<'a> {
+    /// Its number: x runs fastest.
+    pub voxel: usize,
     /// The polygons that lie in it.
     pub polygons: &'a [u32],
     /// Where on the ray it is left.
@@ -169,14 +171,14 @@ impl Grid {
         let Some(t_enter) = self.enter(ray, strayed) else { return };
         if strayed > 0.0 {
             let all =
-                (0..self.voxel_count()).map(|voxel| Visit { polygons: self.list(voxel), t_exit: f32::NEG_INFINITY });
+                (0..self.voxel_count()).map(|voxel| Visit { voxel, polygons: self.list(voxel), t_exit: f32::NEG_INFINITY });
             let _ = { all }.try_for_each(visit);
             return;
         }
         let mut walk = Walk::new(self, ray, t_enter);
         loop {
             let (axis, t_exit) = walk.next_crossing();
-            if visit(Visit { polygons: self.list(walk.voxel), t_exit }).is_break() {
+            if visit(Visit { voxel: walk.voxel, polygons: self.list(walk.voxel), t_exit }).is_break() {
                 return;
             }
             if t_exit >= ray.t_max || !walk.cross(self, axis) {

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::events::Buses;
-use super::file::{base_of, impossible, machine_parameters, within};
+use super::file::{TimeUnit, base_of, impossible, machine_parameters, rounded, time, within};
 use super::{Cycles, HostTimes, KernelTimes, Times};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
@@ -98,6 +98,11 @@ pub struct TaskCosts {
     pub color: Cycles,
 }
 
+/// Milliseconds in ns.
+const MS: TimeUnit = TimeUnit { name: "ms", ticks: 1e6, tick: "ns" };
+/// Microseconds in ns.
+const US: TimeUnit = TimeUnit { name: "µs", ticks: 1e3, tick: "ns" };
+
 /// No time may be longer, in ns, but for the two that are spent but once or once a task: no sum of them leaves 64 bits unseen.
 const LONGEST: u64 = 1_000_000_000;
 /// The longest of those.
@@ -150,7 +155,7 @@ impl CapitanFile {
     }
 
     fn costs(&self, notes: &mut Vec<String>) -> Result<TaskCosts, Fault> {
-        let mut ns = |name, ms: f64, most| time(name, (ms, "ms", 1e6), most, notes);
+        let mut ns = |name, ms: f64, most| time(name, ms, (MS, most), notes);
         Ok(TaskCosts {
             fixed: ns("fixed_ms", self.fixed_ms, LONGEST_ONCE)?,
             per_cap: ns("per_cap_ms", self.per_cap_ms, LONGEST_ONCE)?,
@@ -163,7 +168,7 @@ impl CapitanFile {
 
     fn times(&self, notes: &mut Vec<String>) -> Result<KernelTimes, Fault> {
         let us = &self.times_us;
-        let mut ns = |name, us: f64| time(name, (us, "µs", 1e3), LONGEST, notes);
+        let mut ns = |name, us: f64| time(name, us, (US, LONGEST), notes);
         Ok(KernelTimes {
             grid: Times { start: ns("grid_start", us.grid_start)?, each: ns("grid_voxel", us.grid_voxel)? },
             slabs: Times { start: ns("slabs_start", us.slabs_start)?, each: ns("slabs_polygon", us.slabs_polygon)? },
@@ -183,28 +188,3 @@ impl Capitan {
 
 /// More would be another kind of machine.
 const MOST_PROCESSORS: u64 = 4096;
-
-/// A time in ns, rounded up. `unit` has so many of them.
-fn time(
-    name: &'static str,
-    (value, unit, ns): (f64, &str, f64),
-    most: u64,
-    notes: &mut Vec<String>,
-) -> Result<Cycles, Fault> {
-    let longest = most as f64 / ns;
-    if !(value.is_finite() && (0.0..=longest).contains(&value)) {
-        return Err(impossible(name, value, format!("from 0 to {longest}")));
-    }
-    let (time, is_rounded) = rounded(value * ns);
-    if is_rounded {
-        notes.push(format!("{name}: {value} {unit} are no whole number of ns; rounded up to {time}"));
-    }
-    Ok(Cycles(time))
-}
-
-/// A number rounded up, and whether it had to be: what arithmetic with fractions has left over is none.
-fn rounded(exact: f64) -> (u64, bool) {
-    let nearest = exact.round();
-    let is_whole = (exact - nearest).abs() <= 1e-9 * exact.max(1.0);
-    (if is_whole { nearest } else { exact.ceil() } as u64, !is_whole)
-}

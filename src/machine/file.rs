@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
 use crate::input::fields::Fault;
+use crate::quantities::Cycles;
 
 /// Declares a machine's parameters, each once: the machine file and the changes that are laid over it come of it.
 ///
@@ -157,4 +158,40 @@ pub(super) fn within(name: &'static str, value: u64, range: RangeInclusive<u64>)
 /// A value that no machine can have, and what it must be.
 pub(super) fn impossible(name: &'static str, value: impl std::fmt::Display, range: impl std::fmt::Display) -> Fault {
     Fault::new(name, format!("impossible machine: {name} is {value}, it must be {range}"))
+}
+
+/// A unit of time in which a machine file gives times, and the machine's ticks that it has.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TimeUnit {
+    /// The unit's name.
+    pub name: &'static str,
+    /// How many ticks it has.
+    pub ticks: f64,
+    /// What a tick is called.
+    pub tick: &'static str,
+}
+
+/// A time in whole ticks, rounded up, which may be no longer than `most` of them.
+pub(super) fn time(
+    name: &'static str,
+    value: f64,
+    (unit, most): (TimeUnit, u64),
+    notes: &mut Vec<String>,
+) -> Result<Cycles, Fault> {
+    let longest = most as f64 / unit.ticks;
+    if !(value.is_finite() && (0.0..=longest).contains(&value)) {
+        return Err(impossible(name, value, format!("from 0 to {longest}")));
+    }
+    let (time, is_rounded) = rounded(value * unit.ticks);
+    if is_rounded {
+        notes.push(format!("{name}: {value} {} are no whole number of {}; rounded up to {time}", unit.name, unit.tick));
+    }
+    Ok(Cycles(time))
+}
+
+/// A number rounded up, and whether it had to be: what arithmetic with fractions has left over is none.
+pub(super) fn rounded(exact: f64) -> (u64, bool) {
+    let nearest = exact.round();
+    let is_whole = (exact - nearest).abs() <= 1e-9 * exact.max(1.0);
+    (if is_whole { nearest } else { exact.ceil() } as u64, !is_whole)
 }

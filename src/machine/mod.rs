@@ -8,6 +8,7 @@ mod capitan;
 pub mod events;
 mod fifo_name;
 mod file;
+mod ipsc2;
 pub mod line;
 mod pcs;
 mod spec;
@@ -16,6 +17,7 @@ mod times;
 
 pub use capitan::{Capitan, CapitanFile, CapitanOptions, ProcessorTimesUs, TaskCosts};
 pub use fifo_name::FifoName;
+pub use ipsc2::{Ipsc2, Ipsc2File, Ipsc2Options, MessageTimes, NodeCosts, NodeTimesUs};
 pub use line::{Array, Stuck, StuckKind, Unfinished, Wait, WaitFor};
 pub use pcs::{Machine, MachineFile, MachineOptions, TimesUs};
 pub use spec::{LinkRate, MachineSpec, RateCounts};

@@ -37,6 +37,8 @@ pub enum Shape {
     Line,
     /// The first gives out the scene and takes what comes of it, the second hands out work, the others do it.
     Farm,
+    /// All but the last are nodes of a hypercube, by their numbers; the last is the host, which hangs on the first.
+    Cube,
 }
 
 /// What reports call the parts of a machine, each in the singular.

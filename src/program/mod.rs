@@ -5,6 +5,7 @@
 
 mod array_program;
 pub mod cells;
+pub mod cube;
 mod cut;
 pub mod farm;
 pub mod figure7;

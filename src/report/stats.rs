@@ -8,7 +8,7 @@ use super::losses::Losses;
 use super::why::PathJson;
 use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, State, StateKind, StateTimes};
 use crate::program::{CellMemory, Counts, Workload};
-use crate::run::{FarmSpec, ReplaySpec, RunSpec};
+use crate::run::{CubeSpec, FarmSpec, ReplaySpec, RunSpec};
 
 /// What was run, beside its statistics: enough to run it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -28,6 +28,8 @@ pub enum Configuration {
     Replay(Box<ReplaySpec>),
     /// A farm.
     Farm(Box<FarmSpec>),
+    /// An image on a hypercube.
+    Cube(Box<CubeSpec>),
 }
 
 impl Configuration {

@@ -5,6 +5,7 @@
 
 mod ahead;
 mod closed_loop;
+mod cube;
 mod farm;
 mod layers;
 mod modelled;
@@ -22,6 +23,10 @@ mod trace;
 mod trees;
 mod workers;
 
+pub use cube::{
+    CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut, First, FlowKind, Mapping,
+    Percent, PixelOrder, PixelsOf, RegionSpec, Termination,
+};
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};

@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use super::cube::{CubeRunOptions, CubeSpec, FlowKind};
 use super::farm::{FarmRunOptions, FarmSpec};
 use super::options::{CellsRun, MachineFileOptions, RunOptions, Switch};
 use super::spec::{RunSpec, is_builtin};
@@ -142,6 +143,47 @@ pub fn check_farm(typed: &FarmRunOptions, spec: &FarmSpec) -> Result<(), InputEr
     let help = "leave it out, or take another scene";
     refuse(&[&shape[..], &KERNELS, &["shade_hit"]].concat(), why, help)
 }
+
+/// Refuses the flags that an image on a hypercube would not look at.
+pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputError> {
+    let refuse = |names: &[&str], why: &str, help: &str| match names.iter().find(|name| typed.has(name)) {
+        Some(name) => Err(InputError::new(format!("--{} {why}", name.replace('_', "-"))).help(help)),
+        None => Ok(()),
+    };
+    let adaptive = "asks what the neighbours of a pixel show, which other nodes know";
+    refuse(&["adaptive"], adaptive, "ask for more --samples in all pixels")?;
+    check_resolution(&spec.scene, spec.resolution)?;
+    let Some(regions) = &spec.regions else {
+        let why = "is about regions and the rays between them, and these nodes share a memory";
+        return refuse(&OF_REGIONS, why, "leave it out, or ask for --mode regions");
+    };
+    let why = "is about pages of a shared memory, and these nodes have a region each";
+    refuse(&["page_bytes", "lookup_us", "serve_us"], why, "leave it out, or ask for --mode shared-memory")?;
+    if regions.flow != FlowKind::Window {
+        refuse(&["window"], "is about pixels under way, which are not limited", "ask for --flow window")?;
+    }
+    if matches!(regions.flow, FlowKind::Unlimited | FlowKind::Window) {
+        let why = "is about slots of queues, which are not limited";
+        refuse(&["queue_rays"], why, "ask for --flow classes or block")?;
+    }
+    Ok(())
+}
+
+/// What only nodes look at that have regions.
+const OF_REGIONS: [&str; 12] = [
+    "sub_sample",
+    "cell_grid",
+    "mapping",
+    "flow",
+    "queue_rays",
+    "window",
+    "termination",
+    "pixel_order",
+    "first",
+    "pixels",
+    "result_us",
+    "fill_us",
+];
 
 fn check_shading(typed: &RunOptions) -> Result<(), InputError> {
     let why = "is about shading hits, which only a whole image does";

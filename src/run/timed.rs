@@ -78,6 +78,9 @@ pub enum RunError<E> {
     /// The tasks of a farm can go no further.
     #[error(transparent)]
     Standstill(#[from] Standstill),
+    /// The nodes of a hypercube can go no further.
+    #[error(transparent)]
+    Nodes(#[from] crate::program::cube::Stuck),
     /// The ops are none of such an array's.
     #[error(transparent)]
     Batch(#[from] BatchError),

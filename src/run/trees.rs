@@ -90,39 +90,57 @@ impl Grower<'_> {
     }
 
     fn tree(&mut self, root: Branch, batch: &mut TreeBatch) {
-        let mut color = DVec3::ZERO;
-        let tree = batch.ends.len() as u32;
-        let first = batch.rays.len();
-        batch.branches.clear();
-        batch.branches.push(root);
-        let mut next = 0;
-        while next < batch.branches.len() {
-            let branch = batch.branches[next];
-            let hit = self.ray(&branch, batch);
-            let children = batch.branches.len();
-            color += self.shader.shade(&branch, &hit, |child| batch.branches.push(child));
-            batch.rays.push(TreeRay {
-                kind: branch.kind,
-                generation: branch.generation,
-                shaded: hit.is_hit() && branch.kind != RayKind::Shadow,
-                children: ((first + children) as u32, (batch.branches.len() - children) as u32),
-                tree,
-            });
-            next += 1;
-        }
-        batch.colors.push(color);
-        batch.ends.push(batch.rays.len() as u32);
+        let TreeBatch { rays, ends, colors, traced, kinds, branches, .. } = batch;
+        let (tree, first) = (ends.len() as u32, rays.len());
+        let color = grow(
+            self.shader,
+            root,
+            branches,
+            |branch| {
+                let number = traced.hits.len();
+                let hit = self.tracer.trace_cells(number as u32, &branch.ray, &mut traced.ops.cells);
+                let busy = traced.ops.cells.iter().map(|cell| computing(cell, number, self.costs)).sum();
+                kinds[branch.kind as usize] += KindCounts { rays: 1, hits: hit.is_hit() as u64, busy };
+                traced.hits.push(hit);
+                (hit, ())
+            },
+            |branch, (hit, ()), (next, children)| {
+                rays.push(TreeRay {
+                    kind: branch.kind,
+                    generation: branch.generation,
+                    shaded: hit.is_hit() && branch.kind != RayKind::Shadow,
+                    children: ((first + next) as u32, children.len() as u32),
+                    tree,
+                });
+            },
+        );
+        colors.push(color);
+        ends.push(rays.len() as u32);
     }
+}
 
-    fn ray(&mut self, branch: &Branch, batch: &mut TreeBatch) -> Hit {
-        let ops = &mut batch.traced.ops;
-        let number = batch.rays.len();
-        let hit = self.tracer.trace_cells(number as u32, &branch.ray, &mut ops.cells);
-        let busy = ops.cells.iter().map(|cell| computing(cell, number, self.costs)).sum();
-        batch.kinds[branch.kind as usize] += KindCounts { rays: 1, hits: hit.is_hit() as u64, busy };
-        batch.traced.hits.push(hit);
-        hit
+/// Grows a tree of rays, generation by generation, and tells its light. `trace` finds each ray's first hit, and what else there is to
+/// say of it; `note` is then told of both, and of the rays that the hit asks for: where in the tree they begin, and all of them.
+pub(super) fn grow<R>(
+    shader: &Shader<'_>,
+    root: Branch,
+    branches: &mut Vec<Branch>,
+    mut trace: impl FnMut(&Branch) -> (Hit, R),
+    mut note: impl FnMut(&Branch, (Hit, R), (usize, &[Branch])),
+) -> DVec3 {
+    let mut color = DVec3::ZERO;
+    branches.clear();
+    branches.push(root);
+    let mut next = 0;
+    while next < branches.len() {
+        let branch = branches[next];
+        let (hit, record) = trace(&branch);
+        let children = branches.len();
+        color += shader.shade(&branch, &hit, |child| branches.push(child));
+        note(&branch, (hit, record), (children, &branches[children..]));
+        next += 1;
     }
+    color
 }
 
 /// The cycles that a cell computes on a ray, in its kernels.

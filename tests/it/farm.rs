@@ -67,7 +67,7 @@ fn run(machine: &Capitan, items: &Items, scene: (u64, SceneBy), workers: (usize,
     let mut farm = Farm::new(machine, items, scene, workers);
     let events = Events::new(farm.topology(), machine.buses.clone(), Farm::SENDING_AND_IDLE);
     let mut events = events.probed().recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
-    while events.step(&mut |task, taken| farm.next(task, taken)) {}
+    while events.step(&mut |task, _, taken| farm.next(task, taken)) {}
     events.finish().unwrap()
 }
 
@@ -223,7 +223,7 @@ proptest! {
             let mut farm = Farm::new(&machine, &items, (plan.scene_bytes, plan.scene_by), (plan.workers, plan.hand_out));
             let events = Events::new(farm.topology(), machine.buses.clone(), Farm::SENDING_AND_IDLE);
             let mut events = events.recorded(Cycles(from)..Cycles(u64::MAX), most);
-            while events.step(&mut |task, taken| farm.next(task, taken)) {}
+            while events.step(&mut |task, _, taken| farm.next(task, taken)) {}
             events.finish().unwrap().1.recording.unwrap()
         };
         let (whole, part) = (record(usize::MAX / 2), record(most));

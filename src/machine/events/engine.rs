@@ -4,9 +4,9 @@ use std::fmt;
 use std::ops::Range;
 
 use super::agenda::Agenda;
-use super::buses::Buses;
 use super::lanes::Lanes;
 use super::mailbox::{Mail, Mailbox, Sender};
+use super::network::Network;
 use crate::measure::{Measured, Observed, StateId, Topology};
 use crate::quantities::Cycles;
 
@@ -15,10 +15,18 @@ use crate::quantities::Cycles;
 pub enum Act<M> {
     /// Spends some cycles in a state.
     Spend(StateId, Cycles),
+    /// Spends some cycles in one state, then in the next.
+    SpendEach([(StateId, Cycles); MOST_SPELLS]),
     /// Sends a message.
     Send(Message<M>),
     /// Takes a message; until there is one, it is in that state.
     Receive(Sender, StateId),
+    /// Takes the first message that has arrived, and goes on at once if there is none.
+    Poll,
+    /// Is in a state until another task wakes it.
+    Sleep(StateId),
+    /// Wakes another task, if that sleeps or waits for a message: it then goes on without one.
+    Wake(usize),
     /// Begins the job with that number.
     Begin(u32),
     /// Has done the job that it began last.
@@ -26,6 +34,9 @@ pub enum Act<M> {
     /// Does nothing any more.
     End,
 }
+
+/// States that a task can spend its time in, one after the other.
+pub const MOST_SPELLS: usize = 5;
 
 /// A message that a task sends: first the task itself is at work on it, then a bus carries it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +74,8 @@ enum Phase<M> {
     Holds { to: usize, arrives: u64, state: StateId },
     /// Waiting for a message.
     Waits { from: Sender, state: StateId },
+    /// Waiting to be woken.
+    Sleeps(StateId),
     /// Nothing any more.
     Ended,
 }
@@ -73,7 +86,7 @@ pub struct Events<M> {
     phases: Vec<Phase<M>>,
     mailboxes: Vec<Mailbox<M>>,
     agenda: Agenda,
-    buses: Buses,
+    network: Network,
     lanes: Lanes,
     /// The state of a task that is at work on a message, or whose message is on its way and held.
     sending: StateId,
@@ -91,17 +104,29 @@ pub enum Waits {
     For(Sender),
     /// That a task takes its message.
     On(usize),
+    /// That a task wakes it.
+    ToBeWoken,
 }
 
 impl<M: Copy> Events<M> {
     /// The tasks of a machine at time 0. In `sending` they send, in `idle` they have nothing left to do.
-    pub fn new(topology: Topology, buses: Buses, (sending, idle): (StateId, StateId)) -> Events<M> {
-        let tasks = topology.stations;
+    pub fn new(topology: Topology, network: impl Into<Network>, states: (StateId, StateId)) -> Events<M> {
+        Events::with_helpers(topology, 0, network, states)
+    }
+
+    /// The same with so many more tasks, which help the others and whose time is not told.
+    pub fn with_helpers(
+        topology: Topology,
+        helpers: usize,
+        network: impl Into<Network>,
+        (sending, idle): (StateId, StateId),
+    ) -> Events<M> {
+        let tasks = topology.stations + helpers;
         Events {
             phases: vec![Phase::Busy; tasks],
             mailboxes: (0..tasks).map(|_| Mailbox::new()).collect(),
             agenda: Agenda::new(tasks),
-            buses,
+            network: network.into(),
             lanes: Lanes::new(topology, idle),
             sending,
             now: 0,
@@ -120,12 +145,14 @@ impl<M: Copy> Events<M> {
         self
     }
 
-    /// Lets the next task do what it can; `next` tells what that is. False if no task has anything left to do.
-    pub fn step(&mut self, next: &mut impl FnMut(usize, Option<M>) -> Act<M>) -> bool {
+    /// Lets the next task do what it can; `next` tells what that is, given the time and what the task has taken. False if no task has
+    /// anything left to do.
+    #[inline]
+    pub fn step(&mut self, next: &mut impl FnMut(usize, Cycles, Option<M>) -> Act<M>) -> bool {
         let Some((now, task)) = self.agenda.next() else { return false };
         self.now = now;
         if let Some(mut taken) = self.resume(task) {
-            while let Some(message) = self.act(task, next(task, taken)) {
+            while let Some(message) = self.act(task, next(task, Cycles(now), taken)) {
                 taken = message;
             }
         }
@@ -146,7 +173,7 @@ impl<M: Copy> Events<M> {
                 self.lanes.spend(task, state, self.now);
                 self.receive(task, from, state)
             }
-            Phase::Ended => None,
+            Phase::Sleeps(_) | Phase::Ended => None,
         }
     }
 
@@ -154,11 +181,21 @@ impl<M: Copy> Events<M> {
     fn act(&mut self, task: usize, act: Act<M>) -> Option<Option<M>> {
         match act {
             Act::Spend(state, cycles) => self.spend(task, state, cycles, Phase::Busy).then_some(None),
+            Act::SpendEach(spells) => self.spend_each(task, spells).then_some(None),
             Act::Send(message) => match self.spend(task, self.sending, message.time, Phase::Sends(message)) {
                 true => self.send(task, message),
                 false => None,
             },
             Act::Receive(from, state) => self.receive(task, from, state),
+            Act::Poll => Some(self.mailboxes[task].take(Sender::Anyone, self.now).map(|mail| self.taken(mail))),
+            Act::Sleep(state) => {
+                self.phases[task] = Phase::Sleeps(state);
+                None
+            }
+            Act::Wake(other) => {
+                self.wake(other);
+                Some(None)
+            }
             Act::Begin(job) => {
                 self.lanes.begin(task, job, self.now);
                 Some(None)
@@ -186,23 +223,64 @@ impl<M: Copy> Events<M> {
         false
     }
 
+    /// The same of several states, one after the other.
+    fn spend_each(&mut self, task: usize, spells: [(StateId, Cycles); MOST_SPELLS]) -> bool {
+        let mut until = self.now;
+        for (state, cycles) in spells {
+            until += cycles.0;
+            self.lanes.spend(task, state, until);
+        }
+        if until == self.now {
+            return true;
+        }
+        self.agenda.wake(task, until);
+        self.phases[task] = Phase::Busy;
+        false
+    }
+
+    /// A task goes on that sleeps or waits for a message.
+    fn wake(&mut self, task: usize) {
+        if let Phase::Sleeps(state) | Phase::Waits { state, .. } = self.phases[task] {
+            self.lanes.spend(task, state, self.now);
+            self.phases[task] = Phase::Busy;
+            self.agenda.wake(task, self.now);
+        }
+    }
+
     /// A message is ready to go.
     fn send(&mut self, task: usize, message: Message<M>) -> Option<Option<M>> {
-        let arrives = self.buses.carry(self.now, message.bytes);
-        let mail = |is_held| Mail { at: arrives, from: task, is_held, content: message.content };
         match message.delivery {
-            Delivery::Post(to) => self.deliver(to, mail(false)),
-            Delivery::Broadcast => {
-                let others = (0..self.phases.len()).filter(|&other| other != task);
-                others.for_each(|other| self.deliver(other, mail(false)));
+            Delivery::Post(to) => {
+                self.carry(task, to, false, &message);
             }
+            Delivery::Broadcast => self.broadcast(task, &message),
             Delivery::Hold(to, state) => {
+                let arrives = self.carry(task, to, true, &message);
                 self.phases[task] = Phase::Holds { to, arrives, state };
-                self.deliver(to, mail(true));
                 return None;
             }
         }
         Some(None)
+    }
+
+    /// Lets the network carry a message, and tells when it arrives.
+    fn carry(&mut self, task: usize, to: usize, is_held: bool, message: &Message<M>) -> u64 {
+        let at = self.network.carry((task, to), self.now, message.bytes);
+        self.deliver(to, Mail { at, from: task, is_held, content: message.content });
+        at
+    }
+
+    /// A message goes to all others: at once if the network can, else to one after the other.
+    fn broadcast(&mut self, task: usize, message: &Message<M>) {
+        let others = (0..self.phases.len()).filter(|&other| other != task);
+        if !self.network.broadcasts() {
+            return others.for_each(|other| {
+                self.carry(task, other, false, message);
+            });
+        }
+        let at = self.network.carry((task, task), self.now, message.bytes);
+        let mail = Mail { at, from: task, is_held: false, content: message.content };
+        others.for_each(|other| self.deliver(other, mail.clone()));
     }
 
     fn deliver(&mut self, to: usize, mail: Mail<M>) {
@@ -217,10 +295,7 @@ impl<M: Copy> Events<M> {
     /// Takes a message, if there is one.
     fn receive(&mut self, task: usize, from: Sender, state: StateId) -> Option<Option<M>> {
         if let Some(mail) = self.mailboxes[task].take(from, self.now) {
-            if mail.is_held {
-                self.agenda.wake(mail.from, self.now);
-            }
-            return Some(Some(mail.content));
+            return Some(Some(self.taken(mail)));
         }
         self.phases[task] = Phase::Waits { from, state };
         if let Some(at) = self.mailboxes[task].arrival(from) {
@@ -229,17 +304,37 @@ impl<M: Copy> Events<M> {
         None
     }
 
+    /// What is in a message that a task takes, whose sender may wait for that.
+    fn taken(&mut self, mail: Mail<M>) -> M {
+        if mail.is_held {
+            self.agenda.wake(mail.from, self.now);
+        }
+        mail.content
+    }
+
+    /// What was measured and seen up to now. `rests` tells since when each task waits for what does not come any more: from then on it
+    /// has nothing left to do.
+    pub fn stop(mut self, rests: impl Fn(usize) -> Option<Cycles>) -> (Measured, Observed) {
+        for task in 0..self.phases.len() {
+            if let Phase::Sleeps(state) | Phase::Waits { state, .. } = self.phases[task] {
+                self.lanes.spend(task, state, rests(task).map_or(self.now, |since| since.0));
+            }
+        }
+        self.lanes.finish(self.now, self.network.stats())
+    }
+
     /// What was measured and seen, when all tasks have ended.
     pub fn finish(self) -> Result<(Measured, Observed), Standstill> {
         let waits = |phase: &Phase<M>| match *phase {
             Phase::Waits { from, .. } => Some(Waits::For(from)),
             Phase::Holds { to, .. } => Some(Waits::On(to)),
+            Phase::Sleeps(_) => Some(Waits::ToBeWoken),
             Phase::Busy | Phase::Sends(_) | Phase::Ended => None,
         };
         let waiting: Vec<_> =
             self.phases.iter().enumerate().filter_map(|(task, phase)| Some((task, waits(phase)?))).collect();
         match waiting.is_empty() {
-            true => Ok(self.lanes.finish(self.now, self.buses.stats())),
+            true => Ok(self.lanes.finish(self.now, self.network.stats())),
             false => Err(Standstill(waiting)),
         }
     }
@@ -251,6 +346,7 @@ impl fmt::Display for Standstill {
         self.0.iter().try_for_each(|(task, waits)| match waits {
             Waits::For(Sender::Anyone) => write!(f, "; task {task} waits for a message"),
             Waits::For(Sender::Task(other)) => write!(f, "; task {task} waits for a message of task {other}"),
+            Waits::ToBeWoken => write!(f, "; task {task} waits to be woken"),
             Waits::On(other) => write!(f, "; task {task} waits until task {other} takes its message"),
         })
     }

@@ -56,12 +56,13 @@ impl Lanes {
     }
 
     /// A task has been in a state up to a time, since what was told last.
+    #[inline]
     pub fn spend(&mut self, task: usize, state: StateId, until: u64) {
-        let lane = &mut self.lanes[task];
-        let from = std::mem::replace(&mut lane.now, until);
-        if from == until {
+        let Some(lane) = self.lanes.get_mut(task) else { return };
+        if until <= lane.now {
             return;
         }
+        let from = std::mem::replace(&mut lane.now, until);
         *lane.times.of_mut(state) += Cycles(until - from);
         if let Some(probe) = &mut self.probe {
             probe.spend(task, state, from..until);
@@ -73,7 +74,8 @@ impl Lanes {
 
     /// A task begins a job.
     pub fn begin(&mut self, task: usize, job: u32, now: u64) {
-        self.lanes[task].job = Some((job, now));
+        let Some(lane) = self.lanes.get_mut(task) else { return };
+        lane.job = Some((job, now));
         if let Some(recorder) = &mut self.recorder {
             recorder.border(task);
         }
@@ -81,7 +83,7 @@ impl Lanes {
 
     /// A task has done the job that it began last, if it is at any.
     pub fn done(&mut self, task: usize, now: u64) {
-        let Some((job, since)) = self.lanes[task].job.take() else { return };
+        let Some((job, since)) = self.lanes.get_mut(task).and_then(|lane| lane.job.take()) else { return };
         self.jobs += 1;
         if let Some(probe) = &mut self.probe {
             probe.done.at(now.saturating_sub(1)).0 += 1;

@@ -14,11 +14,15 @@
 
 mod agenda;
 mod buses;
+mod cube;
 mod engine;
 mod lanes;
 mod mailbox;
+mod network;
 mod recorder;
 
 pub use buses::Buses;
-pub use engine::{Act, Delivery, Events, Message, Standstill, Waits};
+pub use cube::{Cube, WireTimes};
+pub use engine::{Act, Delivery, Events, MOST_SPELLS, Message, Standstill, Waits};
 pub use mailbox::Sender;
+pub use network::Network;

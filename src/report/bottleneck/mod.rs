@@ -19,6 +19,7 @@ pub fn sentence(run: &Measured) -> String {
     match run.topology.shape {
         Shape::Line => of_line(run),
         Shape::Farm => farm::sentence(run),
+        Shape::Cube => String::new(),
     }
 }
 

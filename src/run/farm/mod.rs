@@ -186,7 +186,7 @@ fn run(
     if let Some(window) = &watching.recording {
         events = events.recorded(window.clone(), Recording::MOST_EVENTS);
     }
-    let mut next = |task, taken| farm.next(task, taken);
+    let mut next = |task, _, taken| farm.next(task, taken);
     let mut step = || events.step(&mut next);
     while (0..STEPS).all(|_| step()) {
         cancel.check()?;

@@ -1,0 +1,139 @@
+//! `pcs-sim ipsc2 SCENE`, or `pcs-sim image SCENE --on ipsc2`: an image on the nodes of a hypercube.
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use pcs_sim::cancel::Cancel;
+use pcs_sim::error::InputError;
+use pcs_sim::report::stats::Configuration;
+use pcs_sim::report::{cube as told, hits};
+use pcs_sim::run::{CubeOutcome, CubeSetup, CubeSpec, OutputFile, moot};
+
+use super::args::Typed;
+use super::image::Format;
+use super::ipsc2_args::Ipsc2Args;
+use super::run::workers;
+use super::views::{Seen, Views};
+use super::{Failure, outputs, print, progress};
+
+/// The files that the command writes.
+struct Outputs {
+    image: Option<(OutputFile, Format)>,
+    stats: Option<OutputFile>,
+    hits: Option<OutputFile>,
+    views: Views,
+}
+
+/// `pcs-sim ipsc2 SCENE [...]`
+pub fn ipsc2(args: &Ipsc2Args, typed: &Typed) -> Result<(), Failure> {
+    let options = args.options(typed);
+    let spec = CubeSpec::new(&options, args.config.as_deref().map(CubeSpec::read).transpose()?)?;
+    moot::check_cube(&options, &spec)?;
+    let files = open_outputs(args, &spec)?;
+    let bar = progress::samples();
+    bar.set_length(spec.samples() as u64);
+    let setup = outputs::reading(&named(args), || {
+        let setup = CubeSetup::new(spec, args.hits.is_some(), &workers(args.threads), |done| {
+            bar.set_position(done as u64);
+            Ok::<_, std::convert::Infallible>(())
+        });
+        setup.map_err(Failure::from)
+    })?;
+    bar.finish_and_clear();
+    setup.notes().for_each(super::note);
+    let spinner = progress::waiting("running the nodes");
+    let outcome = setup.run(&files.views.watching(), &Cancel::default());
+    spinner.finish_and_clear();
+    let outcome = outcome?;
+    print(&told::text(&setup, &outcome))?;
+    let written = write_outputs(&setup, &outcome, files)?;
+    print(&outputs::list(&written))
+}
+
+/// The result files that are asked for.
+fn named(args: &Ipsc2Args) -> [Option<&PathBuf>; 5] {
+    [args.output.as_ref(), args.stats.as_ref(), args.hits.as_ref(), args.views.page.as_ref(), args.views.trace.as_ref()]
+}
+
+fn open_outputs(args: &Ipsc2Args, spec: &CubeSpec) -> Result<Outputs, InputError> {
+    if args.views.why {
+        let error = InputError::new("--why is about cells in a row, whose times do not depend on who comes first");
+        return Err(error.help("leave it out; the losses tell what the nodes' time goes to"));
+    }
+    let inputs = [Some(Path::new(&spec.scene)), args.cube.machine.as_deref(), args.config.as_deref()];
+    outputs::check_distinct(&named(args), &inputs)?;
+    let image = |path: &PathBuf| Ok((outputs::create(path, args.force)?, Format::of(path)?));
+    Ok(Outputs {
+        image: args.output.as_ref().map(image).transpose()?,
+        stats: outputs::open(args.stats.as_deref(), args.force)?,
+        hits: outputs::open(args.hits.as_deref(), args.force)?,
+        views: Views::open(&args.views, args.force)?,
+    })
+}
+
+fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
+    let mut written = Vec::new();
+    let (size, scene) = (setup.spec.size, &setup.scene);
+    if let Some((file, format)) = files.image {
+        outputs::finish(Some(file), &mut written, |file| format.write(file, size, &scene.pixels))?;
+    }
+    let configuration = Configuration::Cube(Box::new(setup.spec.clone()));
+    outputs::finish(files.stats, &mut written, |file| {
+        file.write_all(told::to_json(setup, outcome, &configuration)?.as_bytes())
+    })?;
+    outputs::finish(files.hits, &mut written, |file| hits::write(file, &scene.polygons, &scene.hits))?;
+    let mut png = Vec::new();
+    if files.views.show_image() {
+        let made = Format::Png.write(&mut png, size, &scene.pixels);
+        made.map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
+    }
+    let seen = Seen {
+        caption: &told::caption(setup),
+        clock: setup.machine.clock,
+        stats: &outcome.stats,
+        observed: &outcome.observed,
+        cell_names: &[],
+        losses: None,
+        configuration: &configuration,
+        image: Some(&png),
+    };
+    files.views.write(&seen, &mut written)?;
+    Ok(written)
+}
+
+/// What was typed, with `--on ipsc2` as the command of that machine. Its nodes as a row of cells, which `--mode broadcast` asks for, are an
+/// array like another.
+pub fn spelled_out(typed: Vec<OsString>) -> Vec<OsString> {
+    let value = |name: &str| {
+        let joined = format!("--{name}=");
+        typed.iter().enumerate().find_map(|(at, word)| {
+            let word = word.to_str()?;
+            match word.strip_prefix(&joined) {
+                Some(value) => Some((at..at + 1, value.to_owned())),
+                None if word == &joined[..joined.len() - 1] => {
+                    Some((at..at + 2, typed.get(at + 1)?.to_str()?.to_owned()))
+                }
+                None => None,
+            }
+        })
+    };
+    let Some((place, _)) = value("on").filter(|(_, machine)| machine == "ipsc2") else { return typed };
+    let is_array = value("mode").is_some_and(|(_, mode)| matches!(mode.as_str(), "broadcast" | "pipeline" | "hybrid"));
+    let command = match typed.get(1).and_then(|word| word.to_str()) {
+        _ if is_array => return typed,
+        Some("calibrate") => "calibrate-ipsc2",
+        Some("image") => "ipsc2",
+        Some(word) if word.starts_with('-') => {
+            let mut spelled = typed.clone();
+            spelled.drain(place);
+            spelled.insert(1, "ipsc2".into());
+            return spelled;
+        }
+        _ => return typed,
+    };
+    let mut spelled = typed.clone();
+    spelled.drain(place);
+    spelled[1] = command.into();
+    spelled
+}

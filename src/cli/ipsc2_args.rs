@@ -1,0 +1,63 @@
+//! What can be typed for an image on the iPSC/2.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pcs_sim::machine::Ipsc2Options;
+use pcs_sim::run::{CubeOptions, CubeRunOptions, LightOptions, SceneOptions, ShapeOptions};
+
+use super::args::{Typed, ViewArgs};
+
+/// `pcs-sim ipsc2`.
+#[derive(Debug, Args)]
+pub struct Ipsc2Args {
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    #[arg(value_name = "SCENE", required_unless_present = "config")]
+    pub scene: Option<String>,
+    /// Repeat the image that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Where the image goes: .png, or .pfm for linear light in all its bits.
+    #[arg(short, long, value_name = "FILE", help_heading = "Results")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub cube: CubeOptions,
+    #[command(flatten)]
+    pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub light: LightOptions,
+    #[command(flatten)]
+    pub machine: Ipsc2Options,
+    /// Write all statistics as JSON; - is standard output, which then has nothing else.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub stats: Option<PathBuf>,
+    /// Print all statistics as JSON, and nothing else: short for --stats -.
+    #[arg(long, help_heading = "Results", conflicts_with = "stats")]
+    pub json: bool,
+    /// Write the hits as CSV: ray, t, polygon, alpha, beta. Rays are numbered pixel by pixel, each one's tree by generations.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub hits: Option<PathBuf>,
+    /// Replace result files that exist.
+    #[arg(long, help_heading = "Results")]
+    pub force: bool,
+    #[command(flatten)]
+    pub views: ViewArgs,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+impl Ipsc2Args {
+    /// What is asked of the image.
+    pub fn options(&self, typed: &Typed) -> CubeRunOptions {
+        let mut options = CubeRunOptions {
+            scene: SceneOptions { scene: self.scene.clone() },
+            shape: self.shape.clone(),
+            light: self.light.clone(),
+            cube: self.cube.clone(),
+            machine: self.machine.clone(),
+        };
+        options.retain(|name| typed.has(name));
+        options
+    }
+}

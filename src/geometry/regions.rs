@@ -1,0 +1,253 @@
+//! Macro-regions: parts of one grid, cut so that each has equal work (RR-0992, §4.1).
+//!
+//! A *cell* is a block of whole columns of voxels along the volume's shortest axis; the two longer axes have a plane of cells. A *region*
+//! is a rectangle of cells. No voxel is in two regions, so that a ray's walk through the regions is its walk through the grid.
+
+use super::grid::Grid;
+
+/// The plane of cells of a grid.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellPlane {
+    /// Voxels along each axis of the grid.
+    size: [u32; 3],
+    /// The two axes along which there are cells.
+    axes: [usize; 2],
+    /// How many there are along each of them.
+    cells: [u32; 2],
+}
+
+/// A rectangle of cells: from the first to before the last, along both axes of the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rectangle {
+    /// Its first cell.
+    pub low: [u32; 2],
+    /// The cell behind its last.
+    pub high: [u32; 2],
+}
+
+/// The plane of cells cut into regions.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Regions {
+    plane: CellPlane,
+    rectangles: Vec<Rectangle>,
+    /// Each cell's region.
+    of_cell: Vec<u16>,
+}
+
+/// There are not enough cells for so many regions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{regions} regions take at least as many cells, and there are {across} x {down}")]
+pub struct TooFewCells {
+    /// The regions that there were to be.
+    pub regions: usize,
+    /// Cells along one axis.
+    pub across: u32,
+    /// Cells along the other.
+    pub down: u32,
+}
+
+impl CellPlane {
+    /// The most cells along an axis.
+    pub const MOST: u32 = 128;
+
+    /// `cells` x `cells` of a grid, fewer where it has fewer voxels.
+    pub fn new(grid: &Grid, cells: u32) -> CellPlane {
+        let (size, extent) = (grid.size(), grid.volume().extent());
+        let shortest = (0..3).fold(2, |shortest, axis| if extent[axis] < extent[shortest] { axis } else { shortest });
+        let axes = match shortest {
+            0 => [1, 2],
+            1 => [0, 2],
+            _ => [0, 1],
+        };
+        CellPlane { size, axes, cells: axes.map(|axis| size[axis].min(cells.clamp(1, CellPlane::MOST))) }
+    }
+
+    /// Cells along each of its two axes.
+    pub fn size(&self) -> [u32; 2] {
+        self.cells
+    }
+
+    /// Its two axes, by their numbers.
+    pub fn axes(&self) -> [usize; 2] {
+        self.axes
+    }
+
+    /// The number of the cell that holds a voxel: along the first axis they run fastest.
+    #[inline]
+    fn cell_of(&self, voxel: usize) -> usize {
+        let [x, y, _] = self.size.map(|side| side as usize);
+        let at = [voxel % x, voxel / x % y, voxel / x / y];
+        let along = |place: usize| {
+            let axis = self.axes[place];
+            at[axis] * self.cells[place] as usize / self.size[axis] as usize
+        };
+        along(0) + self.cells[0] as usize * along(1)
+    }
+}
+
+impl Rectangle {
+    fn cells(&self) -> u64 {
+        self.side(0) * self.side(1)
+    }
+
+    fn side(&self, axis: usize) -> u64 {
+        u64::from(self.high[axis] - self.low[axis])
+    }
+
+    fn cut(self, axis: usize, at: u32) -> [Rectangle; 2] {
+        let (mut low, mut high) = (self, self);
+        (low.high[axis], high.low[axis]) = (at, at);
+        [low, high]
+    }
+}
+
+impl Regions {
+    /// Each cell a region of its own.
+    pub fn of_cells(plane: CellPlane) -> Regions {
+        let [across, down] = plane.cells;
+        let cells = (0..down).flat_map(|y| (0..across).map(move |x| [x, y]));
+        let rectangles = cells.map(|low| Rectangle { low, high: low.map(|at| at + 1) }).collect();
+        Regions::new(plane, rectangles)
+    }
+
+    /// One region of all cells.
+    pub fn whole(plane: CellPlane) -> Regions {
+        let all = Rectangle { low: [0, 0], high: plane.cells };
+        Regions::new(plane, vec![all])
+    }
+
+    /// So many regions of equal work, of which `work` tells each cell's: the rectangle of cells is cut in two where its work divides
+    /// as the numbers of regions on either side do, across its longer side if that can be, and so on with the halves.
+    ///
+    /// Fails if there are not enough cells.
+    pub fn of_equal_work(plane: CellPlane, work: &[u64], regions: usize) -> Result<Regions, TooFewCells> {
+        let sums = Sums::new(plane.cells, work);
+        let all = Rectangle { low: [0, 0], high: plane.cells };
+        let mut rectangles = Vec::with_capacity(regions);
+        if !bisect(&sums, all, regions.max(1), &mut rectangles) {
+            return Err(TooFewCells { regions, across: plane.cells[0], down: plane.cells[1] });
+        }
+        Ok(Regions::new(plane, rectangles))
+    }
+
+    fn new(plane: CellPlane, rectangles: Vec<Rectangle>) -> Regions {
+        let mut of_cell = vec![0; plane.cells.map(|side| side as usize).iter().product()];
+        for (region, rectangle) in rectangles.iter().enumerate() {
+            for y in rectangle.low[1]..rectangle.high[1] {
+                let line = (y * plane.cells[0]) as usize;
+                let cells = line + rectangle.low[0] as usize..line + rectangle.high[0] as usize;
+                of_cell[cells].fill(region as u16);
+            }
+        }
+        Regions { plane, rectangles, of_cell }
+    }
+
+    /// The plane of cells.
+    pub fn plane(&self) -> &CellPlane {
+        &self.plane
+    }
+
+    /// The regions' rectangles of cells.
+    pub fn rectangles(&self) -> &[Rectangle] {
+        &self.rectangles
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.rectangles.len()
+    }
+
+    /// Each cell's region; along the first axis cells run fastest.
+    pub fn by_cell(&self) -> &[u16] {
+        &self.of_cell
+    }
+
+    /// The region of a voxel.
+    #[inline]
+    pub fn of_voxel(&self, voxel: usize) -> u16 {
+        self.of_cell[self.plane.cell_of(voxel)]
+    }
+}
+
+/// The work of all cells to the left of and above a corner.
+struct Sums {
+    width: usize,
+    sums: Vec<u128>,
+}
+
+impl Sums {
+    fn new([across, down]: [u32; 2], work: &[u64]) -> Sums {
+        let width = across as usize + 1;
+        let mut sums = vec![0u128; width * (down as usize + 1)];
+        for (cell, &amount) in work.iter().enumerate() {
+            let place = (cell / (width - 1) + 1) * width + cell % (width - 1) + 1;
+            sums[place] = u128::from(amount) + sums[place - 1] + sums[place - width] - sums[place - width - 1];
+        }
+        Sums { width, sums }
+    }
+
+    fn of(&self, Rectangle { low, high }: Rectangle) -> u128 {
+        let at = |x: u32, y: u32| self.sums[y as usize * self.width + x as usize];
+        at(high[0], high[1]) + at(low[0], low[1]) - at(low[0], high[1]) - at(high[0], low[1])
+    }
+}
+
+/// Cuts a rectangle into so many. False if it has too few cells.
+fn bisect(sums: &Sums, rectangle: Rectangle, regions: usize, into: &mut Vec<Rectangle>) -> bool {
+    if regions == 1 {
+        into.push(rectangle);
+        return true;
+    }
+    let fewer = regions / 2;
+    let longer = usize::from(rectangle.side(1) > rectangle.side(0));
+    let best = best_cut(sums, rectangle, longer, (fewer, regions));
+    let Some([low, high]) = best.or_else(|| best_cut(sums, rectangle, 1 - longer, (fewer, regions))) else {
+        return false;
+    };
+    bisect(sums, low, fewer, into) && bisect(sums, high, regions - fewer, into)
+}
+
+/// The cut across an axis whose two sides' work divides best, of those that leave cells enough on both.
+fn best_cut(sums: &Sums, all: Rectangle, axis: usize, (fewer, regions): (usize, usize)) -> Option<[Rectangle; 2]> {
+    let total = sums.of(all) * fewer as u128;
+    let has_room = |[low, high]: &[Rectangle; 2]| {
+        low.cells() >= fewer as u64 && high.cells() >= (regions - fewer) as u64
+    };
+    let cuts = (all.low[axis] + 1..all.high[axis]).map(|at| all.cut(axis, at)).filter(has_room);
+    cuts.min_by_key(|[low, _]| (sums.of(*low) * regions as u128).abs_diff(total))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn regions_are_as_many_as_asked_for_and_have_each_cell_once(
+            across in 1u32..20, down in 1u32..20, regions in 1usize..40, seed in any::<u64>(),
+        ) {
+            let plane = CellPlane { size: [across, down, 1], axes: [0, 1], cells: [across, down] };
+            let work: Vec<u64> = (0..u64::from(across * down)).map(|cell| (cell ^ seed).wrapping_mul(0x9e37_79b9) % 1000).collect();
+            match Regions::of_equal_work(plane, &work, regions) {
+                Err(_) => prop_assert!(regions > (across * down) as usize / 2, "only near the number of cells"),
+                Ok(made) => {
+                    prop_assert_eq!(made.count(), regions);
+                    let cells: u64 = made.rectangles().iter().map(Rectangle::cells).sum();
+                    prop_assert_eq!(cells, u64::from(across * down));
+                    for (region, rectangle) in made.rectangles().iter().enumerate() {
+                        prop_assert!(rectangle.cells() > 0);
+                        prop_assert_eq!(made.by_cell()[(rectangle.low[1] * across + rectangle.low[0]) as usize], region as u16);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn equal_work_on_a_plain_plane_is_equal_cells() {
+        let plane = CellPlane { size: [8, 4, 1], axes: [0, 1], cells: [8, 4] };
+        let made = Regions::of_equal_work(plane, &[1; 32], 4).unwrap();
+        assert!(made.rectangles().iter().all(|rectangle| rectangle.cells() == 8), "{made:?}");
+    }
+}

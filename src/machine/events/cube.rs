@@ -1,0 +1,113 @@
+//! The links of a hypercube, by which a message has a circuit all the way to its receiver.
+
+use crate::measure::{Actor, LinkStats};
+use crate::quantities::Cycles;
+
+/// What the way of a message takes, in cycles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WireTimes {
+    /// The most bytes of a short message; longer ones ask for room first.
+    pub short_bytes: u64,
+    /// What a short message takes to a neighbour, beside its bytes.
+    pub short: Cycles,
+    /// What a long one takes, for which it has the links, too.
+    pub long: Cycles,
+    /// What each further link of the way takes.
+    pub hop: Cycles,
+    /// Thousandths of a cycle that a byte takes.
+    pub byte_millicycles: u64,
+}
+
+/// The nodes of a hypercube, of which the tasks with the lowest numbers run one each, and the host, the next task, which hangs on
+/// node 0. Each has a link in each direction to those whose number differs in one bit.
+///
+/// A message goes by the lowest bit first (e-cube). It starts when all links of its way are free, and has them for as long as its
+/// bytes take (a long one: from when it asks for room), so that it passes nodes on its way without their doing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cube {
+    nodes: usize,
+    /// Bits of a node's number.
+    bits: usize,
+    times: WireTimes,
+    /// For each link, when it is free and how long it was busy: those out of node 0 by bit, those out of node 1, ..., then the
+    /// one from the host, then the one to it.
+    links: Vec<(u64, u64)>,
+}
+
+impl Cube {
+    /// So many nodes of the smallest cube that has them, whose others only pass messages on.
+    pub fn new(nodes: usize, times: WireTimes) -> Cube {
+        let nodes = nodes.max(1);
+        let bits = nodes.next_power_of_two().ilog2() as usize;
+        let links = vec![(0, 0); (bits << bits) + 2];
+        Cube { nodes, bits, times, links }
+    }
+
+    /// What the way takes.
+    pub fn times(&self) -> &WireTimes {
+        &self.times
+    }
+
+    /// How many links a message passes.
+    pub fn hops(&self, from: usize, to: usize) -> u64 {
+        let (from, to) = (self.place(from), self.place(to));
+        let at = |place: usize| if place == self.nodes { 0 } else { place };
+        let with_host = u64::from(from == self.nodes) + u64::from(to == self.nodes);
+        u64::from((at(from) ^ at(to)).count_ones()) + with_host
+    }
+
+    /// The node that a task is on, or the number behind them for the host. Tasks behind the host are helpers, one on each node.
+    fn place(&self, task: usize) -> usize {
+        if task > self.nodes { task - self.nodes - 1 } else { task }
+    }
+
+    /// For how long a message has its links.
+    fn holds(&self, bytes: u64) -> u64 {
+        let set_up = if bytes > self.times.short_bytes { self.times.long.0 } else { 0 };
+        set_up + bytes.saturating_mul(self.times.byte_millicycles).div_ceil(1000)
+    }
+
+    /// Takes a message that is ready to go, and tells when it arrives.
+    pub(super) fn carry(&mut self, (from, to): (usize, usize), ready: u64, bytes: u64) -> u64 {
+        let (from, to) = (self.place(from), self.place(to));
+        let mut start = ready;
+        self.way(from, to).for_each(|link| start = start.max(self.links[link].0));
+        let holds = self.holds(bytes);
+        for link in self.way(from, to) {
+            self.links[link].0 = start + holds;
+            self.links[link].1 += holds;
+        }
+        let set_up = if bytes > self.times.short_bytes { 0 } else { self.times.short.0 };
+        start + set_up + self.times.hop.0 * self.hops(from, to).saturating_sub(1) + holds
+    }
+
+    /// The links of a message's way.
+    fn way(&self, from: usize, to: usize) -> impl Iterator<Item = usize> + use<> {
+        let (nodes, bits, host_links) = (self.nodes, self.bits, self.links.len() - 2);
+        let from_host = (from == nodes).then_some(host_links);
+        let to_host = (to == nodes).then_some(host_links + 1);
+        let (mut at, to) = (if from == nodes { 0 } else { from }, if to == nodes { 0 } else { to });
+        let between = std::iter::from_fn(move || {
+            let differs = at ^ to;
+            (differs != 0).then(|| {
+                let bit = differs.trailing_zeros() as usize;
+                let link = at * bits + bit;
+                at ^= 1 << bit;
+                link
+            })
+        });
+        from_host.into_iter().chain(between).chain(to_host)
+    }
+
+    /// How long each link was busy.
+    pub(super) fn stats(&self) -> Vec<LinkStats> {
+        let between = self.links.len() - 2;
+        let into = |link: usize| match link {
+            link if link < between => Actor::Station((link / self.bits) ^ (1 << (link % self.bits))),
+            link if link == between => Actor::Station(0),
+            _ => Actor::Host,
+        };
+        let links = self.links.iter().enumerate();
+        links.map(|(link, &(_, busy))| LinkStats { into: Some(into(link)), busy: Cycles(busy) }).collect()
+    }
+}

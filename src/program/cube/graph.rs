@@ -1,0 +1,175 @@
+//! The task graph of an image: what each ray makes the nodes do, recorded without a clock.
+
+use crate::host::shading::RayKind;
+use crate::machine::Cycles;
+use crate::machine::KernelTimes;
+
+/// The trees of all samples, as work in regions. It tells what is to be done and not when, so that machine, queues and mapping can be
+/// changed without tracing a ray again.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TaskGraph {
+    /// How many regions there are.
+    pub regions: usize,
+    /// All rays, tree by tree; in a tree, so that each one's children stand together behind it.
+    pub rays: Vec<RayTask>,
+    /// Their legs, ray by ray.
+    pub legs: Vec<Leg>,
+    /// The first ray of each tree. Trees have the numbers of their samples, pixel by pixel.
+    pub trees: Vec<u32>,
+    /// What each ray reads of a shared memory, if that was recorded.
+    pub pages: Option<PageUses>,
+}
+
+/// A ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayTask {
+    /// Where its legs begin among all.
+    pub first_leg: u32,
+    /// The first of the rays that its hit asks for, and how many these are.
+    pub children: (u32, u32),
+    /// The tree that it is of.
+    pub tree: u32,
+    /// How many regions its line has met before it: the rest of a shadow ray behind a blocker has its line in common with it.
+    pub hop: u16,
+    /// How often light has turned on its way: each reflection and refraction, and the turn to a light.
+    pub turns: u8,
+    /// What it is for.
+    pub kind: RayKind,
+    /// Whether its hit is shaded.
+    pub shaded: bool,
+}
+
+/// What a ray makes one region do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Leg {
+    /// The region.
+    pub region: u16,
+    /// Voxels of it that the ray visits.
+    pub voxels: u32,
+    /// Polygons that are tested against slabs.
+    pub slab_tests: u32,
+    /// Polygons that are tested for intersection.
+    pub intersection_tests: u32,
+}
+
+/// The pages that rays read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PageUses {
+    /// How many pages the shared memory has.
+    pub pages: u32,
+    /// Bytes of a page.
+    pub page_bytes: u32,
+    /// The pages of all rays, ray by ray, each in the order in which the ray comes to it first, and how often it reads there.
+    pub uses: Vec<(u32, u32)>,
+    /// For each ray, where its pages end.
+    pub ends: Vec<u32>,
+}
+
+/// What legs and rays take on a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorkTimes {
+    /// Those of the kernels.
+    pub grid: Cycles,
+    /// Of the slabs test.
+    pub slabs: Cycles,
+    /// Of the intersection test.
+    pub intersection: Cycles,
+    /// Of shading.
+    pub shading: Cycles,
+}
+
+impl Leg {
+    /// What it takes, without shading.
+    #[inline]
+    pub fn time(&self, times: &KernelTimes) -> WorkTimes {
+        let started = |count: u32, kernel: crate::machine::Times| match count {
+            0 => Cycles(0),
+            count => Cycles(kernel.start.0 + u64::from(count) * kernel.each.0),
+        };
+        WorkTimes {
+            grid: Cycles(times.grid.start.0 + u64::from(self.voxels) * times.grid.each.0),
+            slabs: started(self.slab_tests, times.slabs),
+            intersection: started(self.intersection_tests, times.intersection),
+            shading: Cycles(0),
+        }
+    }
+
+    /// Two legs as one, in the region of the first.
+    pub fn joined(self, other: &Leg) -> Leg {
+        Leg {
+            region: self.region,
+            voxels: self.voxels + other.voxels,
+            slab_tests: self.slab_tests + other.slab_tests,
+            intersection_tests: self.intersection_tests + other.intersection_tests,
+        }
+    }
+}
+
+impl WorkTimes {
+    /// All of it.
+    pub fn all(&self) -> Cycles {
+        self.grid + self.slabs + self.intersection + self.shading
+    }
+}
+
+impl PageUses {
+    /// The pages that a ray reads.
+    #[inline]
+    pub fn of_ray(&self, ray: u32) -> &[(u32, u32)] {
+        let start = (ray as usize).checked_sub(1).map_or(0, |before| self.ends[before] as usize);
+        &self.uses[start..self.ends[ray as usize] as usize]
+    }
+}
+
+impl TaskGraph {
+    /// Where a ray's legs end among all.
+    #[inline]
+    pub fn legs_end(&self, ray: u32) -> u32 {
+        self.rays.get(ray as usize + 1).map_or(self.legs.len() as u32, |next| next.first_leg)
+    }
+
+    /// A ray's legs.
+    #[inline]
+    pub fn legs_of(&self, ray: u32) -> &[Leg] {
+        &self.legs[self.rays[ray as usize].first_leg as usize..self.legs_end(ray) as usize]
+    }
+
+    /// The rays of a tree, by their numbers.
+    pub fn tree(&self, tree: usize) -> std::ops::Range<u32> {
+        self.trees[tree]..self.trees.get(tree + 1).copied().unwrap_or(self.rays.len() as u32)
+    }
+
+    /// The region in which a ray starts.
+    #[inline]
+    pub fn start_of(&self, ray: u32) -> u16 {
+        self.legs[self.rays[ray as usize].first_leg as usize].region
+    }
+
+    /// What a leg takes, with the shading of its ray's hit if it is the last.
+    #[inline]
+    pub fn time(&self, ray: u32, leg: u32, times: &KernelTimes) -> WorkTimes {
+        let mut time = self.legs[leg as usize].time(times);
+        if self.rays[ray as usize].shaded && leg + 1 == self.legs_end(ray) {
+            time.shading = times.host.hit;
+        }
+        time
+    }
+
+    /// What a ray takes where all of the scene is one region.
+    pub fn time_in_one(&self, ray: u32, times: &KernelTimes) -> WorkTimes {
+        let whole = self.legs_of(ray).iter().fold(Leg::default(), Leg::joined);
+        let shading = if self.rays[ray as usize].shaded { times.host.hit } else { Cycles(0) };
+        WorkTimes { shading, ..whole.time(times) }
+    }
+
+    /// The most regions that the line of a ray meets.
+    pub fn most_regions_of_a_line(&self) -> u32 {
+        let met = |(ray, task): (usize, &RayTask)| u32::from(task.hop) + self.legs_of(ray as u32).len() as u32;
+        self.rays.iter().enumerate().map(met).max().unwrap_or(1).max(1)
+    }
+
+    /// How often light turns at the most.
+    pub fn most_turns(&self) -> u32 {
+        self.rays.iter().map(|ray| u32::from(ray.turns)).max().unwrap_or(0)
+    }
+}

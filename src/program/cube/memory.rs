@@ -1,0 +1,327 @@
+//! What nodes do that have the scene together, in a shared memory that is only read (Ray Tracing News 3(1)).
+//!
+//! Page p is at home on node p mod N. A node has pixels of its own and traces their trees, ray by ray; no ray is sent. Before a ray it reads
+//! the ray's pages: one at home for nothing, one of another node in its cache for a look-up each time, else it asks the home for
+//! it and waits. The home is interrupted: a helper of it serves the page, and what that took the node makes good before its next ray,
+//! unless it was waiting itself.
+
+use super::graph::{PageUses, TaskGraph};
+use super::lru::Lru;
+use super::messages::{MessageKind, PACKET_PIXELS, PAGE_HEAD_BYTES, TOKEN_BYTES, packet_bytes};
+use super::regions::{NodeSeen, Seen};
+use super::states::{
+    GRID, IDLE, INTERSECTION, LOOKUP, PIXELS, RECEIVING, SENDING, SERVING, SHADING, SLABS, WAITING, WAITING_PAGE, topology,
+};
+use crate::machine::events::{Act, Cube, Delivery, Message, Sender};
+use crate::machine::{Cycles, Ipsc2};
+use crate::measure::{StateId, Topology};
+
+/// What is in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PageNote {
+    /// That node wants a page.
+    Wants(u16),
+    /// A page.
+    Page,
+    /// So many pixels that are done.
+    Pixels(u32),
+}
+
+/// Nodes at work.
+#[derive(Clone, Debug)]
+pub struct MemoryNodes<'a> {
+    machine: &'a Ipsc2,
+    graph: &'a TaskGraph,
+    uses: &'a PageUses,
+    cube: Cube,
+    nodes: Vec<Node>,
+    host_waits: usize,
+    host_takes: u32,
+    over: bool,
+    /// What is counted.
+    pub seen: Seen,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    next: Next,
+    /// Its pixels, as trees; so many have been begun.
+    pixels: Vec<u32>,
+    begun: usize,
+    /// Pixels that are done and not sent to the host.
+    packet: u32,
+    cache: Lru,
+    /// The rays of the pixel under way that are still to come.
+    rays: std::ops::Range<u32>,
+    /// How many of its ray's pages it has read.
+    read: usize,
+    /// What it has served while it worked, and not made good.
+    owes: Cycles,
+    /// Whether it waits, and serves for nothing.
+    waits: bool,
+    rests: Option<Cycles>,
+    /// Whom its helper serves.
+    serves: Option<u16>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Next {
+    /// Begins a pixel.
+    Begins,
+    /// Goes on to the next ray.
+    Ray,
+    /// Begins the ray itself.
+    Starts,
+    /// Reads the ray's pages.
+    Reads,
+    /// Asks for a page of that node.
+    Asks(u16),
+    /// Waits for it.
+    Awaits,
+    /// Has got it.
+    Gets,
+    /// Works on the ray.
+    Works,
+    /// Has worked on it.
+    Worked,
+    /// Has no more pixels.
+    Ends,
+}
+
+impl<'a> MemoryNodes<'a> {
+    /// Nodes at the start, each with the pixels that `owners` tells, in their order. `None` if it was not recorded what the rays read.
+    pub fn new(machine: &'a Ipsc2, graph: &'a TaskGraph, (owners, order): (&[u16], &[u32])) -> Option<MemoryNodes<'a>> {
+        let uses = graph.pages.as_ref()?;
+        let count = machine.nodes;
+        let at_home = u64::from(uses.pages).div_ceil(count as u64) * u64::from(uses.page_bytes);
+        let room = machine.memory_bytes.saturating_sub(at_home) / u64::from(uses.page_bytes.max(1));
+        let cache = Lru::new(uses.pages, room.min(u64::from(uses.pages)) as usize);
+        let mut nodes = vec![Node::new(cache); count];
+        order.iter().for_each(|&tree| nodes[usize::from(owners[tree as usize])].pixels.push(tree));
+        let pixels = |node: &Node| NodeSeen { pixels: node.pixels.len(), ..NodeSeen::default() };
+        let seen = Seen { nodes: nodes.iter().map(pixels).collect(), sent: vec![0; count * count], ..Seen::default() };
+        Some(MemoryNodes {
+            machine,
+            graph,
+            uses,
+            cube: machine.cube(),
+            nodes,
+            host_waits: graph.trees.len(),
+            host_takes: 0,
+            over: graph.trees.is_empty(),
+            seen,
+        })
+    }
+
+    /// The nodes, the host and their states.
+    pub fn topology(&self) -> Topology {
+        topology(self.nodes.len(), "ray")
+    }
+
+    /// The states of a node that sends, and of one that has nothing left to do.
+    pub const SENDING_AND_IDLE: (StateId, StateId) = (SENDING, IDLE);
+
+    /// Tasks behind the host, which serve pages: one a node.
+    pub fn helpers(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether the host has all pixels.
+    pub fn is_over(&self) -> bool {
+        self.over
+    }
+
+    /// Since when a task has had nothing to do.
+    pub fn rests(&self, task: usize) -> Option<Cycles> {
+        self.nodes.get(task).and_then(|node| node.rests)
+    }
+
+    /// What a task does next, given the time and the message that it has just taken, if it did.
+    pub fn next(&mut self, task: usize, now: Cycles, taken: Option<PageNote>) -> Act<PageNote> {
+        let host = self.nodes.len();
+        match task {
+            task if task < host => self.node(task, now),
+            task if task == host => self.host(now, taken),
+            helper => self.serve(helper - host - 1, taken),
+        }
+    }
+
+    fn host(&mut self, now: Cycles, taken: Option<PageNote>) -> Act<PageNote> {
+        if let Some(PageNote::Pixels(count)) = taken {
+            self.host_takes = count;
+            let time = self.took(MessageKind::Calculation, packet_bytes(count));
+            return Act::Spend(RECEIVING, time);
+        }
+        self.host_waits -= std::mem::take(&mut self.host_takes) as usize;
+        if self.host_waits > 0 {
+            return Act::Receive(Sender::Anyone, WAITING);
+        }
+        self.over = true;
+        self.seen.told_at = now;
+        Act::End
+    }
+
+    /// A node's helper serves who wants a page of it.
+    fn serve(&mut self, node: usize, taken: Option<PageNote>) -> Act<PageNote> {
+        if let Some(PageNote::Wants(asker)) = taken {
+            self.nodes[node].serves = Some(asker);
+            return Act::Spend(SERVING, self.machine.costs.serve);
+        }
+        let Some(asker) = self.nodes[node].serves.take() else { return Act::Receive(Sender::Anyone, IDLE) };
+        if !self.nodes[node].waits {
+            self.nodes[node].owes += self.machine.costs.serve;
+        }
+        self.seen.messages[MessageKind::Information as usize].taken += 1;
+        let bytes = PAGE_HEAD_BYTES + u64::from(self.uses.page_bytes);
+        // What it takes to send it is part of serving.
+        self.send((node, asker.into()), (MessageKind::RealObject, bytes), Cycles(0), PageNote::Page)
+    }
+
+    fn node(&mut self, task: usize, now: Cycles) -> Act<PageNote> {
+        let machine = self.machine;
+        let node = &mut self.nodes[task];
+        match node.next {
+            Next::Begins => {
+                let Some(&tree) = node.pixels.get(node.begun) else { return self.end(task, now) };
+                node.begun += 1;
+                node.rays = self.graph.tree(tree as usize);
+                node.next = Next::Ray;
+                Act::Spend(PIXELS, machine.costs.pixel)
+            }
+            Next::Ray if node.rays.is_empty() => self.end_pixel(task, now),
+            Next::Ray => {
+                node.read = 0;
+                node.next = Next::Starts;
+                Act::Spend(SERVING, std::mem::take(&mut node.owes))
+            }
+            Next::Starts => {
+                node.next = Next::Reads;
+                Act::Begin(node.rays.start)
+            }
+            Next::Reads => self.read(task),
+            Next::Asks(home) => {
+                node.next = Next::Awaits;
+                node.waits = true;
+                self.seen.nodes[task].pages += 1;
+                // The request goes to the home's helper.
+                let to = self.nodes.len() + 1 + usize::from(home);
+                let note = PageNote::Wants(task as u16);
+                let time = machine.messages.of(TOKEN_BYTES);
+                self.send((task, to), (MessageKind::Information, TOKEN_BYTES), time, note)
+            }
+            Next::Awaits => {
+                node.next = Next::Gets;
+                Act::Receive(Sender::Anyone, WAITING_PAGE)
+            }
+            Next::Gets => {
+                node.waits = false;
+                node.next = Next::Reads;
+                let bytes = PAGE_HEAD_BYTES + u64::from(self.uses.page_bytes);
+                Act::Spend(RECEIVING, self.took(MessageKind::RealObject, bytes))
+            }
+            Next::Works => {
+                node.next = Next::Worked;
+                let time = self.graph.time_in_one(node.rays.start, &machine.times);
+                Act::SpendEach([
+                    (GRID, time.grid),
+                    (SLABS, time.slabs),
+                    (INTERSECTION, time.intersection),
+                    (SHADING, time.shading),
+                    (SHADING, Cycles(0)),
+                ])
+            }
+            Next::Worked => {
+                node.rays.start += 1;
+                node.next = Next::Ray;
+                self.seen.nodes[task].legs += 1;
+                Act::Done
+            }
+            Next::Ends => Act::End,
+        }
+    }
+
+    /// Reads the pages of a ray, until one is missing or all are read.
+    fn read(&mut self, task: usize) -> Act<PageNote> {
+        let count = self.nodes.len() as u32;
+        let node = &mut self.nodes[task];
+        let pages = self.uses.of_ray(node.rays.start);
+        let mut lookups = 0u64;
+        node.next = Next::Works;
+        while let Some(&(page, reads)) = pages.get(node.read) {
+            node.read += 1;
+            let home = page % count;
+            if home as usize == task {
+                continue;
+            }
+            lookups += u64::from(reads);
+            if !node.cache.read(page) {
+                node.next = Next::Asks(home as u16);
+                break;
+            }
+        }
+        Act::Spend(LOOKUP, Cycles(lookups * self.machine.costs.lookup.0))
+    }
+
+    fn end_pixel(&mut self, task: usize, now: Cycles) -> Act<PageNote> {
+        self.seen.true_end = now;
+        let node = &mut self.nodes[task];
+        node.next = Next::Begins;
+        node.packet += 1;
+        if node.packet < PACKET_PIXELS && node.begun < node.pixels.len() {
+            return self.node(task, now);
+        }
+        let count = std::mem::take(&mut node.packet);
+        let (host, bytes) = (self.nodes.len(), packet_bytes(count));
+        let time = self.machine.messages.of(bytes);
+        self.send((task, host), (MessageKind::Calculation, bytes), time, PageNote::Pixels(count))
+    }
+
+    fn end(&mut self, task: usize, now: Cycles) -> Act<PageNote> {
+        let node = &mut self.nodes[task];
+        node.next = Next::Ends;
+        node.waits = true;
+        node.rests = Some(now);
+        Act::End
+    }
+
+    fn send(
+        &mut self,
+        (from, to): (usize, usize),
+        (kind, bytes): (MessageKind, u64),
+        time: Cycles,
+        content: PageNote,
+    ) -> Act<PageNote> {
+        let counts = &mut self.seen.messages[kind as usize];
+        counts.sent += 1;
+        counts.bytes += bytes;
+        counts.hops += self.cube.hops(from, to);
+        counts.processor += time;
+        Act::Send(Message { delivery: Delivery::Post(to), time, bytes, content })
+    }
+
+    fn took(&mut self, kind: MessageKind, bytes: u64) -> Cycles {
+        let time = self.machine.messages.of(bytes);
+        let counts = &mut self.seen.messages[kind as usize];
+        counts.taken += 1;
+        counts.processor += time;
+        time
+    }
+}
+
+impl Node {
+    fn new(cache: Lru) -> Node {
+        Node {
+            next: Next::Begins,
+            pixels: Vec::new(),
+            begun: 0,
+            packet: 0,
+            cache,
+            rays: 0..0,
+            read: 0,
+            owes: Cycles(0),
+            waits: false,
+            rests: None,
+            serves: None,
+        }
+    }
+}

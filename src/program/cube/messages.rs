@@ -1,0 +1,78 @@
+//! What nodes tell each other: the four kinds of messages, and how long they are.
+
+use crate::machine::Cycles;
+
+/// What is in a message, by the kinds of the thesis on graphs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MessageKind {
+    /// Part of the scene.
+    RealObject,
+    /// A ray.
+    VirtualObject,
+    /// What was computed: the light of a ray, or pixels.
+    Calculation,
+    /// What it takes to work together.
+    Information,
+}
+
+impl MessageKind {
+    /// All kinds, in the order of reports.
+    pub const ALL: [MessageKind; 4] = [
+        MessageKind::RealObject,
+        MessageKind::VirtualObject,
+        MessageKind::Calculation,
+        MessageKind::Information,
+    ];
+
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            MessageKind::RealObject => "real object",
+            MessageKind::VirtualObject => "virtual object",
+            MessageKind::Calculation => "calculation",
+            MessageKind::Information => "information",
+        }
+    }
+}
+
+/// The messages of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MessageCounts {
+    /// How many were sent.
+    pub sent: u64,
+    /// How many were taken.
+    pub taken: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// The links that they passed.
+    pub hops: u64,
+    /// What the processors at both ends spend on them, but for what is in them.
+    pub processor: Cycles,
+}
+
+/// The messages of each kind, in the order of [`MessageKind::ALL`].
+pub type Messages = [MessageCounts; MessageKind::ALL.len()];
+
+/// Bytes of a ray: pixel 4, owner 2, kind, turns and hops 2, credit 4, origin 12, direction 12, end 4, weight 12.
+pub const RAY_BYTES: u64 = 52;
+/// Bytes of a result: pixel 4, credit 4, light 12.
+pub const RESULT_BYTES: u64 = 20;
+/// Bytes of a packet of pixels, beside them.
+pub const PACKET_BYTES: u64 = 8;
+/// Bytes of a pixel in it.
+pub const PIXEL_BYTES: u64 = 16;
+/// Pixels of a packet at the most.
+pub const PACKET_PIXELS: u32 = 64;
+/// Bytes of a word that only says that something is so.
+pub const WORD_BYTES: u64 = 4;
+/// Bytes of a token, and of a request for a page.
+pub const TOKEN_BYTES: u64 = 16;
+/// Bytes of a page's message beside the page.
+pub const PAGE_HEAD_BYTES: u64 = 8;
+/// Bytes of a block of the scene.
+pub const BLOCK_BYTES: u64 = 4096;
+
+/// Bytes of a packet of so many pixels.
+pub fn packet_bytes(pixels: u32) -> u64 {
+    PACKET_BYTES + PIXEL_BYTES * u64::from(pixels)
+}

@@ -1,0 +1,138 @@
+//! The functional half: what a ray meets in each region on its way, and which pages of a shared memory it reads.
+
+use std::ops::ControlFlow;
+
+use super::graph::Leg;
+use crate::geometry::{Grid, Hit, Polygons, Ray, RaySlabs, Regions};
+use crate::program::Workload;
+
+/// Traces rays through the regions of a scene. Each thread has its own.
+#[derive(Debug)]
+pub struct Walker<'a> {
+    workload: &'a Workload,
+    regions: &'a Regions,
+    pages: Option<PageMap>,
+}
+
+/// Where a scene is in a shared memory: the table of voxels, their lists, then the polygons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PageMap {
+    page_bytes: u64,
+    lists: u64,
+    polygons: u64,
+    polygon_bytes: u64,
+    end: u64,
+}
+
+/// Bytes of a word of tables and lists.
+const WORD: u64 = 4;
+
+/// Bytes of the database for each polygon, its grid included: 140 Mbyte for 1 048 576 polygons (Ray Tracing News).
+const BYTES_PER_POLYGON: u64 = 134;
+
+impl PageMap {
+    /// The memory of a scene with a grid, in pages of so many bytes.
+    pub fn new(grid: &Grid, polygons: &Polygons, page_bytes: u32) -> PageMap {
+        let lists = WORD * (grid.voxel_count() as u64 + 1);
+        let start = lists + WORD * grid.reference_count() as u64;
+        let count = polygons.len() as u64;
+        let own = WORD * polygons.memory_words(&(0..polygons.len() as u32).collect::<Vec<_>>()) / count.max(1);
+        let polygon_bytes = ((BYTES_PER_POLYGON * count).saturating_sub(start) / count.max(1)).max(own);
+        let end = start + polygon_bytes * count;
+        PageMap { page_bytes: u64::from(page_bytes.max(1)), lists, polygons: start, polygon_bytes, end }
+    }
+
+    /// Bytes of the whole scene.
+    pub fn bytes(&self) -> u64 {
+        self.end
+    }
+
+    /// How many pages there are.
+    pub fn pages(&self) -> u32 {
+        self.end.div_ceil(self.page_bytes) as u32
+    }
+
+    fn of_voxel(&self, voxel: usize) -> u32 {
+        (WORD * voxel as u64 / self.page_bytes) as u32
+    }
+
+    fn of_list(&self, first: u32) -> u32 {
+        ((self.lists + WORD * u64::from(first)) / self.page_bytes) as u32
+    }
+
+    fn of_polygon(&self, polygon: u32) -> u32 {
+        ((self.polygons + self.polygon_bytes * u64::from(polygon)) / self.page_bytes) as u32
+    }
+}
+
+impl<'a> Walker<'a> {
+    /// A walker through the grid of a workload that has one. With `pages`, it notes which are read.
+    pub fn new(workload: &'a Workload, regions: &'a Regions, pages: Option<PageMap>) -> Walker<'a> {
+        Walker { workload, regions, pages }
+    }
+
+    /// The first hit of a ray. Adds its legs, and the pages that it reads. Without any voxel on its way there is no leg.
+    ///
+    /// What a region has found beyond its end is forgotten: the next one finds it again.
+    pub fn trace(&self, ray: &Ray, legs: &mut Vec<Leg>, uses: &mut Vec<(u32, u32)>) -> Hit {
+        let Some(grid) = self.workload.grids().next() else { return Hit::MISS };
+        let polygons = self.workload.polygons();
+        let slabs = &self.workload.layout.surfaces.slabs;
+        let strayed = polygons.beyond_margin(ray.origin);
+        let (first, first_use) = (legs.len(), uses.len());
+        let mut ray_slabs = None;
+        let mut hit = Hit::MISS;
+        let table = grid.table();
+        grid.walk(ray, strayed, |voxel| {
+            let region = self.regions.of_voxel(voxel.voxel);
+            let leg = leg_in(region, legs, first, strayed > 0.0);
+            let leg = match leg {
+                Some(leg) => &mut legs[leg],
+                None => {
+                    legs.push(Leg { region, ..Leg::default() });
+                    // All regions work on a ray that has strayed, whose hit is then the nearest of all.
+                    hit = if strayed > 0.0 { hit } else { Hit::MISS };
+                    let last = legs.len() - 1;
+                    &mut legs[last]
+                }
+            };
+            leg.voxels += 1;
+            if let Some(pages) = &self.pages {
+                read(uses, first_use, pages.of_voxel(voxel.voxel));
+                if !voxel.polygons.is_empty() {
+                    read(uses, first_use, pages.of_list(table[voxel.voxel]));
+                }
+            }
+            for &polygon in voxel.polygons {
+                leg.slab_tests += 1;
+                self.pages.iter().for_each(|pages| read(uses, first_use, pages.of_polygon(polygon)));
+                let new = || RaySlabs::new(ray, polygons.largest_coordinate());
+                if slabs.meets(ray_slabs.get_or_insert_with(new), polygon) {
+                    leg.intersection_tests += 1;
+                    self.pages.iter().for_each(|pages| read(uses, first_use, pages.of_polygon(polygon)));
+                    hit = polygons.nearer(ray, polygon, hit);
+                }
+            }
+            if hit.t <= voxel.t_exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        hit
+    }
+}
+
+/// The leg in which a ray is when it visits a voxel of a region: the last, if that is of the region; any, if the ray has strayed.
+#[inline]
+fn leg_in(region: u16, legs: &[Leg], first: usize, has_strayed: bool) -> Option<usize> {
+    match has_strayed {
+        false => (legs.len() > first && legs[legs.len() - 1].region == region).then(|| legs.len() - 1),
+        true => legs[first..].iter().position(|leg| leg.region == region).map(|place| first + place),
+    }
+}
+
+/// Notes that a ray reads a page, whose pages begin at `first`.
+#[inline]
+fn read(uses: &mut Vec<(u32, u32)>, first: usize, page: u32) {
+    match uses[first..].iter_mut().rev().find(|(known, _)| *known == page) {
+        Some((_, reads)) => *reads += 1,
+        None => uses.push((page, 1)),
+    }
+}

@@ -1,0 +1,160 @@
+//! How a scene is cut into regions of equal work, by a sub-sample of the image (RR-0992, §4.1).
+
+use std::convert::Infallible;
+
+use super::spec::RegionSpec;
+use super::trees::{Traced, Tracing};
+use super::Percent;
+use crate::error::InputError;
+use crate::geometry::{CellPlane, Grid, Regions};
+use crate::host::camera::ImageSize;
+use crate::machine::Ipsc2;
+use crate::program::Workload;
+use crate::program::cube::Part;
+use crate::run::render::Picture;
+use crate::run::{RunError, Workers};
+
+/// A scene's regions, and what the sub-sample told of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cut {
+    /// The regions.
+    pub regions: Regions,
+    /// How many pixels were sampled.
+    pub sampled: usize,
+    /// Cycles of work in each cell, on the sample.
+    pub cells: Vec<u64>,
+    /// Rays of the sample from each region to each other, row by row.
+    pub between: Vec<u64>,
+    /// Each region's part of the scene.
+    pub parts: Vec<Part>,
+}
+
+/// Bytes of a word.
+const WORD_BYTES: u64 = 4;
+
+/// Bytes that the host sends each node beside its polygons: its box, its cells, lights and camera.
+const HEAD_BYTES: u64 = 256;
+
+/// Bytes of the connectivity of a cell.
+const CELL_BYTES: u64 = 8;
+
+impl Cut {
+    /// A scene that is not cut.
+    pub(super) fn none(regions: Regions, workload: &Workload) -> Cut {
+        let parts = parts(&regions, workload);
+        Cut { regions, sampled: 0, cells: vec![0], between: vec![0], parts }
+    }
+
+    /// A scene cut so that each node has a region of equal work on a sub-sample.
+    pub(super) fn by_sample<E>(
+        spec: &RegionSpec,
+        picture: &Picture<'_>,
+        (grid, machine): (&Grid, &Ipsc2),
+        workers: &Workers,
+    ) -> Result<Cut, RunError<E>> {
+        let plane = CellPlane::new(grid, spec.cell_grid);
+        let of_cells = Regions::of_cells(plane.clone());
+        let pixels = lattice(picture.size, spec.sub_sample);
+        let tracing = Tracing { picture: *picture, regions: &of_cells, pages: None, hits: false };
+        let traced = tracing.trace((pixels.len(), |sample| pixels[sample]), workers, |_| Ok::<_, Infallible>(()));
+        let traced = traced.map_err(|error| match error {
+            RunError::Unfit(error) => RunError::Unfit(error),
+            RunError::Cancelled(cancelled) => RunError::Cancelled(cancelled),
+            // The others are of the timing half, or of an observer that cannot fail.
+            other => RunError::Unfit(InputError::new(other.to_string())),
+        })?;
+        let cells = work(&traced, machine, of_cells.count());
+        let regions = Regions::of_equal_work(plane, &cells, machine.nodes).map_err(|few| {
+            InputError::new(few.to_string()).help("take fewer nodes, more --cell-grid, or a larger --grid-coefficient")
+        })?;
+        let between = between(&traced, &regions);
+        let parts = parts(&regions, picture.workload);
+        Ok(Cut { regions, sampled: pixels.len(), cells, between, parts })
+    }
+
+    /// The work that the sample told of each region.
+    pub fn predicted(&self) -> Vec<u64> {
+        let mut sums = vec![0; self.regions.count()];
+        self.regions.by_cell().iter().zip(&self.cells).for_each(|(&region, work)| sums[usize::from(region)] += work);
+        sums
+    }
+}
+
+/// The middles of a lattice of pixels that has about that share of them.
+fn lattice(size: ImageSize, Percent(share): Percent) -> Vec<(f64, f64)> {
+    let step = ((100.0 / share).sqrt().round() as u32).max(1);
+    let along = |side: u32| (step.min(side) / 2..side).step_by(step as usize);
+    let middle = |at: u32| f64::from(at) + 0.5;
+    along(size.height).flat_map(|y| along(size.width).map(move |x| (middle(x), middle(y)))).collect()
+}
+
+/// The cycles of each cell: a ray's start counts where it starts, and shading where the hit is.
+fn work(traced: &Traced, machine: &Ipsc2, cells: usize) -> Vec<u64> {
+    let mut work = vec![0; cells];
+    let graph = &traced.graph;
+    for ray in 0..graph.rays.len() as u32 {
+        let mut started = [false; 2];
+        let first = graph.rays[ray as usize].first_leg;
+        for leg in first..graph.legs_end(ray) {
+            let counts = &graph.legs[leg as usize];
+            let mut cycles = graph.time(ray, leg, &machine.times).all().0;
+            if leg > first {
+                cycles -= machine.times.grid.start.0;
+            }
+            let starts = [
+                (counts.slab_tests, machine.times.slabs.start.0),
+                (counts.intersection_tests, machine.times.intersection.start.0),
+            ];
+            for (started, (tests, start)) in started.iter_mut().zip(starts) {
+                if tests > 0 && std::mem::replace(started, true) {
+                    cycles -= start;
+                }
+            }
+            work[usize::from(counts.region)] += cycles;
+        }
+    }
+    work
+}
+
+/// The rays from each region to each other.
+fn between(traced: &Traced, regions: &Regions) -> Vec<u64> {
+    let count = regions.count();
+    let mut between = vec![0; count * count];
+    for ray in 0..traced.graph.rays.len() as u32 {
+        for pair in traced.graph.legs_of(ray).windows(2) {
+            let [from, to] = [pair[0], pair[1]].map(|leg| usize::from(regions.by_cell()[usize::from(leg.region)]));
+            if from != to {
+                between[from * count + to] += 1;
+            }
+        }
+    }
+    between
+}
+
+/// Each region's part of the scene: the polygons that its voxels list.
+fn parts(regions: &Regions, workload: &Workload) -> Vec<Part> {
+    let mut parts = vec![Part::default(); regions.count()];
+    let mut voxels = vec![0u64; regions.count()];
+    let polygons = workload.polygons();
+    let mut held = vec![0u128; polygons.len()];
+    for (voxel, list) in workload.grids().flat_map(|grid| grid.lists().enumerate()) {
+        let region = usize::from(regions.of_voxel(voxel));
+        voxels[region] += 1;
+        parts[region].references += list.len() as u64;
+        list.iter().for_each(|&polygon| held[polygon as usize] |= 1 << region);
+    }
+    for (polygon, &held) in held.iter().enumerate() {
+        let bytes = WORD_BYTES * polygons.record_words(polygon as u32);
+        for part in (0..parts.len()).filter(|part| held & 1 << part != 0) {
+            parts[part].polygons += 1;
+            parts[part].bytes += bytes;
+        }
+    }
+    for (region, part) in parts.iter_mut().enumerate() {
+        part.holds = part.bytes + WORD_BYTES * (voxels[region] + 1 + part.references);
+        let rectangle = &regions.rectangles()[region];
+        let border = 2 * u64::from(rectangle.high[0] - rectangle.low[0] + rectangle.high[1] - rectangle.low[1]);
+        part.bytes += HEAD_BYTES + CELL_BYTES * border;
+    }
+    parts
+}

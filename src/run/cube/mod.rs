@@ -1,0 +1,349 @@
+//! An image on a hypercube, described as a value ([`CubeSpec`]), laid out, and run.
+
+mod cut;
+mod options;
+mod spec;
+mod trees;
+
+use std::convert::Infallible;
+
+use glam::Vec3;
+
+use super::{RunError, Watching, Workers};
+use crate::cancel::Cancel;
+use crate::error::InputError;
+use crate::geometry::{CellPlane, Hit, Polygons, Regions};
+use crate::host::camera::primary_rays;
+use crate::host::order::Order;
+use crate::host::sampling::Pass;
+use crate::machine::events::{Act, Events};
+use crate::machine::{Cycles, Ipsc2};
+use crate::measure::{Measured, Observed, Recording, Topology};
+use crate::program::cube::{
+    MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, TaskGraph, gray_order, highest_rank, swapped,
+    topology,
+};
+use crate::program::{ArrayProgram, Workload};
+use crate::run::render::Picture;
+use crate::run::spec::load_scene;
+use crate::run::trees::ByKind;
+
+pub use cut::Cut;
+pub use options::{
+    CubeMode, CubeOptions, CubeRunOptions, First, FlowKind, Mapping, Percent, PixelOrder, PixelsOf, Termination,
+};
+pub use spec::{CubeSpec, RegionSpec};
+use trees::{Traced, Tracing};
+
+/// The scene of an image, and what its rays make the nodes do.
+#[derive(Clone, Debug)]
+pub struct CubeScene {
+    /// Its name.
+    pub name: String,
+    /// Its polygons.
+    pub polygons: Polygons,
+    /// What is to be done.
+    pub graph: TaskGraph,
+    /// How it is cut.
+    pub cut: Cut,
+    /// The image: its pixels' light, line by line.
+    pub pixels: Vec<Vec3>,
+    /// The hits of all rays, tree by tree, if they were asked for.
+    pub hits: Vec<Hit>,
+    /// How many rays there are of each kind, and how many hit.
+    pub kinds: ByKind<(u64, u64)>,
+    /// What reading it changed.
+    pub notes: Vec<String>,
+}
+
+/// An image that is laid out for its nodes.
+#[derive(Debug)]
+pub struct CubeSetup {
+    /// What is run.
+    pub spec: CubeSpec,
+    /// On what.
+    pub machine: Ipsc2,
+    /// What is to be done.
+    pub scene: CubeScene,
+}
+
+/// What an image on a hypercube came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CubeOutcome {
+    /// Where all time went, from the first pixel on. The last station is the host.
+    pub stats: Measured,
+    /// What was seen of it over time.
+    pub observed: Observed,
+    /// What was counted beside.
+    pub seen: Seen,
+    /// What all pixels take on one node that has all of the scene.
+    pub one_node: Cycles,
+    /// What came before.
+    pub phases: Phases,
+    /// Each region's node.
+    pub node_of: Vec<u16>,
+    /// Each node's part of the scene.
+    pub parts: Vec<Part>,
+    /// The highest rank of any ray, if rays are sent.
+    pub highest_rank: u32,
+}
+
+/// Steps of the nodes between two looks at whether they are to be stopped.
+const STEPS: usize = 1 << 16;
+
+/// All times of a run together stay below, so that no clock leaves 64 bits.
+const LONGEST_RUN: u128 = 1 << 61;
+
+/// Bytes of what is in a slot of a queue.
+const SLOT_BYTES: u64 = 52;
+
+impl CubeSetup {
+    /// Lays an image out. `observe` sees how many of its samples are traced, of all.
+    ///
+    /// # Errors
+    ///
+    /// As [`CubeSpec::lay_out`], and if the machine is impossible or has no room.
+    pub fn new<E>(
+        spec: CubeSpec,
+        keeps_hits: bool,
+        workers: &Workers,
+        observe: impl FnMut(usize) -> Result<(), E>,
+    ) -> Result<CubeSetup, RunError<E>> {
+        let machine = spec.machine.build()?;
+        let scene = spec.lay_out(keeps_hits, workers, observe)?;
+        Ok(CubeSetup { spec, machine, scene })
+    }
+
+    /// What the user should know before the figures: what had to be rounded, cut or assumed.
+    pub fn notes(&self) -> impl Iterator<Item = &str> {
+        self.machine.notes.iter().chain(&self.scene.notes).map(String::as_str)
+    }
+
+    /// Lets the nodes run.
+    ///
+    /// # Errors
+    ///
+    /// As [`CubeSpec::run`].
+    pub fn run(&self, watching: &Watching, cancel: &Cancel) -> Result<CubeOutcome, RunError<Infallible>> {
+        self.spec.run(&self.scene, &self.machine, watching, cancel)
+    }
+}
+
+impl CubeSpec {
+    /// How many samples the image has.
+    pub fn samples(&self) -> usize {
+        self.size.pixels() * (self.rays.samples as usize).pow(2)
+    }
+
+    /// The scene, cut for the nodes, with all that its rays make them do. `observe` sees how many of the samples are traced.
+    ///
+    /// # Errors
+    ///
+    /// If the scene cannot be read, or cannot be cut into so many regions; if `observe` fails; and if it is told to stop.
+    pub fn lay_out<E>(
+        &self,
+        keeps_hits: bool,
+        workers: &Workers,
+        observe: impl FnMut(usize) -> Result<(), E>,
+    ) -> Result<CubeScene, RunError<E>> {
+        let machine = self.machine.build()?;
+        let scene = load_scene(&self.scene, self.size_factor, self.resolution)?;
+        let program = ArrayProgram::one_cell(self.rays.grid_coefficient);
+        let rays = primary_rays(&scene.camera, self.size);
+        let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
+        let (size, sampling, limits) = (self.size, self.sampling(), self.limits());
+        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits };
+        let cut = self.cut(&picture, &machine, workers)?;
+        let pages = self.page_bytes.and_then(|bytes| {
+            let grid = workload.grids().next()?;
+            Some((PageMap::new(grid, workload.polygons(), bytes), bytes))
+        });
+        let pass = Pass::first(self.size, sampling, Order::Raster);
+        let tracing = Tracing { picture, regions: &cut.regions, pages, hits: keeps_hits };
+        let traced = tracing.pass(&pass, workers, observe)?;
+        let (pixels, polygons) = (traced.pixels(pass.per_pixel()), workload.polygons().clone());
+        let Traced { graph, hits, kinds, .. } = traced;
+        Ok(CubeScene { name: scene.name, polygons, graph, cut, pixels, hits, kinds, notes: scene.notes })
+    }
+
+    /// The regions of a scene, or all of it as one.
+    fn cut<E>(&self, picture: &Picture<'_>, machine: &Ipsc2, workers: &Workers) -> Result<Cut, RunError<E>> {
+        let Some(grid) = picture.workload.grids().next() else {
+            return Err(InputError::new("the scene has no grid").into());
+        };
+        match &self.regions {
+            None => Ok(Cut::none(Regions::whole(CellPlane::new(grid, 1)), picture.workload)),
+            Some(spec) => Cut::by_sample(spec, picture, (grid, machine), workers),
+        }
+    }
+
+    /// Lets the nodes run.
+    ///
+    /// # Errors
+    ///
+    /// If a node has no room for its part of the scene and its queue, or the run would take longer than can be counted; if the nodes
+    /// are stuck; and if it is told to stop.
+    pub fn run(
+        &self,
+        scene: &CubeScene,
+        machine: &Ipsc2,
+        watching: &Watching,
+        cancel: &Cancel,
+    ) -> Result<CubeOutcome, RunError<Infallible>> {
+        let one_node = one_node(&scene.graph, machine)?;
+        let node_of = self.node_of(&scene.cut, machine);
+        let parts = self.parts(scene, machine, &node_of);
+        self.check_room(&parts, machine)?;
+        let phases = prepare(machine, &parts);
+        let owners = self.owners(&scene.graph, machine, &node_of);
+        let order = self.order(scene.graph.trees.len());
+        let highest_rank = highest_rank(&scene.graph);
+        let (stats, observed, seen) = match &self.regions {
+            Some(spec) => {
+                self.check_slots(highest_rank)?;
+                let mut nodes =
+                    RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), spec.rules());
+                let events = watched(nodes.topology(), 0, machine, watching);
+                let run = (RegionNodes::next as fn(&mut _, _, _, _) -> _, RegionNodes::is_over as fn(&_) -> _);
+                let events = drive(&mut nodes, events, run, cancel)?;
+                if !nodes.is_over() {
+                    return Err(nodes.stuck().into());
+                }
+                let (stats, observed) = events.stop(|task| nodes.rests(task));
+                (stats, observed, nodes.seen)
+            }
+            None => {
+                let nodes = MemoryNodes::new(machine, &scene.graph, (&owners, &order));
+                let Some(mut nodes) = nodes else {
+                    return Err(InputError::new("it was not recorded which pages the rays read").into());
+                };
+                let events = watched(nodes.topology(), nodes.helpers(), machine, watching);
+                let run = (MemoryNodes::next as fn(&mut _, _, _, _) -> _, MemoryNodes::is_over as fn(&_) -> _);
+                let events = drive(&mut nodes, events, run, cancel)?;
+                let (stats, observed) = events.stop(|task| nodes.rests(task));
+                (stats, observed, nodes.seen)
+            }
+        };
+        Ok(CubeOutcome { stats, observed, seen, one_node, phases, node_of, parts, highest_rank })
+    }
+
+    /// Each region's node.
+    fn node_of(&self, cut: &Cut, machine: &Ipsc2) -> Vec<u16> {
+        let gray = gray_order(machine.nodes);
+        match self.regions.map(|regions| regions.mapping) {
+            None => vec![0],
+            Some(Mapping::Gray) => gray,
+            Some(Mapping::Swapped) => swapped(gray, &cut.between),
+        }
+    }
+
+    /// Each node's part of the scene.
+    fn parts(&self, scene: &CubeScene, machine: &Ipsc2, node_of: &[u16]) -> Vec<Part> {
+        let mut parts = vec![Part::default(); machine.nodes];
+        match &scene.graph.pages {
+            None => scene.cut.parts.iter().zip(node_of).for_each(|(part, &node)| parts[usize::from(node)] = *part),
+            Some(uses) => {
+                let pages = u64::from(uses.pages).div_ceil(machine.nodes as u64);
+                let bytes = pages * u64::from(uses.page_bytes);
+                parts.fill(Part { bytes, holds: bytes, ..Part::default() });
+            }
+        }
+        parts
+    }
+
+    fn check_room(&self, parts: &[Part], machine: &Ipsc2) -> Result<(), InputError> {
+        let slots = self.regions.and_then(|regions| regions.queue_rays).unwrap_or(0);
+        let queue = SLOT_BYTES * u64::from(slots);
+        let largest = parts.iter().enumerate().max_by_key(|(node, part)| (part.holds, std::cmp::Reverse(*node)));
+        let Some((node, part)) = largest.filter(|(_, part)| part.holds + queue > machine.memory_bytes) else {
+            return Ok(());
+        };
+        let message = format!(
+            "the scene does not fit: node {node} needs {} bytes for it and {queue} for {slots} rays, and has {}",
+            part.holds, machine.memory_bytes
+        );
+        Err(InputError::new(message).help("take more nodes, a smaller --grid-coefficient, fewer --queue-rays or more --memory-kbyte"))
+    }
+
+    /// Fails if there are too few slots for classes.
+    fn check_slots(&self, highest_rank: u32) -> Result<(), InputError> {
+        let Some(RegionSpec { flow: FlowKind::Classes, queue_rays: Some(slots), .. }) = self.regions else { return Ok(()) };
+        if slots > highest_rank {
+            return Ok(());
+        }
+        let message = format!("classes need a slot for each rank: {} of them, and a node has {slots}", highest_rank + 1);
+        Err(InputError::new(message).help("ask for more --queue-rays, or for another --flow"))
+    }
+
+    /// The node that each tree belongs to.
+    fn owners(&self, graph: &TaskGraph, machine: &Ipsc2, node_of: &[u16]) -> Vec<u16> {
+        let per_pixel = (self.rays.samples as usize).pow(2);
+        let width = self.size.width as usize;
+        let owner = |tree: usize| match self.regions.map(|regions| regions.pixels) {
+            Some(PixelsOf::Owner) => node_of[usize::from(graph.start_of(graph.trees[tree]))],
+            Some(PixelsOf::Shared) => (tree / per_pixel % machine.nodes) as u16,
+            None => (tree / per_pixel / width % machine.nodes) as u16,
+        };
+        (0..graph.trees.len()).map(owner).collect()
+    }
+
+    /// Trees in the order in which each node begins its own.
+    fn order(&self, trees: usize) -> Vec<u32> {
+        let bits = trees.next_power_of_two().ilog2();
+        match self.regions.map(|regions| regions.pixel_order) {
+            Some(PixelOrder::Strided) if bits > 0 => {
+                let all = (0..1u64 << bits).map(|number| number.reverse_bits() >> (64 - bits));
+                all.filter(|&tree| tree < trees as u64).map(|tree| tree as u32).collect()
+            }
+            _ => (0..trees as u32).collect(),
+        }
+    }
+}
+
+/// What all pixels take on one node that has all of the scene.
+fn one_node(graph: &TaskGraph, machine: &Ipsc2) -> Result<Cycles, InputError> {
+    let rays = (0..graph.rays.len() as u32).map(|ray| u128::from(graph.time_in_one(ray, &machine.times).all().0));
+    let all = rays.sum::<u128>() + u128::from(machine.costs.pixel.0) * graph.trees.len() as u128;
+    match all < LONGEST_RUN {
+        true => Ok(Cycles(all as u64)),
+        false => Err(InputError::new("the work of all pixels takes longer than can be counted")
+            .help("make the image smaller, or the machine faster")),
+    }
+}
+
+/// What comes before the first pixel.
+fn prepare(machine: &Ipsc2, parts: &[Part]) -> Phases {
+    let mut preparation = Preparation::new(machine, parts);
+    let mut events = Events::new(topology(machine.nodes, "block"), machine.cube(), RegionNodes::SENDING_AND_IDLE);
+    while events.step(&mut |task, now, taken| preparation.next(task, now, taken)) {}
+    preparation.phases
+}
+
+fn watched<M: Copy>(topology: Topology, helpers: usize, machine: &Ipsc2, watching: &Watching) -> Events<M> {
+    let events = Events::with_helpers(topology, helpers, machine.cube(), RegionNodes::SENDING_AND_IDLE);
+    let events = if watching.profile { events.probed() } else { events };
+    match &watching.recording {
+        Some(window) => events.recorded(window.clone(), Recording::MOST_EVENTS),
+        None => events,
+    }
+}
+
+/// What a task does next, and whether all is over.
+type Program<P, M> = (fn(&mut P, usize, Cycles, Option<M>) -> Act<M>, fn(&P) -> bool);
+
+/// Lets nodes run until all is over, or none can go on.
+fn drive<P, M: Copy>(
+    nodes: &mut P,
+    mut events: Events<M>,
+    (next, is_over): Program<P, M>,
+    cancel: &Cancel,
+) -> Result<Events<M>, RunError<Infallible>> {
+    loop {
+        for _ in 0..STEPS {
+            if is_over(nodes) || !events.step(&mut |task, now, taken| next(nodes, task, now, taken)) {
+                return Ok(events);
+            }
+        }
+        cancel.check()?;
+    }
+}

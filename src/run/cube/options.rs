@@ -1,0 +1,211 @@
+//! What can be asked of an image on a hypercube.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::InputError;
+use crate::machine::Ipsc2Options;
+use crate::parameters::{ParameterInfo, parameters};
+use crate::run::options::choice;
+use crate::run::{LightOptions, SceneOptions, ShapeOptions};
+
+parameters! {
+    /// An image on a hypercube, and how its work is shared.
+    pub struct CubeOptions under "Hypercube" {
+        /// How the nodes share the scene: each has a region and rays are sent (regions), or all have it together and trace whole
+        /// pixels (shared-memory) [default: regions].
+        mode: CubeMode, "MODE", Text, "mode";
+        /// Voxels of the grid for each polygon [default: 10].
+        grid_coefficient: f64, "N", Number, "grid coefficient (voxels a polygon)";
+        /// Share of the pixels on which the regions' work is measured before the run, in percent [default: 1.5].
+        sub_sample: Percent, "PERCENT", Number, "pixels of the sub-sample (%)";
+        /// Cells along each side of the plane from which regions are made [default: 64].
+        #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(1..=128)))]
+        cell_grid: u32, "N", Whole, "cells along a side";
+        /// Which region is on which node: in Gray's order, or with pairs swapped while rays pass fewer links [default: swapped].
+        mapping: Mapping, "HOW", Text, "mapping";
+        /// How rays find room in queues: unlimited, block (the sender waits), window (few pixels under way) or classes (slots by
+        /// rank, which never gets stuck) [default: classes].
+        flow: FlowKind, "HOW", Text, "flow control";
+        /// Rays for which a node has slots, where these are limited [default: 4096].
+        #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(1..=1 << 30)))]
+        queue_rays: u32, "N", Whole, "slots of a node (rays)";
+        /// Pixels that a node has under way at the most, with --flow window [default: 64].
+        #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(1..=1 << 30)))]
+        window: u32, "N", Whole, "pixels under way on a node";
+        /// How it is found out that all is done: by credit, or by a token that goes round [default: credit].
+        termination: Termination, "HOW", Text, "termination";
+        /// In which order a node begins its pixels: line by line, or spread over the image [default: scan].
+        pixel_order: PixelOrder, "ORDER", Text, "order of the pixels";
+        /// What a node does first: work on rays, or begin its pixels [default: rays].
+        first: First, "WHAT", Text, "what is done first";
+        /// Who begins a pixel: the node whose region its ray enters first (owner), or pixel p node p mod N (shared)
+        /// [default: owner].
+        pixels: PixelsOf, "HOW", Text, "who begins a pixel";
+        /// Bytes of a page of the shared memory [default: 1024].
+        #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(64..=1 << 20)))]
+        page_bytes: u32, "N", Whole, "page of the shared memory (bytes)";
+        /// A machine file of your own; the flags below change it further [default: iPSC/2].
+        #[cfg_attr(feature = "cli", arg(help_heading = "Machine"))]
+        machine: PathBuf, "FILE", Text, "machine";
+    }
+}
+
+/// Declares what can be chosen, by the names that are typed.
+macro_rules! choices {
+    ($($(#[$meta:meta])* $Type:ident { $($(#[$value_meta:meta])* $Value:ident = $name:literal),* $(,)? })*) => {$(
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+        pub enum $Type { $($(#[$value_meta])* $Value),* }
+
+        choice!($Type: $($name is $Value),*);
+
+        impl $Type {
+            /// Its name.
+            pub fn name(self) -> &'static str {
+                match self { $($Type::$Value => $name),* }
+            }
+        }
+    )*};
+}
+
+choices! {
+    /// How nodes share a scene.
+    CubeMode {
+        /// Each has a region; rays are sent.
+        #[default]
+        Regions = "regions",
+        /// All have it together, as the pages of a memory.
+        SharedMemory = "shared-memory",
+    }
+    /// Which region is on which node.
+    Mapping {
+        /// In Gray's order.
+        Gray = "gray",
+        /// With pairs swapped from there on.
+        #[default]
+        Swapped = "swapped",
+    }
+    /// How rays find room in queues.
+    FlowKind {
+        /// A queue takes all.
+        Unlimited = "unlimited",
+        /// The sender waits.
+        Block = "block",
+        /// Few pixels are under way.
+        Window = "window",
+        /// Slots are given by rank.
+        #[default]
+        Classes = "classes",
+    }
+    /// How it is found out that all is done.
+    Termination {
+        /// By credit.
+        #[default]
+        Credit = "credit",
+        /// By a token.
+        Token = "token",
+    }
+    /// In which order a node begins its pixels.
+    PixelOrder {
+        /// Line by line.
+        #[default]
+        Scan = "scan",
+        /// Spread over the image: by their numbers with the bits from last to first.
+        Strided = "strided",
+    }
+    /// What a node does first.
+    First {
+        /// Works on rays.
+        #[default]
+        Rays = "rays",
+        /// Begins pixels.
+        Pixels = "pixels",
+    }
+    /// Who begins a pixel.
+    PixelsOf {
+        /// The node whose region its ray enters first.
+        #[default]
+        Owner = "owner",
+        /// Pixel p node p mod N.
+        Shared = "shared",
+    }
+}
+
+/// A share in percent: `1.5` or `1.5%`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Percent(pub f64);
+
+impl FromStr for Percent {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Percent, &'static str> {
+        let number = text.strip_suffix('%').unwrap_or(text).trim_end();
+        let is_share = |value: &f64| *value > 0.0 && *value <= 100.0;
+        number.parse().ok().filter(is_share).map(Percent).ok_or("expected a share of more than 0 and up to 100 percent")
+    }
+}
+
+/// All that can be asked of an image on a hypercube, each by a name. What is left out is as the machine file has it, or by default.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CubeRunOptions {
+    /// The scene.
+    pub scene: SceneOptions,
+    /// How large it is.
+    pub shape: ShapeOptions,
+    /// The light.
+    pub light: LightOptions,
+    /// How its work is shared.
+    pub cube: CubeOptions,
+    /// Changes to the machine.
+    pub machine: Ipsc2Options,
+}
+
+impl CubeRunOptions {
+    /// All parameters, in the order of tables.
+    pub fn parameters() -> impl Iterator<Item = &'static ParameterInfo> {
+        let groups = [
+            SceneOptions::PARAMETERS,
+            ShapeOptions::PARAMETERS,
+            LightOptions::PARAMETERS,
+            CubeOptions::PARAMETERS,
+            Ipsc2Options::PARAMETERS,
+        ];
+        groups.into_iter().flatten()
+    }
+
+    /// Gives a parameter the value that a text stands for.
+    ///
+    /// Fails if there is no such parameter, or if the text is no such value.
+    pub fn set(&mut self, name: &str, text: &str) -> Result<(), InputError> {
+        let known = self.scene.set(name, text)?
+            || self.shape.set(name, text)?
+            || self.light.set(name, text)?
+            || self.cube.set(name, text)?
+            || self.machine.set(name, text)?;
+        if known { Ok(()) } else { Err(InputError::new(format!("an image on a hypercube has no parameter '{name}'"))) }
+    }
+
+    /// Takes back the parameters that are not to be kept.
+    pub fn retain(&mut self, keep: impl Fn(&str) -> bool) {
+        self.scene.retain(&keep);
+        self.shape.retain(&keep);
+        self.light.retain(&keep);
+        self.cube.retain(&keep);
+        self.machine.retain(&keep);
+    }
+
+    /// Whether a parameter was given.
+    pub fn has(&self, name: &str) -> bool {
+        self.scene.has(name)
+            || self.shape.has(name)
+            || self.light.has(name)
+            || self.cube.has(name)
+            || self.machine.has(name)
+    }
+}
