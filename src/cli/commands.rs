@@ -10,7 +10,7 @@ use super::args::{
 };
 use super::cell_args::{AsmArgs, CalibrateArgs, DisasmArgs, Figure7Args, StepArgs};
 use super::farm_args::FarmArgs;
-use super::ipsc2_args::Ipsc2Args;
+use super::ipsc2_args::{CalibrateIpsc2Args, Ipsc2Args};
 use super::why_args::{SizeArgs, WhyArgs};
 
 /// Simulates ray tracing on a linear array of PCS processors (INRIA RR-0992, 1989), exact to the cycle.
@@ -74,6 +74,9 @@ pub enum Command {
     Figure7(Figure7Args),
     /// Fits what instructions cost to Figure 7, and writes a machine file.
     Calibrate(CalibrateArgs),
+    /// Fits the times of an iPSC/2's nodes to what an image took: calibrate SCENE --on ipsc2.
+    #[command(name = "calibrate-ipsc2")]
+    CalibrateIpsc2(Box<CalibrateIpsc2Args>),
     /// Assembles a cell's program to an object file, and lists it with its cycles.
     Asm(AsmArgs),
     /// Turns an object file back into source text.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pcs_sim::machine::Ipsc2Options;
-use pcs_sim::run::{CubeOptions, CubeRunOptions, LightOptions, SceneOptions, ShapeOptions};
+use pcs_sim::run::{CubeMode, CubeOptions, CubeRunOptions, KnownTime, LightOptions, SceneOptions, ShapeOptions};
 
 use super::args::{Typed, ViewArgs};
 
@@ -58,6 +58,62 @@ impl Ipsc2Args {
             machine: self.machine.clone(),
         };
         options.retain(|name| typed.has(name));
+        options
+    }
+}
+
+/// `pcs-sim calibrate-ipsc2`.
+#[derive(Debug, Args)]
+pub struct CalibrateIpsc2Args {
+    /// The scene whose times are known: a built-in one, or a file.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    #[command(flatten)]
+    pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub light: LightOptions,
+    /// Voxels of the grid for each polygon [default: 10].
+    #[arg(long, value_name = "N")]
+    pub grid_coefficient: Option<f64>,
+    /// What it takes on one node, in seconds.
+    #[arg(long, value_name = "SECONDS")]
+    pub seconds: f64,
+    /// How much of that is geometry, in percent.
+    #[arg(long, value_name = "PERCENT", default_value_t = 80.0)]
+    pub geometry: f64,
+    /// What it takes on several nodes that share a memory: 2:3332,4:1700,...
+    #[arg(long, value_name = "NODES:SECONDS", value_delimiter = ',')]
+    pub times: Vec<KnownTime>,
+    /// The machine file whose times are fitted [default: iPSC/2].
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// Where the new machine file goes [default: stdout].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Replace a file that exists.
+    #[arg(long)]
+    pub force: bool,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+impl CalibrateIpsc2Args {
+    /// The image that is fitted to.
+    pub fn options(&self, typed: &Typed) -> CubeRunOptions {
+        let mut options = CubeRunOptions {
+            shape: self.shape.clone(),
+            light: self.light.clone(),
+            ..CubeRunOptions::default()
+        };
+        options.retain(|name| typed.has(name));
+        options.scene.scene = Some(self.scene.clone());
+        options.cube = CubeOptions {
+            mode: Some(CubeMode::SharedMemory),
+            grid_coefficient: self.grid_coefficient,
+            machine: self.machine.clone(),
+            ..CubeOptions::default()
+        };
         options
     }
 }

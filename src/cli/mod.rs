@@ -3,6 +3,7 @@
 mod args;
 mod asm;
 mod calibrate;
+mod calibrate_ipsc2;
 mod cell_args;
 mod commands;
 mod compare;
@@ -182,6 +183,7 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Figure7(args)) => figure7::figure7(args),
         Some(Command::Calibrate(args)) => calibrate::calibrate(args),
+        Some(Command::CalibrateIpsc2(args)) => calibrate_ipsc2::calibrate(args, typed),
         Some(Command::Asm(args)) => asm::asm(args),
         Some(Command::Disasm(args)) => disasm::disasm(args),
         Some(Command::Step(args)) => step::step(args),

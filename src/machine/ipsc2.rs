@@ -134,6 +134,37 @@ impl Ipsc2File {
         fields::parse(Path::new("ipsc2.ron"), Self::STANDARD_TEXT)
     }
 
+    /// The text of a machine file with this machine's fitted times in place of its own, all else as it stands there.
+    ///
+    /// Fails if the file does not name each of them.
+    pub fn retold(&self, path: &Path, text: &str) -> Result<String, InputError> {
+        let us = &self.times_us;
+        let fitted = [
+            ("lookup_us", self.lookup_us),
+            ("grid_start", us.grid_start),
+            ("grid_voxel", us.grid_voxel),
+            ("slabs_start", us.slabs_start),
+            ("slabs_polygon", us.slabs_polygon),
+            ("intersection_start", us.intersection_start),
+            ("intersection_polygon", us.intersection_polygon),
+            ("shade_hit", us.shade_hit),
+        ];
+        let line = |line: &str| {
+            let body = line.trim_start();
+            let found = fitted.iter().find(|(name, _)| body.strip_prefix(name).is_some_and(|rest| rest.starts_with(':')));
+            let indent = &line[..line.len() - body.len()];
+            found.map_or_else(|| format!("{line}\n"), |(name, value)| format!("{indent}{name}: {value:?},\n"))
+        };
+        let new: String = text.lines().map(line).collect();
+        match Ipsc2File::parse(path, &new) {
+            Ok(file) if file == *self => Ok(new),
+            _ => {
+                let error = InputError::in_file(path, "the fitted times cannot be put into this file");
+                Err(error.help("let it have lookup_us and each of times_us on a line of its own"))
+            }
+        }
+    }
+
     /// The machine in cycles, or why it is impossible.
     pub fn build(&self) -> Result<Ipsc2, InputError> {
         self.convert().map_err(Fault::in_flags)

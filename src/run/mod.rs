@@ -24,7 +24,7 @@ mod trees;
 mod workers;
 
 pub use cube::{
-    CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut, First, FlowKind, Mapping,
+    Calibrated, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut, First, FlowKind, Known, KnownTime, Mapping,
     Percent, PixelOrder, PixelsOf, RegionSpec, Termination,
 };
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};

@@ -1,5 +1,6 @@
 //! An image on a hypercube, described as a value ([`CubeSpec`]), laid out, and run.
 
+mod calibrate;
 mod cut;
 mod options;
 mod spec;
@@ -28,6 +29,7 @@ use crate::run::render::Picture;
 use crate::run::spec::load_scene;
 use crate::run::trees::ByKind;
 
+pub use calibrate::{Calibrated, Known, KnownTime};
 pub use cut::Cut;
 pub use options::{
     CubeMode, CubeOptions, CubeRunOptions, First, FlowKind, Mapping, Percent, PixelOrder, PixelsOf, Termination,
