@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use pcs_sim::error;
-use pcs_sim::run::{FarmSetup, FarmSpec, Replay, RunSpec, Setup, Switch, Watching, moot};
+use pcs_sim::run::{CubeSetup, CubeSpec, FarmSetup, FarmSpec, Replay, RunSpec, Setup, Switch, Watching, moot};
 use pcs_sim::seam::activity_trace::Form;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,7 +13,7 @@ use pyo3::types::PyDict;
 use crate::doing::{Ops, render, time, trace};
 use crate::made::Made;
 use crate::outputs;
-use crate::request::{Of, Request, farm_request, replay_configuration};
+use crate::request::{Of, Request, cube_request, farm_request, replay_configuration};
 use crate::run::Run;
 use crate::trouble::wrong;
 use crate::work::{Crew, work};
@@ -146,6 +146,35 @@ pub fn farm(
         })?;
         let outcome = setup.run(setup.spec.tasks, &Watching::default(), &task.workers.cancel)?;
         Ok(Made::Farm { setup: Box::new(setup), outcome: Box::new(outcome) })
+    })?;
+    Ok(Run::new(made, crew))
+}
+
+/// Makes an image on the nodes of an iPSC/2, a hypercube.
+///
+/// Takes the parameters by the names of the flags of `pcs-sim ipsc2`. `config` is an image to be made again.
+#[pyfunction]
+#[pyo3(signature = (scene=None, *, config=None, threads=None, progress=None, **parameters))]
+pub fn ipsc2(
+    py: Python<'_>,
+    scene: Option<&Bound<'_, PyAny>>,
+    config: Option<&Bound<'_, PyAny>>,
+    threads: Option<i64>,
+    progress: Option<bool>,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Run> {
+    let crew = crew(py, threads, progress)?;
+    let (options, base) = cube_request(py, scene, config, parameters)?;
+    let made = work(py, crew, "samples", |task| {
+        let spec = CubeSpec::new(&options, base)?;
+        moot::check_cube(&options, &spec)?;
+        let samples = spec.samples() as u64;
+        let setup = CubeSetup::new(spec, false, &task.workers, |done| {
+            task.set(done as u64, samples);
+            Ok::<_, Infallible>(())
+        })?;
+        let outcome = setup.run(&Watching::default(), &task.workers.cancel)?;
+        Ok(Made::Cube { setup: Box::new(setup), outcome: Box::new(outcome) })
     })?;
     Ok(Run::new(made, crew))
 }

@@ -24,7 +24,7 @@ mod _native {
     #[pymodule_export]
     use super::arrays::Scene;
     #[pymodule_export]
-    use super::calls::{farm, image, replay, run};
+    use super::calls::{farm, image, ipsc2, replay, run};
     #[pymodule_export]
     use super::cells::{CellProgram, assemble};
     #[pymodule_export]

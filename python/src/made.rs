@@ -14,8 +14,8 @@ use pcs_sim::report::losses::Losses;
 use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
-use pcs_sim::report::{account, farm};
-use pcs_sim::run::{FarmOutcome, FarmSetup, Outcome, Outputs, Rendered, Replay, Setup, Timing, Watching};
+use pcs_sim::report::{account, cube, farm};
+use pcs_sim::run::{CubeOutcome, CubeSetup, FarmOutcome, FarmSetup, Outcome, Outputs, Rendered, Replay, Setup, Timing, Watching};
 use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 
@@ -35,6 +35,8 @@ pub enum Made {
     Replay { replay: Mutex<Replay>, stats: Measured, losses: Lost },
     /// A farm of workers.
     Farm { setup: Box<FarmSetup>, outcome: Box<FarmOutcome> },
+    /// An image on a hypercube.
+    Cube { setup: Box<CubeSetup>, outcome: Box<CubeOutcome> },
 }
 
 /// What a run was, in words and as data.
@@ -72,6 +74,7 @@ impl Made {
             Made::Image { rendered, .. } => Ok(&Made::timing(rendered)?.stats),
             Made::Replay { stats, .. } => Ok(stats),
             Made::Farm { outcome, .. } => Ok(&outcome.stats),
+            Made::Cube { outcome, .. } => Ok(&outcome.stats),
         }
     }
 
@@ -81,6 +84,7 @@ impl Made {
             Made::Rays { setup, .. } | Made::Image { setup, .. } => Ok(setup),
             Made::Replay { .. } => Err(has_none("a replay", what)),
             Made::Farm { .. } => Err(has_none("a farm", what)),
+            Made::Cube { .. } => Err(has_none("an image on a hypercube", what)),
         }
     }
 
@@ -90,6 +94,7 @@ impl Made {
             Made::Rays { setup, .. } | Made::Image { setup, .. } => setup.machine.spec.clock(),
             Made::Replay { replay, .. } => locked(replay).machine.spec.clock(),
             Made::Farm { .. } => Capitan::CLOCK,
+            Made::Cube { setup, .. } => setup.machine.clock,
         }
     }
 
@@ -98,7 +103,7 @@ impl Made {
         match self {
             Made::Rays { setup, outcome, .. } => Ok((setup, setup.by_number(&outcome.hits))),
             Made::Image { setup, rendered, hits, .. } => Made::timing(rendered).map(|_| (setup, hits.clone())),
-            Made::Replay { .. } | Made::Farm { .. } => self.setup("hits").map(|setup| (setup, Vec::new())),
+            Made::Replay { .. } | Made::Farm { .. } | Made::Cube { .. } => self.setup("hits").map(|setup| (setup, Vec::new())),
         }
     }
 
@@ -109,6 +114,7 @@ impl Made {
             Made::Image { rendered, .. } => Ok(&rendered.counts),
             Made::Replay { .. } => Err(has_none("a replay", "counts")),
             Made::Farm { .. } => Err(has_none("a farm", "counts of its own")),
+            Made::Cube { .. } => Err(has_none("an image on a hypercube", "counts of its own")),
         }
     }
 
@@ -123,6 +129,7 @@ impl Made {
                 account::replay_stats_json(&locked(replay), (stats, None), losses.as_ref())
             }
             Made::Farm { setup, outcome } => farm::to_json(outcome, &setup.scene, &self.described().configuration),
+            Made::Cube { setup, outcome } => cube::to_json(setup, outcome, &self.described().configuration),
         };
         json.map_err(|error| PyAttributeError::new_err(error.to_string()))
     }
@@ -133,6 +140,7 @@ impl Made {
             Made::Rays { setup, .. } | Made::Image { setup, .. } => serde_json::to_value(&setup.spec),
             Made::Replay { replay, .. } => serde_json::to_value(&locked(replay).spec),
             Made::Farm { setup, .. } => serde_json::to_value(&setup.spec),
+            Made::Cube { setup, .. } => serde_json::to_value(&setup.spec),
         }
     }
 
@@ -154,6 +162,10 @@ impl Made {
             Made::Farm { setup, outcome } => {
                 let configuration = Configuration::Farm(Box::new(setup.spec.clone()));
                 return Described { caption: farm::caption(setup, outcome), names: Vec::new(), configuration };
+            }
+            Made::Cube { setup, .. } => {
+                let configuration = Configuration::Cube(Box::new(setup.spec.clone()));
+                return Described { caption: cube::caption(setup), names: Vec::new(), configuration };
             }
             Made::Replay { replay, .. } => {
                 let replay = locked(replay);
@@ -180,6 +192,7 @@ impl Made {
             }
             Made::Replay { replay, .. } => Ok(time(&mut locked(replay), watching, task)?.2),
             Made::Farm { setup, .. } => Ok(setup.run(setup.spec.tasks, watching, &task.workers.cancel)?.observed),
+            Made::Cube { setup, .. } => Ok(setup.run(watching, &task.workers.cancel)?.observed),
         }
     }
 
@@ -189,12 +202,17 @@ impl Made {
             Made::Rays { setup, .. } | Made::Image { setup, .. } => setup.notes().map(str::to_owned).collect(),
             Made::Replay { replay, .. } => locked(replay).machine.notes.clone(),
             Made::Farm { setup, .. } => setup.notes().map(str::to_owned).collect(),
+            Made::Cube { setup, .. } => setup.notes().map(str::to_owned).collect(),
         }
     }
 
     /// The name of the picture that shows it best: what each cell, or task, did when.
     pub fn first_picture(&self) -> &'static str {
-        if matches!(self, Made::Farm { .. }) { "tasks" } else { "cells" }
+        match self {
+            Made::Farm { .. } => "tasks",
+            Made::Cube { .. } => "nodes",
+            _ => "cells",
+        }
     }
 
     /// What people read of it.
@@ -206,6 +224,7 @@ impl Made {
                 account::replay_text(&locked(replay), (stats, None), losses.as_ref())
             }
             Made::Farm { setup, outcome } => farm::text(setup, outcome),
+            Made::Cube { setup, outcome } => cube::text(setup, outcome),
         }
     }
 
@@ -217,20 +236,24 @@ impl Made {
                 Some(pixels.iter().flat_map(|pixel| pixel.to_array()).collect())
             }
             Made::Image { rendered, .. } => Some(rendered.pixels.iter().flat_map(|pixel| pixel.to_array()).collect()),
+            Made::Cube { setup, .. } => Some(setup.scene.pixels.iter().flat_map(|pixel| pixel.to_array()).collect()),
             _ => None,
         }
     }
 
     /// Writes the picture, if there is one.
     fn write_picture(&self, file: &mut impl Write, as_pfm: bool) -> Result<(), Trouble> {
-        let (setup, pixels) = match self {
-            Made::Rays { setup, outcome, .. } if setup.spec.rays.is_none() => (setup, setup.preview(&outcome.hits)),
-            Made::Image { setup, rendered, .. } => (setup, rendered.pixels.clone()),
+        let (size, pixels) = match self {
+            Made::Rays { setup, outcome, .. } if setup.spec.rays.is_none() => {
+                (setup.spec.size, setup.preview(&outcome.hits))
+            }
+            Made::Image { setup, rendered, .. } => (setup.spec.size, rendered.pixels.clone()),
+            Made::Cube { setup, .. } => (setup.spec.size, setup.scene.pixels.clone()),
             _ => return Err(error::InputError::new("the rays are none of a picture").into()),
         };
         match as_pfm {
-            true => image::write_pfm(file, setup.spec.size, &pixels).map_err(output),
-            false => image::write_png(file, setup.spec.size, &pixels).map_err(output),
+            true => image::write_pfm(file, size, &pixels).map_err(output),
+            false => image::write_png(file, size, &pixels).map_err(output),
         }
     }
 
@@ -246,7 +269,7 @@ impl Made {
     fn losses(&self) -> Option<&Losses> {
         match self {
             Made::Rays { losses, .. } | Made::Image { losses, .. } | Made::Replay { losses, .. } => losses.as_ref(),
-            Made::Farm { .. } => None,
+            Made::Farm { .. } | Made::Cube { .. } => None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! What is asked of a run, from Python's keywords.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pcs_sim::error;
@@ -8,7 +8,7 @@ use pcs_sim::geometry::Ray;
 use pcs_sim::machine::MachineOptions;
 use pcs_sim::parameters::{Kind, ParameterInfo, named};
 use pcs_sim::run::{
-    CellsOptions, FarmRunOptions, FarmSpec, Layers, MachineFileOptions, PlannedRun, RayOptions, ReplaySpec, RunOptions,
+    CellsOptions, CubeRunOptions, CubeSpec, FarmRunOptions, FarmSpec, Layers, MachineFileOptions, PlannedRun, RayOptions, ReplaySpec, RunOptions,
     RunSpec,
 };
 use pcs_sim::scene::{Scene as SceneData, builtin};
@@ -34,6 +34,8 @@ pub enum Of {
     Replay,
     /// A farm.
     Farm,
+    /// An image on a hypercube.
+    Cube,
 }
 
 impl Of {
@@ -47,6 +49,7 @@ impl Of {
             Of::Image => without(RayOptions::PARAMETERS).chain(RunOptions::image_parameters()).collect(),
             Of::Model => without(CellsOptions::PARAMETERS).collect(),
             Of::Farm => FarmRunOptions::parameters().collect(),
+            Of::Cube => CubeRunOptions::parameters().collect(),
             Of::Replay => MachineFileOptions::PARAMETERS.iter().chain(MachineOptions::PARAMETERS).collect(),
         }
     }
@@ -177,26 +180,61 @@ pub fn farm_request(
     config: Option<&Bound<'_, PyAny>>,
     parameters: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<(FarmRunOptions, Option<FarmSpec>)> {
-    let raise = |error: error::InputError| Trouble::from(error).raise(py);
-    let read = |config: &Bound<'_, PyAny>| match config.cast::<Run>() {
-        Ok(run) => FarmSpec::from_json(run.get().configuration(py)?).map_err(raise),
-        Err(_) if is_path(config) => FarmSpec::read(&config.extract::<PathBuf>()?).map_err(raise),
-        Err(_) => FarmSpec::from_json(json(py, config)?).map_err(raise),
-    };
-    let base = config.map(read).transpose()?;
+    let base = config.map(|config| described(py, config, FarmSpec::read, FarmSpec::from_json)).transpose()?;
     let mut options = FarmRunOptions::default();
+    ask(py, Of::Farm, scene, parameters, |name, text| options.set(name, text))?;
+    Ok((options, base))
+}
+
+/// The same of an image on a hypercube.
+pub fn cube_request(
+    py: Python<'_>,
+    scene: Option<&Bound<'_, PyAny>>,
+    config: Option<&Bound<'_, PyAny>>,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<(CubeRunOptions, Option<CubeSpec>)> {
+    let base = config.map(|config| described(py, config, CubeSpec::read, CubeSpec::from_json)).transpose()?;
+    let mut options = CubeRunOptions::default();
+    ask(py, Of::Cube, scene, parameters, |name, text| options.set(name, text))?;
+    Ok((options, base))
+}
+
+/// The description in a file, of another run, or in a value as JSON has it.
+fn described<T>(
+    py: Python<'_>,
+    config: &Bound<'_, PyAny>,
+    read: fn(&Path) -> Result<T, error::InputError>,
+    from_json: fn(serde_json::Value) -> Result<T, error::InputError>,
+) -> PyResult<T> {
+    let described = match config.cast::<Run>() {
+        Ok(run) => from_json(run.get().configuration(py)?),
+        Err(_) if is_path(config) => read(&config.extract::<PathBuf>()?),
+        Err(_) => from_json(json(py, config)?),
+    };
+    described.map_err(|error| Trouble::from(error).raise(py))
+}
+
+/// Hands each parameter that is given, by its name, and the text that stands for its value to `set`.
+fn ask(
+    py: Python<'_>,
+    of: Of,
+    scene: Option<&Bound<'_, PyAny>>,
+    parameters: Option<&Bound<'_, PyDict>>,
+    mut set: impl FnMut(&str, &str) -> Result<(), error::InputError>,
+) -> PyResult<()> {
+    let raise = |error: error::InputError| Trouble::from(error).raise(py);
     let given = PyDict::new(py);
     given.set_item("scene", scene)?;
     if let Some(parameters) = parameters {
         given.update(parameters.as_mapping())?;
     }
     for (name, value) in given {
-        let known = named(Of::Farm.parameters(), &name.extract::<String>()?).map_err(raise)?;
+        let known = named(of.parameters(), &name.extract::<String>()?).map_err(raise)?;
         if !value.is_none() {
-            options.set(known.name, &text_of(py, known, &value)?).map_err(raise)?;
+            set(known.name, &text_of(py, known, &value)?).map_err(raise)?;
         }
     }
-    Ok((options, base))
+    Ok(())
 }
 
 /// Whether a value names a file: a text, or a path.
@@ -253,11 +291,11 @@ fn text_of(py: Python<'_>, known: &ParameterInfo, value: &Bound<'_, PyAny>) -> P
 }
 
 /// The parameters: `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), and for each call
-/// whether it takes it (`run`, `image`, `replay`, `model`, `farm`).
+/// whether it takes it (`run`, `image`, `replay`, `model`, `farm`, `ipsc2`).
 #[pyfunction]
 pub fn parameters() -> PyResult<Table> {
     let mut all: Vec<&ParameterInfo> = Vec::new();
-    for known in [Of::Rays, Of::Image, Of::Farm].into_iter().flat_map(Of::parameters) {
+    for known in [Of::Rays, Of::Image, Of::Farm, Of::Cube].into_iter().flat_map(Of::parameters) {
         if all.iter().all(|other| other.name != known.name) {
             all.push(known);
         }
@@ -282,6 +320,7 @@ pub fn parameters() -> PyResult<Table> {
         truth("replay", taken(Of::Replay)),
         truth("model", taken(Of::Model)),
         truth("farm", taken(Of::Farm)),
+        truth("ipsc2", taken(Of::Cube)),
     ])
 }
 

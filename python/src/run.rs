@@ -24,7 +24,7 @@ use crate::trouble::{Trouble, wrong};
 use crate::view::Picture;
 use crate::work::{Crew, briefly, work};
 
-/// A run that is over: of primary rays, of a whole image, of a recorded trace, or of a farm.
+/// A run that is over: of primary rays, of a whole image, of a recorded trace, of a farm, or of an image on a hypercube.
 ///
 /// What a run over time looked like (`timelines`, `plot`, `page`) is found out when it is first asked for: by running it
 /// again under a probe, which changes nothing.
@@ -85,6 +85,7 @@ impl Run {
     fn rays(&self) -> PyResult<u64> {
         match &self.made {
             Made::Farm { .. } => Err(has_none("a farm", "count of rays")),
+            Made::Cube { setup, .. } => Ok(setup.scene.graph.rays.len() as u64),
             _ => Ok(self.made.measured()?.jobs),
         }
     }
@@ -119,7 +120,9 @@ impl Run {
     fn cells(&self) -> PyResult<Table> {
         let stats = self.made.measured()?;
         let names = match &self.made {
-            Made::Farm { .. } => (0..stats.stations.len()).map(|task| stats.topology.station(task)).collect(),
+            Made::Farm { .. } | Made::Cube { .. } => {
+                (0..stats.stations.len()).map(|task| stats.topology.station(task)).collect()
+            }
             _ => self.made.described().names,
         };
         let all = 0..stats.stations.len();

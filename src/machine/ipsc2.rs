@@ -23,7 +23,7 @@ machine_parameters! {
         /// Length of a cycle, in ns.
         clock_ns: f64, "NS", Number, "length of a cycle (ns)";
         /// Memory of a node, in 1024 bytes.
-        memory_kbyte: u64, "N", Whole, "memory of a node (kbyte)";
+        node_kbyte: u64, "N", Whole, "memory of a node (kbyte)";
         /// What the program takes of it, in 1024 bytes.
         program_kbyte: u64, "N", Whole, "program of a node (kbyte)";
         /// The most bytes of a short message.
@@ -172,8 +172,8 @@ impl Ipsc2File {
 
     fn convert(&self) -> Result<Ipsc2, Fault> {
         within("nodes", self.nodes.into(), 1..=MOST_NODES)?;
-        within("memory_kbyte", self.memory_kbyte, 1..=1 << 40)?;
-        within("program_kbyte", self.program_kbyte, 0..=self.memory_kbyte)?;
+        within("node_kbyte", self.node_kbyte, 1..=1 << 40)?;
+        within("program_kbyte", self.program_kbyte, 0..=self.node_kbyte)?;
         within("short_bytes", self.short_bytes, 0..=1 << 20)?;
         if !(self.clock_ns.is_finite() && (0.001..=1e6).contains(&self.clock_ns)) {
             return Err(impossible("clock_ns", self.clock_ns, "from 0.001 to 1000000"));
@@ -183,7 +183,7 @@ impl Ipsc2File {
         Ok(Ipsc2 {
             nodes: self.nodes as usize,
             clock: Clock { cycle_ns: self.clock_ns },
-            memory_bytes: (self.memory_kbyte - self.program_kbyte) * 1024,
+            memory_bytes: (self.node_kbyte - self.program_kbyte) * 1024,
             wires,
             messages,
             costs: self.costs(&mut notes)?,

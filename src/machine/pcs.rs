@@ -106,6 +106,11 @@ impl MachineFile {
         fields::parse(Path::new("pcs.ron"), Self::STANDARD_TEXT)
     }
 
+    /// The nodes of an iPSC/2 as a row of cells.
+    pub fn ipsc2_line() -> Result<MachineFile, InputError> {
+        fields::parse(Path::new("ipsc2-line.ron"), include_str!("../../pcs-programs/ipsc2-line.ron"))
+    }
+
     /// The text of such a file.
     ///
     /// Fails if it cannot be written, which no machine that can be built does.

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use super::bottleneck;
 use super::plot::Caption;
 use super::stats::{Configuration, station};
 use super::summary::{self, Rows, grouped, percent, time};
@@ -118,7 +119,7 @@ fn machine_line(spec: &CubeSpec) -> String {
     let machine = &spec.machine;
     format!(
         "machine: hypercube of {} nodes of {} kbyte, cycle {} ns, short message {} µs, long {} µs, {} µs a byte",
-        machine.nodes, machine.memory_kbyte, machine.clock_ns, machine.short_us, machine.long_us, machine.byte_us
+        machine.nodes, machine.node_kbyte, machine.clock_ns, machine.short_us, machine.long_us, machine.byte_us
     )
 }
 
@@ -241,26 +242,7 @@ pub fn sentence(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
             100.0 / nodes as f64
         );
     }
-    let whole = Cycles(outcome.stats.cycles.0 * nodes as u64);
-    let losses = Losses::new(outcome);
-    let [_, rest @ ..] = losses.named();
-    let (name, time) = rest.into_iter().rev().max_by_key(|(_, time)| *time).unwrap_or_default();
-    let told = match name {
-        "entering regions" => "rays enter several regions, each of which has to find where".to_owned(),
-        "messages" => "the nodes send and take messages".to_owned(),
-        "pages" => "the nodes look pages up, fetch and serve them".to_owned(),
-        "blocked" => "nodes have rays for which queues have no room".to_owned(),
-        "tail" => "nodes have nothing left to do while others still work".to_owned(),
-        _ => "nodes wait for rays".to_owned(),
-    };
-    if time.0 == 0 {
-        return "The nodes compute all of the time.".to_owned();
-    }
-    format!(
-        "The nodes do one node's work for {} of the time; most of the rest goes as {told} ({}).",
-        percent(losses.one_node, whole),
-        percent(time, whole)
-    )
+    bottleneck::sentence(&outcome.stats)
 }
 
 #[derive(Serialize)]

@@ -31,7 +31,7 @@ pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, Fa
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};
 pub use options::{
-    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, OrderOptions, ProgramOptions,
+    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, On, OrderOptions, ProgramOptions,
     RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
 };
 pub use outputs::{OutputFile, OutputFolder, Outputs};

@@ -100,10 +100,14 @@ parameters! {
 parameters! {
     /// The machine that changes are laid over.
     pub struct MachineFileOptions under "Machine" {
+        /// On which machine: pcs, or the nodes of an iPSC/2 as a row of cells. (With --mode regions or shared-memory: see ipsc2.)
+        #[cfg_attr(feature = "cli", arg(conflicts_with = "machine"))]
+        on: On, "MACHINE", Text, "machine";
         /// A machine file of your own; the flags below change it further [default: PCS].
         machine: PathBuf, "FILE", Text, "machine";
     }
 }
+
 
 parameters! {
     /// How the host makes an image of the light.
@@ -170,6 +174,20 @@ pub enum Mode {
 }
 
 choice!(Mode: "pipeline" is Pipeline, "broadcast" is Broadcast, "hybrid" is Hybrid);
+
+/// A machine whose file comes with the simulator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum On {
+    /// PCS.
+    #[default]
+    Pcs,
+    /// An iPSC/2, its nodes as a row of cells.
+    Ipsc2,
+}
+
+choice!(On: "pcs" is Pcs, "ipsc2" is Ipsc2);
 
 impl Mode {
     /// The name of the standard program.

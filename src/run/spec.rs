@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::options::{CellsRun, Mode, RunOptions, Switch};
+use super::options::{CellsRun, MachineFileOptions, Mode, On, RunOptions, Switch};
 use crate::error::InputError;
 use crate::geometry::{Edges, Ray};
 use crate::host::camera::{self, ImageSize};
@@ -391,10 +391,13 @@ pub fn is_builtin(scene: &str) -> bool {
 
 /// The machine: that of a file, of `base` or PCS, with the changes that are asked for.
 pub fn machine_file(options: &RunOptions, base: Option<&MachineFile>) -> Result<MachineFile, InputError> {
-    let mut file = match (&options.machine_file.machine, base) {
-        (Some(path), _) => MachineFile::read(path)?,
-        (None, Some(base)) => base.clone(),
-        (None, None) => MachineFile::standard()?,
+    let MachineFileOptions { on, machine } = &options.machine_file;
+    let mut file = match (on, machine, base) {
+        (Some(_), Some(_), _) => return Err(InputError::new("on and machine cannot both be given")),
+        (Some(On::Pcs), None, _) | (None, None, None) => MachineFile::standard()?,
+        (Some(On::Ipsc2), None, _) => MachineFile::ipsc2_line()?,
+        (None, Some(path), _) => MachineFile::read(path)?,
+        (None, None, Some(base)) => base.clone(),
     };
     options.machine.change(&mut file);
     Ok(file)

@@ -1,11 +1,11 @@
 //! What a machine makes of values that are no whole number of its cycles: columns beside the values that were asked.
 
 use super::parameters::{Parameter, Points};
-use crate::machine::{Capitan, Machine};
+use crate::machine::{Capitan, Ipsc2, Machine};
 use crate::report::table::{Column, Kind};
 
 /// The value that a machine has in place of one that was asked.
-pub(super) struct Effective<M> {
+pub struct Effective<M> {
     pub column: Column<'static>,
     /// The parameters on which it depends beside the machine file and the clock.
     asked: &'static [&'static str],
@@ -45,6 +45,21 @@ pub(super) const OF_FARMS: [Effective<Capitan>; 1] = effective! {
     "bus_ps_per_byte" of ["bus_mb_s"], "bus, as simulated (ps a byte)": |machine| machine.buses.byte_millicycles();
 };
 
+/// Those of a hypercube.
+pub(super) const OF_CUBES: [Effective<Ipsc2>; 6] = effective! {
+    "byte_millicycles" of ["byte_us"], "byte of a message, as simulated (thousandths of a cycle)":
+        |machine| machine.wires.byte_millicycles;
+    "short_cycles" of ["short_us", "short_wire_us"], "short message at either end, as simulated (cycles)":
+        |machine| machine.messages.short.0;
+    "long_cycles" of ["long_us", "long_wire_us"], "long message at either end, as simulated (cycles)":
+        |machine| machine.messages.long.0;
+    "lookup_cycles" of ["lookup_us"], "access to another's page, as simulated (cycles)":
+        |machine| machine.costs.lookup.0;
+    "grid_voxel_cycles" of ["grid_voxel"], "grid: step to a voxel, as simulated (cycles)":
+        |machine| machine.times.grid.each.0;
+    "shade_hit_cycles" of ["shade_hit"], "shading a hit, as simulated (cycles)": |machine| machine.times.host.hit.0;
+};
+
 /// On these depend all of them.
 const OF_ALL: [&str; 2] = ["clock_ns", "machine"];
 
@@ -64,6 +79,7 @@ pub(super) fn columns(of: Points, parameters: &[Parameter]) -> Vec<Column<'stati
     match of {
         Points::Arrays => asked(&OF_ARRAYS, parameters).map(|effective| effective.column).collect(),
         Points::Farms => asked(&OF_FARMS, parameters).map(|effective| effective.column).collect(),
+        Points::Cubes => asked(&OF_CUBES, parameters).map(|effective| effective.column).collect(),
     }
 }
 

@@ -7,8 +7,10 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::Sweep;
-use super::effective::{self, OF_ARRAYS, OF_FARMS};
+use super::cube_point::CubePoint;
+use super::effective::{self, OF_ARRAYS};
 use super::farm_point::FarmPoint;
+use super::laid_out::LaidOut;
 use super::parameters::Points;
 use super::point::{self, Outcome};
 use crate::cancel::Cancelled;
@@ -58,7 +60,8 @@ impl Sweep {
         };
         on_threads(workers, || match self.of {
             Points::Arrays => self.run_arrays(points, workers, done),
-            Points::Farms => self.run_farms(points, workers, done),
+            Points::Farms => self.run_laid_out::<FarmPoint>(points, workers, done),
+            Points::Cubes => self.run_laid_out::<CubePoint>(points, workers, done),
         })?;
         let mut notes: Vec<_> = notes.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect();
         notes.sort_by(|(text, (first, _)), (other, (others_first, _))| (first, text).cmp(&(others_first, other)));
@@ -72,8 +75,8 @@ impl Sweep {
         row
     }
 
-    /// Farms whose pixels take the same are laid out once.
-    fn run_farms(
+    /// Those whose scene, laid out, is the same have it laid out once.
+    fn run_laid_out<P: LaidOut + Send>(
         &self,
         points: &[usize],
         workers: &Workers,
@@ -81,18 +84,18 @@ impl Sweep {
     ) -> Result<(), Cancelled> {
         let mut possible = Vec::new();
         for &index in points {
-            match FarmPoint::new(self.values(index)) {
+            match P::new(self.values(index)) {
                 Ok(point) => possible.push((index, point)),
                 Err(reason) => done(index, Err(reason)),
             }
         }
-        for same_work in by_key(possible.iter().collect(), FarmPoint::work_key) {
+        for same_work in by_key(possible.iter().collect(), P::work_key) {
             workers.cancel.check()?;
             let scene = same_work[0].1.lay_out(workers);
-            let run = |point: &FarmPoint| {
+            let run = |point: &P| {
                 let results = point.run(scene.as_ref().map_err(String::clone)?, &workers.cancel)?;
-                let effective = effective::cells(&OF_FARMS, &self.parameters, &point.machine);
-                Ok(([effective, results].concat(), point.machine.notes.clone()))
+                let effective = effective::cells(P::EFFECTIVE, &self.parameters, point.machine());
+                Ok(([effective, results].concat(), point.notes().to_vec()))
             };
             same_work.par_iter().for_each(|(index, point)| done(*index, run(point)));
         }

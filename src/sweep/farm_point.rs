@@ -2,6 +2,8 @@
 
 use std::convert::Infallible;
 
+use super::effective::{Effective, OF_FARMS};
+use super::laid_out::LaidOut;
 use super::parameters::FARM;
 use super::point::reason;
 use crate::cancel::Cancel;
@@ -37,13 +39,15 @@ pub const COLUMNS: [Column<'static>; 18] = [
 /// All that a point is made of.
 pub struct FarmPoint {
     spec: FarmSpec,
-    /// Its machine.
-    pub machine: Capitan,
+    machine: Capitan,
 }
 
-impl FarmPoint {
-    /// The farm whose parameters have these values.
-    pub fn new(values: impl Iterator<Item = (&'static str, String)>) -> Result<FarmPoint, String> {
+impl LaidOut for FarmPoint {
+    type Scene = FarmScene;
+    type Machine = Capitan;
+    const EFFECTIVE: &'static [Effective<Capitan>] = &OF_FARMS;
+
+    fn new(values: impl Iterator<Item = (&'static str, String)>) -> Result<FarmPoint, String> {
         let mut options = FarmRunOptions::default();
         for (name, value) in values.filter(|(name, _)| *name != FARM.name) {
             options.set(name, &value).map_err(reason)?;
@@ -56,18 +60,23 @@ impl FarmPoint {
         Ok(FarmPoint { spec, machine })
     }
 
-    /// What the work on its pixels depends on.
-    pub fn work_key(&self) -> Key {
+    fn work_key(&self) -> Key {
         self.spec.work_key()
     }
 
-    /// Its scene, and what the pixels take.
-    pub fn lay_out(&self, workers: &Workers) -> Result<FarmScene, String> {
+    fn machine(&self) -> &Capitan {
+        &self.machine
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.machine.notes
+    }
+
+    fn lay_out(&self, workers: &Workers) -> Result<FarmScene, String> {
         self.spec.lay_out(workers, |_| Ok::<_, Infallible>(())).map_err(reason)
     }
 
-    /// Lets its tasks run: a cell for each of [`COLUMNS`].
-    pub fn run(&self, scene: &FarmScene, cancel: &Cancel) -> Result<Vec<String>, String> {
+    fn run(&self, scene: &FarmScene, cancel: &Cancel) -> Result<Vec<String>, String> {
         let items = self.spec.cut(scene, &self.machine).map_err(reason)?;
         let made = (scene, &self.machine, &items);
         let outcome = self.spec.run(made, &Watching::default(), cancel).map_err(reason)?;

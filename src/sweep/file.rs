@@ -6,12 +6,12 @@ use std::path::Path;
 
 use super::parameters::{self, Parameter, Points, SweepFile};
 use super::range::MOST_VALUES;
-use super::{effective, farm_point, point};
+use super::{cube_point, effective, farm_point, point};
 use crate::error::{InputError, Place};
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};
 use crate::isa::{Sources, assemble};
-use crate::machine::{CapitanFile, MachineFile};
+use crate::machine::{CapitanFile, Ipsc2File, MachineFile};
 use crate::report::table::{Column, Kind};
 use crate::scene::ReadOptions;
 
@@ -69,6 +69,7 @@ impl Sweep {
         match self.of {
             Points::Arrays => columns.extend(point::COLUMNS),
             Points::Farms => columns.extend(farm_point::COLUMNS),
+            Points::Cubes => columns.extend(cube_point::COLUMNS),
         }
         columns
     }
@@ -151,9 +152,9 @@ fn files_behind(name: &str, path: &Path) -> Vec<FileRead> {
         // A reader that fails has told what it read so far.
         "scene" => crate::scene::load(path, &ReadOptions::default()).map_or((), drop),
         "machine" => {
-            // It is of one kind or of the other.
-            let (array, farm) = (MachineFile::read(path).is_ok(), CapitanFile::read(path).is_ok());
-            debug_assert!(!(array && farm));
+            // It is of one kind.
+            let kinds = [MachineFile::read(path).is_ok(), CapitanFile::read(path).is_ok(), Ipsc2File::read(path).is_ok()];
+            debug_assert!(kinds.iter().filter(|is_one| **is_one).count() <= 1);
         }
         "cell_programs" => assemble(path, Sources::Files, &[]).map_or((), drop),
         _ => fields::read_text(path).map_or((), drop),

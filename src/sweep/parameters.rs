@@ -11,7 +11,7 @@ use super::range::{MOST_VALUES, Range};
 use crate::error::InputError;
 use crate::parameters::{Kind as Form, ParameterInfo, named};
 use crate::report::table::{Column, Kind};
-use crate::run::{FarmRunOptions, RunOptions};
+use crate::run::{CubeMode, CubeRunOptions, FarmRunOptions, RunOptions};
 
 /// A parameter that a sweep sets, and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub enum Points {
     Arrays,
     /// Farms of workers.
     Farms,
+    /// Images on hypercubes.
+    Cubes,
 }
 
 /// The file of a sweep: the parameters that it sets, in the order of tables.
@@ -43,28 +45,66 @@ pub(super) const IMAGE: ParameterInfo = ParameterInfo { name: "image", kind: For
 /// Whether a point is a farm. It is one, too, if it has a parameter that only farms have.
 pub(super) const FARM: ParameterInfo = ParameterInfo { name: "farm", kind: Form::Truth, label: "farm" };
 
+/// On which machine an image is, whose nodes have regions or share a memory.
+pub(super) const ON: ParameterInfo = ParameterInfo { name: "on", kind: Form::Text, label: "machine" };
+
 impl Points {
+    /// All kinds, those first that others are told apart from.
+    const ALL: [Points; 3] = [Points::Arrays, Points::Farms, Points::Cubes];
+
     /// All that a sweep of such points can set, in the order of tables.
     fn parameters(self) -> Vec<&'static ParameterInfo> {
         let images = || [&IMAGE].into_iter().chain(RunOptions::image_parameters());
         match self {
             Points::Arrays => RunOptions::parameters().chain(images()).collect(),
             Points::Farms => [&FARM].into_iter().chain(FarmRunOptions::parameters()).collect(),
+            Points::Cubes => [&ON].into_iter().chain(CubeRunOptions::parameters()).collect(),
         }
     }
 
-    /// The name of a parameter that the other kind of points does not have.
-    fn alone_has(self, name: &str) -> bool {
-        let other = if self == Points::Arrays { Points::Farms } else { Points::Arrays };
-        let has = |points: Points| points.parameters().iter().any(|known| known.name == name);
-        has(self) && !has(other)
+    /// What such points are called.
+    fn noun(self) -> &'static str {
+        match self {
+            Points::Arrays => "arrays",
+            Points::Farms => "farms of workers",
+            Points::Cubes => "hypercubes",
+        }
+    }
+
+    fn has(self, name: &str) -> bool {
+        self.parameters().iter().any(|known| known.name == name)
+    }
+
+    /// The kind of points that have all of some parameters, of which `modes` are the values of the mode.
+    fn of(names: &[&str], modes: &[String]) -> Result<Points, String> {
+        let has_all = |points: &Points| names.iter().all(|name| points.has(name));
+        let is_cube = |mode: &String| mode.parse::<CubeMode>().is_ok();
+        if names.contains(&ON.name) && modes.iter().all(is_cube) && has_all(&Points::Cubes) {
+            return Ok(Points::Cubes);
+        }
+        if let Some(points) = Points::ALL.into_iter().find(has_all) {
+            return Ok(points);
+        }
+        let apart = |one: Points, other: Points| names.iter().find(|name| one.has(name) && !other.has(name));
+        let pairs = [(Points::Farms, Points::Arrays), (Points::Cubes, Points::Arrays), (Points::Cubes, Points::Farms)];
+        let told = pairs.into_iter().find_map(|(one, other)| {
+            let (of_one, of_other) = (apart(one, other)?, apart(other, one)?);
+            Some(format!("{of_one} is for {} and {of_other} for {}", one.noun(), other.noun()))
+        });
+        let told = told.unwrap_or_else(|| "these parameters are for points of several kinds".to_owned());
+        Err(format!("{told}: a sweep is of one or the other"))
     }
 }
 
 /// All parameters by their names, those of arrays first.
 static KNOWN: LazyLock<Vec<&'static ParameterInfo>> = LazyLock::new(|| {
-    let farms = Points::Farms.parameters().into_iter().filter(|known| Points::Farms.alone_has(known.name));
-    Points::Arrays.parameters().into_iter().chain(farms).collect()
+    let mut all: Vec<&'static ParameterInfo> = Vec::new();
+    for known in Points::ALL.into_iter().flat_map(Points::parameters) {
+        if all.iter().all(|earlier| earlier.name != known.name) {
+            all.push(known);
+        }
+    }
+    all
 });
 
 /// Their names.
@@ -109,15 +149,10 @@ impl<'de> Deserialize<'de> for SweepFile {
 impl SweepFile {
     /// Takes the values of the parameters, in the order of [`KNOWN`].
     fn new(mut given: Vec<Option<Vec<String>>>) -> Result<SweepFile, String> {
-        let names = || KNOWN.iter().zip(&given).filter(|(_, values)| values.is_some()).map(|(known, _)| known.name);
-        let of_farms = names().find(|name| Points::Farms.alone_has(name));
-        let points = if of_farms.is_some() { Points::Farms } else { Points::Arrays };
-        let of_arrays = names().find(|name| Points::Arrays.alone_has(name));
-        if let (Some(farm), Some(array)) = (of_farms, of_arrays) {
-            return Err(format!(
-                "{farm} is for farms of workers and {array} for arrays: a sweep is of one or the other"
-            ));
-        }
+        let named = KNOWN.iter().zip(&given).filter(|(_, values)| values.is_some());
+        let names: Vec<&str> = named.map(|(known, _)| known.name).collect();
+        let modes = NAMES.iter().position(|name| *name == "mode").and_then(|place| given[place].clone());
+        let points = Points::of(&names, &modes.unwrap_or_default())?;
         let column = |known: &ParameterInfo| Column { name: known.name, kind: known.kind.into(), label: known.label };
         let mut take = |known: &ParameterInfo| given[NAMES.iter().position(|name| *name == known.name)?].take();
         let all = points.parameters().into_iter();

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
 from ._parameters import (
+    CubeParameters,
     FarmParameters,
     ImageParameters,
     MachineChanges,
@@ -333,6 +334,19 @@ def farm(
 
     Takes the parameters of farms, by the names of the flags of `pcs-sim farm`; `tasks` is a number of workers (`sweep`
     makes tables of many). `config` is a farm to be repeated.
+    """
+
+def ipsc2(
+    scene: _Path | None = None,
+    *,
+    config: _Path | Mapping[str, Any] | Run | None = None,
+    threads: int | None = None,
+    progress: bool | None = None,
+    **parameters: Unpack[CubeParameters],
+) -> Run:
+    """Makes an image on the nodes of an iPSC/2, a hypercube.
+
+    Takes the parameters by the names of the flags of `pcs-sim ipsc2`. `config` is an image to be made again.
     """
 
 def replay(

@@ -31,7 +31,7 @@ impl Latest<'_> {
         let place = |name: &str| columns.iter().position(|column| column.name == name).unwrap_or(0);
         let (told, unit) = match sweep.of {
             Points::Arrays => ("rays_per_second", "rays/s"),
-            Points::Farms => ("seconds", "s"),
+            Points::Farms | Points::Cubes => ("seconds", "s"),
         };
         Latest {
             bar,

@@ -60,8 +60,8 @@ pub enum Note {
     Ray(Visit),
     /// A result for that tree's pixel.
     Result(u32),
-    /// So many pixels that are done.
-    Pixels(u32),
+    /// So many pixels that are done, and whether they are the last of a node that has been told to stop.
+    Pixels(u32, bool),
     /// The token.
     Token(Token),
     /// All is done.
@@ -84,9 +84,9 @@ pub struct RegionNodes<'a> {
     left: Vec<u32>,
     /// Trees whose results have not all come.
     trees_left: usize,
-    /// Pixels that the host has not got.
+    /// Pixels that the host has not got, and nodes that have not stopped, where they are told to.
     host_waits: usize,
-    /// The host takes a packet of so many.
+    /// The host takes a packet with so many of them.
     host_takes: u32,
     /// The most regions of a line, and R, the highest rank.
     ranks: (u32, u32),
@@ -207,7 +207,7 @@ impl<'a> RegionNodes<'a> {
             nodes,
             left: (0..graph.trees.len()).map(|tree| graph.tree(tree).len() as u32).collect(),
             trees_left: graph.trees.len(),
-            host_waits: graph.trees.len(),
+            host_waits: graph.trees.len() + if rules.ends == Ends::Token { count } else { 0 },
             host_takes: 0,
             ranks,
             ring: gray_order(count),
@@ -271,9 +271,9 @@ impl<'a> RegionNodes<'a> {
 
     /// The host takes pixels until it has all.
     fn host(&mut self, now: Cycles, taken: Option<Note>) -> Act<Note> {
-        if let Some(Note::Pixels(count)) = taken {
+        if let Some(Note::Pixels(count, is_last)) = taken {
             let time = self.took(MessageKind::Calculation, packet_bytes(count));
-            self.host_takes = count;
+            self.host_takes = count + u32::from(is_last);
             return Act::Spend(RECEIVING, time);
         }
         self.host_waits -= std::mem::take(&mut self.host_takes) as usize;
@@ -302,7 +302,7 @@ impl<'a> RegionNodes<'a> {
             }
             Note::Token(token) => node.account.token = Some(token),
             Note::Stop => node.has_stopped = true,
-            Note::Pixels(_) => {}
+            Note::Pixels(..) => {}
         }
     }
 
@@ -523,7 +523,10 @@ impl<'a> RegionNodes<'a> {
             let owner = usize::from(self.owners[tree as usize]);
             if owner != task {
                 self.nodes[task].account.sent();
-                return self.send(task, owner, (MessageKind::Calculation, RESULT_BYTES), Note::Result(tree));
+                let result = self.send(task, owner, (MessageKind::Calculation, RESULT_BYTES), Note::Result(tree));
+                // Who waits for the slot that is free now goes first.
+                self.nodes[task].script.push_back(result);
+                return self.look(task);
             }
             self.count(task, tree, now);
         }
@@ -599,14 +602,14 @@ impl<'a> RegionNodes<'a> {
         node.done += 1;
         node.packet += 1;
         if self.rules.ends == Ends::Credit && (node.packet == PACKET_PIXELS || node.done == node.pixels.len()) {
-            self.send_packet(task);
+            self.send_packet(task, false);
         }
     }
 
-    fn send_packet(&mut self, task: usize) {
+    fn send_packet(&mut self, task: usize, is_last: bool) {
         let count = std::mem::take(&mut self.nodes[task].packet);
         let host = self.nodes.len();
-        let act = self.send(task, host, (MessageKind::Calculation, packet_bytes(count)), Note::Pixels(count));
+        let act = self.send(task, host, (MessageKind::Calculation, packet_bytes(count)), Note::Pixels(count, is_last));
         self.nodes[task].script.push_back(act);
     }
 
@@ -645,15 +648,18 @@ impl<'a> RegionNodes<'a> {
         self.send(task, to, (MessageKind::Information, TOKEN_BYTES), Note::Token(token))
     }
 
-    /// Sends the host all its pixels.
+    /// Sends the host all its pixels, if only to say that there are none.
     fn stop(&mut self, task: usize) -> Act<Note> {
         let mut left = std::mem::take(&mut self.nodes[task].packet);
-        while left > 0 {
-            self.nodes[task].packet = left.min(PACKET_PIXELS);
-            left -= self.nodes[task].packet;
-            self.send_packet(task);
+        loop {
+            let count = left.min(PACKET_PIXELS);
+            left -= count;
+            self.nodes[task].packet = count;
+            self.send_packet(task, left == 0);
+            if left == 0 {
+                return self.look(task);
+            }
         }
-        self.look(task)
     }
 
     /// Who waits for whom, when no node can go on.

@@ -1,5 +1,6 @@
 //! One sentence on what limits the machine.
 
+mod cube;
 pub(crate) mod farm;
 
 use super::losses::{Losses, NOTABLE};
@@ -19,7 +20,7 @@ pub fn sentence(run: &Measured) -> String {
     match run.topology.shape {
         Shape::Line => of_line(run),
         Shape::Farm => farm::sentence(run),
-        Shape::Cube => String::new(),
+        Shape::Cube => cube::sentence(run),
     }
 }
 

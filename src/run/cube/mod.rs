@@ -264,7 +264,7 @@ impl CubeSpec {
             "the scene does not fit: node {node} needs {} bytes for it and {queue} for {slots} rays, and has {}",
             part.holds, machine.memory_bytes
         );
-        Err(InputError::new(message).help("take more nodes, a smaller --grid-coefficient, fewer --queue-rays or more --memory-kbyte"))
+        Err(InputError::new(message).help("take more nodes, a smaller --grid-coefficient, fewer --queue-rays or more --node-kbyte"))
     }
 
     /// Fails if there are too few slots for classes.

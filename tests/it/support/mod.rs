@@ -1,6 +1,7 @@
 //! What several test files need.
 
 pub mod command;
+pub mod cube_ticking;
 pub mod farm_ticking;
 pub mod looking_back;
 pub mod random_ops;

@@ -1,0 +1,428 @@
+//! Nodes of a hypercube by themselves: against nodes that tick every cycle, by hand, and whether they ever get stuck.
+
+use std::collections::BTreeMap;
+
+use pcs_sim::host::shading::RayKind;
+use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, WireTimes};
+use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
+use pcs_sim::measure::{Clock, Measured, StateId};
+use pcs_sim::program::cube::{Ends, Flow, Leg, MessageKind, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph, highest_rank};
+use proptest::prelude::*;
+
+use crate::support::cube_ticking::{Stopped, Ticked, tick};
+
+/// What a run came to, in the oracle's terms.
+fn ticked(nodes: usize, stats: &Measured, seen: &Seen) -> Ticked {
+    let task = |times: &pcs_sim::measure::StateTimes| -> BTreeMap<String, u64> {
+        let states = stats.topology.states.all().iter();
+        states.map(|state| (state.name.clone(), times.of(state.id).0)).filter(|(_, time)| *time > 0).collect()
+    };
+    let kind = |kind: MessageKind| {
+        let counts = &seen.messages[kind as usize];
+        [counts.sent, counts.taken, counts.bytes, counts.hops, counts.processor.0]
+    };
+    Ticked {
+        cycles: stats.cycles.0,
+        tasks: stats.stations.iter().map(task).collect(),
+        links: stats.links.iter().map(|link| link.busy.0).collect(),
+        messages: MessageKind::ALL.map(kind),
+        true_end: seen.true_end.0,
+        told_at: seen.told_at.0,
+        probes: seen.probes,
+        longest_queues: seen.nodes[..nodes].iter().map(|node| node.longest_queue).collect(),
+    }
+}
+
+/// Lets nodes run, each with the region of its number.
+fn run(machine: &Ipsc2, graph: &TaskGraph, owners: &[u16], rules: Rules) -> Result<(Measured, Seen), Stuck> {
+    let node_of: Vec<u16> = (0..machine.nodes as u16).collect();
+    let order: Vec<u32> = (0..graph.trees.len() as u32).collect();
+    let mut nodes = RegionNodes::new(machine, graph, &node_of, (owners, &order), rules);
+    let mut events = Events::new(nodes.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
+    while !nodes.is_over() && events.step(&mut |task, now, taken| nodes.next(task, now, taken)) {}
+    if !nodes.is_over() {
+        return Err(nodes.stuck());
+    }
+    let (stats, _) = events.stop(|task| nodes.rests(task));
+    Ok((stats, nodes.seen))
+}
+
+fn machine(nodes: usize, t: [u64; 20]) -> Ipsc2 {
+    let times = |at: usize| Times { start: Cycles(t[at]), each: Cycles(t[at + 1]) };
+    Ipsc2 {
+        nodes,
+        clock: Clock { cycle_ns: 62.5 },
+        memory_bytes: 1 << 22,
+        wires: WireTimes { short_bytes: 30, short: Cycles(t[0]), long: Cycles(t[1]), hop: Cycles(t[2]), byte_millicycles: 100 * t[3] },
+        messages: MessageTimes { short_bytes: 30, short: Cycles(t[4]), long: Cycles(t[5]) },
+        costs: NodeCosts {
+            pixel: Cycles(t[6]),
+            result: Cycles(t[7]),
+            fill: Cycles(0),
+            lookup: Cycles(t[8]),
+            serve: Cycles(t[9]),
+        },
+        times: KernelTimes {
+            grid: times(10),
+            slabs: times(12),
+            intersection: times(14),
+            host: HostTimes { ray: Cycles(0), hit: Cycles(t[16]) },
+        },
+        notes: Vec::new(),
+    }
+}
+
+/// Makes trees out of a list of numbers, which it takes one after the other.
+struct Maker<'a> {
+    numbers: std::iter::Cycle<std::slice::Iter<'a, u32>>,
+    nodes: u32,
+    graph: TaskGraph,
+}
+
+impl Maker<'_> {
+    fn below(&mut self, end: u32) -> u32 {
+        self.numbers.next().copied().unwrap_or(0) % end.max(1)
+    }
+
+    /// A tree with up to so many rays, generation by generation.
+    fn tree(&mut self, most: usize) {
+        let (tree, first) = (self.graph.trees.len() as u32, self.graph.rays.len());
+        self.graph.trees.push(first as u32);
+        // Kind, turns, hop, and where the one that asked for it ended.
+        let start = self.below(self.nodes) as u16;
+        let mut asked = vec![(RayKind::Primary, 0u8, None::<u16>, start)];
+        let mut next = 0;
+        while next < asked.len() {
+            let (kind, turns, line, at) = asked[next];
+            let first_leg = self.graph.legs.len() as u32;
+            let starts_there = self.below(4) > 0;
+            let mut region = if starts_there { at } else { self.below(self.nodes) as u16 };
+            let hop = line.map_or(0, |met| met + u16::from(region != at));
+            let count = 1 + self.below(3.min(self.nodes));
+            for leg in 0..count {
+                if leg > 0 {
+                    region = (region + 1 + self.below(self.nodes - 1) as u16) % self.nodes as u16;
+                }
+                let (voxels, slab_tests) = (self.below(4), self.below(3));
+                let intersection_tests = self.below(slab_tests + 1);
+                self.graph.legs.push(Leg { region, voxels, slab_tests, intersection_tests });
+            }
+            let room = most.saturating_sub(asked.len()) as u32;
+            let children = asked.len() as u32;
+            let is_shadow = kind == RayKind::Shadow;
+            let wanted = if is_shadow { self.below(2) } else { self.below(4) }.min(room);
+            for child in 0..wanted {
+                let last = (hop + count as u16 - 1, region);
+                asked.push(match (is_shadow, child) {
+                    (true, _) => (RayKind::Shadow, turns, Some(last.0), last.1),
+                    (false, 0) => (RayKind::Reflected, turns + 1, None, last.1),
+                    (false, _) => (RayKind::Shadow, turns + 1, None, last.1),
+                });
+            }
+            let shaded = !is_shadow && self.below(2) > 0;
+            let children = (first as u32 + children, wanted);
+            self.graph.rays.push(RayTask { first_leg, children, tree, hop, turns, kind, shaded });
+            next += 1;
+        }
+    }
+}
+
+fn graph(numbers: &[u32], nodes: usize, trees: usize) -> TaskGraph {
+    let mut maker = Maker {
+        numbers: numbers.iter().cycle(),
+        nodes: nodes as u32,
+        graph: TaskGraph { regions: nodes, ..TaskGraph::default() },
+    };
+    (0..trees).for_each(|_| maker.tree(60 / trees.max(1)));
+    maker.graph
+}
+
+/// Small times, many of which are zero.
+fn times() -> impl Strategy<Value = [u64; 20]> {
+    prop::array::uniform20(prop_oneof![Just(0u64), 1u64..4, 1u64..30])
+}
+
+fn flow() -> impl Strategy<Value = Flow> {
+    prop_oneof![
+        Just(Flow::Unlimited),
+        (1u32..6).prop_map(Flow::Block),
+        (1u32..4).prop_map(Flow::Window),
+        // As many slots more than it takes.
+        (0u32..3).prop_map(Flow::Classes),
+    ]
+}
+
+fn enough(flow: Flow, graph: &TaskGraph) -> Flow {
+    if let Flow::Classes(more) = flow { Flow::Classes(highest_rank(graph) + 1 + more) } else { flow }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    /// Every figure is what ticking each cycle counts, and they get stuck where that does.
+    #[test]
+    fn nodes_do_what_ticking_each_cycle_does(
+        nodes in 1usize..9,
+        trees in 1usize..12,
+        numbers in prop::collection::vec(any::<u32>(), 200),
+        times in times(),
+        flow in flow(),
+        is_token in any::<bool>(),
+        pixels_first in any::<bool>(),
+    ) {
+        let graph = graph(&numbers, nodes, trees);
+        let machine = machine(nodes, times);
+        let ends = if is_token && !matches!(flow, Flow::Window(_)) { Ends::Token } else { Ends::Credit };
+        let rules = Rules { flow: enough(flow, &graph), ends, pixels_first };
+        let owners: Vec<u16> = (0..trees).map(|tree| match numbers[tree] % 3 {
+            0 => (tree % nodes) as u16,
+            _ => graph.start_of(graph.trees[tree]),
+        }).collect();
+        let node_of: Vec<u16> = (0..nodes as u16).collect();
+        let order: Vec<u32> = (0..trees as u32).collect();
+        let expected = tick(&machine, &graph, &node_of, (&owners, &order), rules);
+        match run(&machine, &graph, &owners, rules) {
+            Ok((stats, seen)) => {
+                let found = ticked(nodes, &stats, &seen);
+                prop_assert_eq!(Ok(found), expected);
+                conserves(&machine, &graph, &stats, &seen)?;
+            }
+            Err(_) => prop_assert_eq!(expected, Err(Stopped::Stuck)),
+        }
+    }
+
+    /// Classes with a slot more than the highest rank never get stuck.
+    #[test]
+    fn classes_never_get_stuck(
+        nodes in 2usize..9,
+        trees in 1usize..40,
+        numbers in prop::collection::vec(any::<u32>(), 400),
+        times in times(),
+    ) {
+        let mut maker = Maker {
+            numbers: numbers.iter().cycle(),
+            nodes: nodes as u32,
+            graph: TaskGraph { regions: nodes, ..TaskGraph::default() },
+        };
+        (0..trees).for_each(|_| maker.tree(40));
+        let graph = maker.graph;
+        let owners: Vec<u16> = graph.trees.iter().map(|&ray| graph.start_of(ray)).collect();
+        let rules = Rules { flow: Flow::Classes(highest_rank(&graph) + 1), ends: Ends::Credit, pixels_first: true };
+        let ended = run(&machine(nodes, times), &graph, &owners, rules);
+        prop_assert!(ended.is_ok(), "{}", ended.unwrap_err());
+        let most = ended.unwrap().1.nodes.iter().map(|node| node.most_slots).max();
+        prop_assert!(most <= Some(highest_rank(&graph) + 1));
+    }
+}
+
+/// What must hold of any run: nothing is lost, times add up, and it takes no less than its longest part.
+fn conserves(machine: &Ipsc2, graph: &TaskGraph, stats: &Measured, seen: &Seen) -> Result<(), TestCaseError> {
+    for station in &stats.stations {
+        prop_assert_eq!(station.total(), stats.cycles);
+    }
+    for (kind, counts) in MessageKind::ALL.iter().zip(&seen.messages) {
+        prop_assert_eq!(counts.sent, counts.taken, "{:?}", kind);
+    }
+    prop_assert!(stats.links.iter().all(|link| link.busy <= stats.cycles));
+    prop_assert!(seen.true_end <= seen.told_at && seen.told_at <= stats.cycles);
+    let work = |ray: u32| (graph.rays[ray as usize].first_leg..graph.legs_end(ray)).map(move |leg| graph.time(ray, leg, &machine.times).all().0);
+    let all: u64 = (0..graph.rays.len() as u32).flat_map(work).sum();
+    prop_assert!(stats.cycles.0 * machine.nodes as u64 >= all);
+    // A ray begins when the one that asks for it has ended.
+    let mut ends = vec![0; graph.rays.len()];
+    for ray in 0..graph.rays.len() {
+        ends[ray] += work(ray as u32).sum::<u64>();
+        let (first, count) = graph.rays[ray].children;
+        (first..first + count).for_each(|child| ends[child as usize] = ends[ray]);
+    }
+    prop_assert!(stats.cycles.0 >= ends.into_iter().max().unwrap_or(0));
+    Ok(())
+}
+
+/// The machine of the standard file with so many nodes.
+fn standard(nodes: u32) -> Ipsc2 {
+    Ipsc2File { nodes, ..Ipsc2File::standard().unwrap() }.build().unwrap()
+}
+
+fn leg(region: u16, voxels: u32, slab_tests: u32, intersection_tests: u32) -> Leg {
+    Leg { region, voxels, slab_tests, intersection_tests }
+}
+
+/// A pixel whose ray crosses from region 0 to region 1, hits there, and asks for a shadow ray that comes back.
+fn there_and_back() -> TaskGraph {
+    let ray = |first_leg, children, turns, kind, shaded| RayTask { first_leg, children, tree: 0, hop: 0, turns, kind, shaded };
+    TaskGraph {
+        regions: 2,
+        rays: vec![ray(0, (1, 1), 0, RayKind::Primary, true), ray(2, (2, 0), 1, RayKind::Shadow, false)],
+        legs: vec![leg(0, 2, 0, 0), leg(1, 1, 1, 1), leg(1, 1, 0, 0), leg(0, 1, 0, 0)],
+        trees: vec![0],
+        pages: None,
+    }
+}
+
+const UNLIMITED: Rules = Rules { flow: Flow::Unlimited, ends: Ends::Credit, pixels_first: false };
+
+/// By hand, from the standard file's numbers in cycles of 62.5 ns: a pixel 3200; the grid 4002 and 1040 a voxel, slabs 1201 and 1734,
+/// intersection 133 and 4002, shading 83984; a short message 2560 at either end, 480 under way and 5.76 a byte.
+#[test]
+fn a_ray_goes_there_and_its_shadow_ray_comes_back() {
+    let (stats, seen) = run(&standard(2), &there_and_back(), &[0], UNLIMITED).unwrap();
+    let first_leg = 3200 + 4002 + 2 * 1040;
+    let sent = first_leg + 2560;
+    let comes = sent + 480 + 300;
+    let hit = comes + 2560 + (4002 + 1040) + (1201 + 1734) + (133 + 4002);
+    let result_sent = hit + 83984 + 2560;
+    let shadow_sent = result_sent + (4002 + 1040) + 2560;
+    let back = shadow_sent + 480 + 300;
+    let done = back + 2560 + (4002 + 1040);
+    let packet = done + 2560 + 480 + 139;
+    let end = packet + 2560;
+    assert_eq!((seen.true_end.0, seen.told_at.0, stats.cycles.0), (done, end, end));
+    assert_eq!(end, 135_561, "all of it");
+    let spent = |node: usize, name: &str| crate::support::spent(&stats, node, name);
+    // The result takes node 0 as soon as it comes, while the shadow ray is still under way.
+    assert_eq!(spent(0, "receiving"), 2560 + 320 + 2560);
+    assert_eq!(spent(0, "waiting"), (result_sent + 480 + 116 - sent) + (back - (result_sent + 480 + 116 + 2880)));
+    assert_eq!(spent(0, "idle"), end - (done + 2560));
+    assert_eq!(spent(1, "waiting"), comes);
+    assert_eq!(spent(1, "idle"), end - shadow_sent);
+    // A cycle less anywhere is a cycle less in the end.
+    let mut faster = standard(2);
+    faster.times.host.hit.0 -= 1;
+    assert_eq!(run(&faster, &there_and_back(), &[0], UNLIMITED).unwrap().0.cycles.0, end - 1);
+}
+
+/// By hand: a token goes round four nodes when node 0 has done its only pixel. To each: 2560 for sending it, 480 and 93 under way, 2560 for
+/// taking it.
+#[test]
+fn a_token_goes_round_once() {
+    let ray = RayTask { first_leg: 0, children: (1, 0), tree: 0, hop: 0, turns: 0, kind: RayKind::Primary, shaded: false };
+    let graph = TaskGraph { regions: 4, rays: vec![ray], legs: vec![leg(0, 1, 0, 0)], trees: vec![0], pages: None };
+    let (_, seen) = run(&standard(4), &graph, &[0], Rules { ends: Ends::Token, ..UNLIMITED }).unwrap();
+    let done = 3200 + 4002 + 1040;
+    assert_eq!((seen.true_end.0, seen.told_at.0), (done, done + 4 * (2560 + 480 + 93 + 2560)));
+    assert_eq!(seen.probes, 1);
+}
+
+/// Which messages have a link is who sends first, and of those that send together the lowest node: on one link, on ways that
+/// cross, and a long message that has its way from when it asks for room.
+#[test]
+fn messages_wait_for_all_links_of_their_way() {
+    let wires = WireTimes { short_bytes: 30, short: Cycles(5), long: Cycles(20), hop: Cycles(2), byte_millicycles: 1000 };
+    let topology = |tasks: usize| pcs_sim::program::cube::topology(tasks, "message");
+    let arrivals = |sends: &[(usize, usize, u64)]| {
+        let mut events = Events::new(topology(4), Cube::new(4, wires), RegionNodes::SENDING_AND_IDLE);
+        let mut lists: Vec<Vec<Act<usize>>> = vec![Vec::new(); 5];
+        for (number, &(from, to, bytes)) in sends.iter().enumerate() {
+            let message = Message { delivery: Delivery::Post(to), time: Cycles(0), bytes, content: number };
+            lists[from].push(Act::Send(message));
+        }
+        let mut takes = [0; 5];
+        sends.iter().for_each(|&(_, to, _)| takes[to] += 1);
+        let mut arrived = vec![0; sends.len()];
+        while events.step(&mut |task, now, taken: Option<usize>| {
+            taken.into_iter().for_each(|number| arrived[number] = now.0);
+            if !lists[task].is_empty() {
+                return lists[task].remove(0);
+            }
+            takes[task] -= 1;
+            if takes[task] >= 0 { Act::Receive(Sender::Anyone, StateId(11)) } else { Act::End }
+        }) {}
+        events.finish().unwrap();
+        arrived
+    };
+    assert_eq!(arrivals(&[(0, 1, 10), (0, 1, 10)]), [15, 25], "the second waits for 10 bytes");
+    // 0 to 3 goes by 1, so that 1 waits for the link to 3; 2 has its own.
+    assert_eq!(arrivals(&[(0, 3, 10), (1, 3, 10), (2, 3, 10)]), [17, 25, 15]);
+    assert_eq!(arrivals(&[(0, 1, 40), (0, 1, 10)]), [60, 75], "a long one has the link for 20 more");
+    // The host hangs on node 0.
+    assert_eq!(arrivals(&[(4, 3, 10), (3, 4, 10)]), [19, 19]);
+}
+
+/// One slot less than it takes, or a rule that gives away one slot more: two rays that each want the other's place.
+#[test]
+fn with_a_slot_less_classes_get_stuck() {
+    // From each of two nodes a ray goes to the other.
+    let ray = |first_leg, tree| RayTask { first_leg, children: (2, 0), tree, hop: 0, turns: 0, kind: RayKind::Primary, shaded: false };
+    let graph = TaskGraph {
+        regions: 2,
+        rays: vec![ray(0, 0), ray(2, 1)],
+        legs: vec![leg(0, 1, 0, 0), leg(1, 1, 0, 0), leg(1, 1, 0, 0), leg(0, 1, 0, 0)],
+        trees: vec![0, 1],
+        pages: None,
+    };
+    assert_eq!(highest_rank(&graph), 1);
+    let rules = |slots| Rules { flow: Flow::Classes(slots), ..UNLIMITED };
+    assert!(run(&standard(2), &graph, &[0, 1], rules(2)).is_ok());
+    // With one slot a node cannot even begin.
+    assert!(run(&standard(2), &graph, &[0, 1], rules(1)).is_err());
+    // What gives the only slot to a ray of the lowest rank is blocking, and that gets stuck: three rays of either side fill both queues.
+    let many = TaskGraph {
+        rays: (0..12).map(|number| ray(2 * number, number)).collect(),
+        legs: (0..12).flat_map(|number| [leg((number % 2) as u16, 1, 0, 0), leg((number + 1) as u16 % 2, 1, 0, 0)]).collect(),
+        trees: (0..12).collect(),
+        ..graph
+    };
+    let owners: Vec<u16> = (0..12).map(|number| number % 2).collect();
+    let stuck = run(&standard(2), &many, &owners, Rules { flow: Flow::Block(1), pixels_first: true, ..UNLIMITED });
+    let stuck = stuck.unwrap_err();
+    assert_eq!(stuck.circle.iter().map(|waiting| (waiting.node, waiting.to)).collect::<Vec<_>>(), [(0, 1), (1, 0)]);
+    assert!(run(&standard(2), &many, &owners, rules(2)).is_ok());
+}
+
+/// The credit of a pixel: what a ray gives to its children and keeps for its own result, in shares of 2^-m.
+fn credits(graph: &TaskGraph) -> Vec<u32> {
+    let mut exponents = vec![0u32; graph.rays.len()];
+    let mut results = Vec::new();
+    for (ray, task) in graph.rays.iter().enumerate() {
+        let (first, count) = task.children;
+        let split = (count + 1).next_power_of_two().ilog2();
+        (first..first + count).for_each(|child| exponents[child as usize] = exponents[ray] + split);
+        results.push((exponents[ray], split, count));
+    }
+    // A result brings back what its ray did not give away: 2^split - count shares of 2^-(exponent + split).
+    results.into_iter().flat_map(|(exponent, split, count)| vec![exponent + split; (1 << split) - count as usize]).collect()
+}
+
+/// Adds powers of a half up, and tells when they are 1.
+fn sums_to_one(shares: impl Iterator<Item = u32>) -> bool {
+    let mut counts = std::collections::BTreeMap::<u32, u32>::new();
+    for share in shares {
+        let mut at = share;
+        loop {
+            let count = counts.entry(at).or_default();
+            *count += 1;
+            if *count < 2 || at == 0 {
+                break;
+            }
+            *count = 0;
+            at -= 1;
+        }
+    }
+    counts.iter().all(|(at, count)| *count == u32::from(*at == 0))
+}
+
+proptest! {
+    /// Whatever the order in which results come, the credit is 1 with the last of them and not before. Counting one less than the
+    /// children of each ray that has come, which is done at -1, ends too early in some orders.
+    #[test]
+    fn credit_is_whole_with_the_last_result(numbers in prop::collection::vec(any::<u32>(), 60), order in any::<u64>()) {
+        let graph = graph(&numbers, 4, 1);
+        let all = credits(&graph);
+        prop_assert!(sums_to_one(all.iter().copied()));
+        // Any proper part of the results is less: shares are above 0.
+        let left_out = order as usize % all.len();
+        let part = all.iter().enumerate().filter(|(place, _)| *place != left_out).map(|(_, share)| *share);
+        prop_assert!(!sums_to_one(part));
+    }
+}
+
+/// The naive count is done while a ray is under way: a child without children overtakes its parent.
+#[test]
+fn counting_children_less_one_would_end_early() {
+    let graph = there_and_back();
+    let add = |ray: usize| i64::from(graph.rays[ray].children.1) - 1;
+    let of_root_last = [add(1), add(0)];
+    assert_eq!(of_root_last.iter().sum::<i64>(), -1, "done with both");
+    assert_eq!(of_root_last[0], -1, "and with the first alone");
+}

@@ -1,0 +1,199 @@
+//! Images on the iPSC/2, made as a user makes them.
+
+use pcs_sim::run::{CubeMode, CubeRunOptions, CubeSpec, Watching, Workers};
+use serde_json::Value;
+
+use crate::support::command::Folder;
+
+#[test]
+fn an_image_is_told_in_tables_and_a_sentence() {
+    let folder = Folder::new();
+    insta::assert_snapshot!(folder.run("image teapot --on ipsc2 --nodes 4 --size 32x32").success());
+    insta::assert_snapshot!(folder.run("image teapot --on=ipsc2 --mode shared-memory --nodes 4 --size 32x32").success());
+}
+
+/// The pixels are those of an array, to the bit, whatever the nodes, cells, queues and orders.
+#[test]
+fn the_image_is_that_of_an_array() {
+    let folder = Folder::new();
+    for scene in ["gears --size 24x20", "reference --size 16x16", "room --size 20x14 --samples 2 --depth 3"] {
+        folder.run(&format!("image {scene} --timing off --grid-coefficient 10 -o array.pfm --force")).success();
+        let array = std::fs::read(folder.path("array.pfm")).unwrap();
+        for flags in [
+            "--nodes 1",
+            "--nodes 16 --cell-grid 16 --mapping gray --flow unlimited --pixel-order strided",
+            "--nodes 13 --flow window --window 2 --pixels shared",
+            "--nodes 8 --termination token --first pixels --sub-sample 25%",
+            "--nodes 6 --mode shared-memory --page-bytes 256",
+        ] {
+            folder.run(&format!("image {scene} --on ipsc2 {flags} -o cube.pfm --force")).success();
+            assert!(std::fs::read(folder.path("cube.pfm")).unwrap() == array, "{scene} {flags}");
+        }
+    }
+}
+
+/// Of all rays the same polygons are hit, at the same places: the regions' parts of a way are the way through the grid.
+#[test]
+fn hits_and_counts_do_not_depend_on_regions() {
+    let folder = Folder::new();
+    folder.run("image balls --on ipsc2 --nodes 1 --size 20x20 --hits one.csv --stats one.json").success();
+    folder.run("image balls --on ipsc2 --nodes 9 --size 20x20 --hits nine.csv --stats nine.json").success();
+    assert_eq!(folder.read("one.csv"), folder.read("nine.csv"));
+    let stats = |name: &str| serde_json::from_str::<Value>(&folder.read(name)).unwrap();
+    let (one, nine) = (stats("one.json"), stats("nine.json"));
+    assert_eq!(one["rays_by_kind"], nine["rays_by_kind"]);
+    assert_eq!(one["one_node_seconds"], nine["one_node_seconds"]);
+}
+
+/// Statistics are one step from an image: their configuration makes the same bytes, on any number of threads. Times add up, and so do
+/// the losses; what is sent is taken.
+#[test]
+fn a_configuration_makes_the_image_again() {
+    let folder = Folder::new();
+    for (name, flags) in [
+        ("regions", "--nodes 6 --flow block --queue-rays 500 --short-us 700 --termination token"),
+        ("memory", "--nodes 6 --mode shared-memory --page-bytes 512"),
+    ] {
+        folder.run(&format!("image room --on ipsc2 --size 24x16 {flags} --stats {name}.json --threads 1")).success();
+        folder.run(&format!("ipsc2 --config {name}.json --stats {name}-again.json --threads 3")).success();
+        assert_eq!(folder.read(&format!("{name}.json")), folder.read(&format!("{name}-again.json")));
+        let stats: Value = serde_json::from_str(&folder.read(&format!("{name}.json"))).unwrap();
+        for task in stats["tasks"].as_array().unwrap() {
+            let busy: u64 = task["busy"].as_object().unwrap().values().map(|time| time.as_u64().unwrap()).sum();
+            let rest = task.as_object().unwrap().values().filter_map(Value::as_u64).sum::<u64>();
+            assert_eq!(Some(busy + rest), stats["cycles"].as_u64(), "{task}");
+        }
+        let losses: f64 = stats["losses"].as_object().unwrap().values().map(|share| share.as_f64().unwrap()).sum();
+        assert!((losses - 100.0).abs() < 1e-9, "{losses}");
+        for (kind, counts) in stats["messages"].as_object().unwrap() {
+            assert_eq!(counts["sent"], counts["taken"], "{kind}");
+        }
+    }
+    let told = folder.run("compare regions.json memory.json").success();
+    assert!(told.contains("losses.pages") && told.contains("efficiency"), "{told}");
+}
+
+/// Queues that block can end in a circle of nodes that wait; classes make the same image with as few slots as they say that it takes.
+#[test]
+fn queues_get_stuck_and_classes_do_not() {
+    let folder = Folder::new();
+    let image = "image gears --on ipsc2 --nodes 16 --size 64x64";
+    let stuck = folder.run(&format!("{image} --flow block --queue-rays 16 -o x.png")).failed();
+    insta::assert_snapshot!(stuck);
+    assert!(!folder.path("x.png").exists());
+    let few = folder.run(&format!("{image} --queue-rays 1")).refused();
+    let needed: u32 = few.split("each rank: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(stuck.contains(&format!("--queue-rays {needed} or more")), "{stuck}");
+    folder.run(&format!("{image} --queue-rays {needed} -o classes.pfm")).success();
+    folder.run(&format!("{image} --queue-rays {}", needed - 1)).refused();
+    folder.run(&format!("{image} --flow unlimited -o unlimited.pfm")).success();
+    assert!(std::fs::read(folder.path("classes.pfm")).unwrap() == std::fs::read(folder.path("unlimited.pfm")).unwrap());
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let folder = Folder::new();
+    let image = "image teapot --on ipsc2 --size 8x8";
+    let wrong = [
+        "--nodes 0",
+        "--nodes 129",
+        "--nodes 128 --cell-grid 8",
+        "--node-kbyte 600",
+        "--sub-sample 0%",
+        "--flow window --termination token",
+        "--window 3",
+        "--flow unlimited --queue-rays 9",
+        "--page-bytes 512",
+        "--mode shared-memory --flow block",
+        "--mode hybrid-7",
+        "--adaptive",
+        "--why",
+        "--short-wire-us 400",
+        "--clock-ns 0",
+        "--link-mb-s 3",
+        "-o picture.gif",
+    ];
+    let errors: Vec<String> = wrong.iter().map(|flags| folder.run(&format!("{image} {flags}")).refused()).collect();
+    insta::assert_snapshot!(errors.join("\n"));
+    folder.file("pcs.json", "{\"cycles\": 1}");
+    folder.run("ipsc2 --config pcs.json").refused();
+}
+
+#[test]
+fn an_image_on_a_hypercube_has_all_views() {
+    let folder = Folder::new();
+    let image = "image teapot --on ipsc2 --size 24x24 --nodes 4";
+    let stdout = folder.run(&format!("{image} --plot plots --page run.html --trace run.vcd")).success();
+    for name in ["nodes", "legs", "latency"] {
+        assert!(stdout.contains(&format!("wrote plots/{name}.svg\nwrote plots/{name}.png\n")), "{stdout}");
+    }
+    let page = folder.read("run.html");
+    for told in ["The hypercube", "node 3", "legs done", "waiting page"] {
+        assert!(page.contains(told), "{told}");
+    }
+    folder.run(&format!("{image} --trace run.pftrace")).success();
+}
+
+/// A row of nodes is an array like another.
+#[test]
+fn nodes_in_a_row_broadcast() {
+    let folder = Folder::new();
+    let told = folder.run("--on ipsc2 --mode broadcast --cells 4 --size 16x16").success();
+    assert!(told.contains("cycles of 62.5 ns"), "{told}");
+    folder.run("--on ipsc2 --mode broadcast --machine pcs.ron").refused();
+}
+
+#[test]
+fn images_on_hypercubes_are_swept_and_drawn() {
+    let folder = Folder::new();
+    let sweep = "(on: \"ipsc2\", scene: \"teapot\", size: 16, mode: [\"regions\", \"shared-memory\"], nodes: [1, 4], depth: 2)";
+    folder.file("speedup.ron", sweep);
+    folder.run("sweep speedup.ron -o speedup.csv --plot x=nodes y=efficiency by=mode").success();
+    insta::assert_snapshot!(folder.read("speedup.csv"));
+    folder.file("both.ron", "(nodes: [1, 2], cells: 4)");
+    folder.file("line.ron", "(on: \"ipsc2\", mode: \"broadcast\", cells: [1, 2], scene: \"teapot\", size: 8)");
+    let error = folder.run("sweep both.ron -o both.csv").refused();
+    assert!(error.contains("nodes is for hypercubes and cells for arrays"), "{error}");
+    folder.run("sweep line.ron -o line.csv").success();
+}
+
+#[test]
+fn a_machine_is_fitted_to_known_times() {
+    let folder = Folder::new();
+    let fit = "calibrate teapot --on ipsc2 --size 16x16 --seconds 10 --times 4:3";
+    let told = folder.run(&format!("{fit} -o my.ron")).success();
+    assert!(told.contains("times Figure 7's"), "{told}");
+    folder.run("image teapot --on ipsc2 --mode shared-memory --machine my.ron --nodes 1 --size 16x16 --stats one.json").success();
+    let stats: Value = serde_json::from_str(&folder.read("one.json")).unwrap();
+    assert!((stats["one_node_seconds"].as_f64().unwrap() / 10.0 - 1.0).abs() < 1e-3, "{}", stats["one_node_seconds"]);
+    folder.run("calibrate teapot --on ipsc2 --size 16x16 --seconds 0.001").refused();
+    folder.run("calibrate teapot --on ipsc2 --size 16x16 --seconds 10 --times 1:3").refused();
+}
+
+/// The table of 1990 (Ray Tracing News 3(1)), to which the standard file is fitted: all seven times within 2 %.
+#[test]
+fn the_table_of_1990_is_met() {
+    let options = |nodes: u32| {
+        let mut options = CubeRunOptions::default();
+        options.scene.scene = Some("reports/teapot/teapot.ron".to_owned());
+        options.shape.size = Some("512x512".parse().unwrap());
+        options.cube.mode = Some(CubeMode::SharedMemory);
+        options.machine.nodes = Some(nodes);
+        options
+    };
+    let spec = |nodes| CubeSpec::new(&options(nodes), None).unwrap();
+    let workers = Workers::on_all_cores();
+    let scene = spec(1).lay_out(false, &workers, |_| Ok::<_, std::convert::Infallible>(())).unwrap();
+    let table = [(1, 6294.0), (2, 3332.0), (4, 1700.0), (8, 860.0), (16, 440.0), (32, 224.0), (64, 119.0)];
+    for (nodes, published) in table {
+        let machine = spec(nodes).machine.build().unwrap();
+        let outcome = spec(nodes).run(&scene, &machine, &Watching::default(), &workers.cancel).unwrap();
+        let seconds = machine.clock.seconds(outcome.stats.cycles);
+        let within = if nodes == 1 { 0.001 } else { 0.02 };
+        assert!((seconds / published - 1.0).abs() < within, "{nodes} nodes: {seconds} s, published {published} s");
+        if nodes == 64 {
+            let efficiency = 100.0 * machine.clock.seconds(outcome.one_node) / seconds / 64.0;
+            assert!((efficiency - 82.6).abs() < 2.0, "{efficiency}");
+        }
+    }
+}
