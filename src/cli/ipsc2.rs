@@ -8,7 +8,7 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{cube as told, hits};
-use pcs_sim::run::{CubeOutcome, CubeSetup, CubeSpec, OutputFile, moot};
+use pcs_sim::run::{CubeOutcome, CubeRunOptions, CubeSetup, CubeSpec, OutputFile, SceneOptions, moot};
 
 use super::args::Typed;
 use super::image::Format;
@@ -22,25 +22,17 @@ struct Outputs {
     image: Option<(OutputFile, Format)>,
     stats: Option<OutputFile>,
     hits: Option<OutputFile>,
+    tasks: Option<OutputFile>,
     views: Views,
 }
 
 /// `pcs-sim ipsc2 SCENE [...]`
 pub fn ipsc2(args: &Ipsc2Args, typed: &Typed) -> Result<(), Failure> {
     let options = args.options(typed);
-    let spec = CubeSpec::new(&options, args.config.as_deref().map(CubeSpec::read).transpose()?)?;
-    moot::check_cube(&options, &spec)?;
-    let files = open_outputs(args, &spec)?;
-    let bar = progress::samples();
-    bar.set_length(spec.samples() as u64);
-    let setup = outputs::reading(&named(args), || {
-        let setup = CubeSetup::new(spec, args.hits.is_some(), &workers(args.threads), |done| {
-            bar.set_position(done as u64);
-            Ok::<_, std::convert::Infallible>(())
-        });
-        setup.map_err(Failure::from)
-    })?;
-    bar.finish_and_clear();
+    let (setup, files) = match tasks(args) {
+        Some(path) => recorded(args, path, options)?,
+        None => traced(args, &options)?,
+    };
     setup.notes().for_each(super::note);
     let spinner = progress::waiting("running the nodes");
     let outcome = setup.run(&files.views.watching(), &Cancel::default());
@@ -51,23 +43,68 @@ pub fn ipsc2(args: &Ipsc2Args, typed: &Typed) -> Result<(), Failure> {
     print(&outputs::list(&written))
 }
 
-/// The result files that are asked for.
-fn named(args: &Ipsc2Args) -> [Option<&PathBuf>; 5] {
-    [args.output.as_ref(), args.stats.as_ref(), args.hits.as_ref(), args.views.page.as_ref(), args.views.trace.as_ref()]
+/// The file of tasks that is named in place of a scene, if one is.
+fn tasks(args: &Ipsc2Args) -> Option<&Path> {
+    args.scene.as_deref().map(Path::new).filter(|path| path.extension().is_some_and(|extension| extension == "tasks"))
 }
 
-fn open_outputs(args: &Ipsc2Args, spec: &CubeSpec) -> Result<Outputs, InputError> {
+/// An image whose scene is traced.
+fn traced(args: &Ipsc2Args, options: &CubeRunOptions) -> Result<(CubeSetup, Outputs), Failure> {
+    let spec = CubeSpec::new(options, args.config.as_deref().map(CubeSpec::read).transpose()?)?;
+    moot::check_cube(options, &spec)?;
+    let files = open_outputs(args, Path::new(&spec.scene))?;
+    let bar = progress::samples();
+    bar.set_length(spec.samples() as u64);
+    let setup = outputs::reading(&named(args), || {
+        let setup = CubeSetup::new(spec, args.hits.is_some(), &workers(args.threads), |done| {
+            bar.set_position(done as u64);
+            Ok::<_, std::convert::Infallible>(())
+        });
+        setup.map_err(Failure::from)
+    })?;
+    bar.finish_and_clear();
+    Ok((setup, files))
+}
+
+/// An image whose tasks were recorded.
+fn recorded(args: &Ipsc2Args, path: &Path, options: CubeRunOptions) -> Result<(CubeSetup, Outputs), Failure> {
+    let of_image = [("-o", args.output.is_some()), ("--hits", args.hits.is_some()), ("--config", args.config.is_some())];
+    if let Some((flag, _)) = of_image.iter().find(|(_, typed)| *typed) {
+        let error = InputError::new(format!("{flag} is about tracing a scene, and recorded tasks go without"));
+        return Err(error.help("leave it out, or name the scene").into());
+    }
+    let options = CubeRunOptions { scene: SceneOptions::default(), ..options };
+    let files = open_outputs(args, path)?;
+    let setup = outputs::reading(&named(args), || CubeSetup::of_tasks(path, &options))?;
+    moot::check_cube(&options, &setup.spec)?;
+    Ok((setup, files))
+}
+
+/// The result files that are asked for.
+fn named(args: &Ipsc2Args) -> [Option<&PathBuf>; 6] {
+    [
+        args.output.as_ref(),
+        args.stats.as_ref(),
+        args.hits.as_ref(),
+        args.tasks.as_ref(),
+        args.views.page.as_ref(),
+        args.views.trace.as_ref(),
+    ]
+}
+
+fn open_outputs(args: &Ipsc2Args, scene: &Path) -> Result<Outputs, InputError> {
     if args.views.why {
         let error = InputError::new("--why is about cells in a row, whose times do not depend on who comes first");
         return Err(error.help("leave it out; the losses tell what the nodes' time goes to"));
     }
-    let inputs = [Some(Path::new(&spec.scene)), args.cube.machine.as_deref(), args.config.as_deref()];
+    let inputs = [Some(scene), args.cube.machine.as_deref(), args.config.as_deref()];
     outputs::check_distinct(&named(args), &inputs)?;
     let image = |path: &PathBuf| Ok((outputs::create(path, args.force)?, Format::of(path)?));
     Ok(Outputs {
         image: args.output.as_ref().map(image).transpose()?,
         stats: outputs::open(args.stats.as_deref(), args.force)?,
         hits: outputs::open(args.hits.as_deref(), args.force)?,
+        tasks: outputs::open(args.tasks.as_deref(), args.force)?,
         views: Views::open(&args.views, args.force)?,
     })
 }
@@ -82,9 +119,13 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
     outputs::finish(files.stats, &mut written, |file| {
         file.write_all(told::to_json(setup, outcome, &configuration)?.as_bytes())
     })?;
-    outputs::finish(files.hits, &mut written, |file| hits::write(file, &scene.polygons, &scene.hits))?;
+    if let Some((found, polygons)) = &scene.found {
+        outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, found))?;
+    }
+    outputs::finish(files.tasks, &mut written, |file| scene.write_tasks(&setup.spec, file))?;
     let mut png = Vec::new();
-    if files.views.show_image() {
+    let has_image = files.views.show_image() && !scene.pixels.is_empty();
+    if has_image {
         let made = Format::Png.write(&mut png, size, &scene.pixels);
         made.map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
     }
@@ -96,7 +137,7 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
         cell_names: &[],
         losses: None,
         configuration: &configuration,
-        image: Some(&png),
+        image: has_image.then_some(&png),
     };
     files.views.write(&seen, &mut written)?;
     Ok(written)
@@ -124,6 +165,8 @@ pub fn spelled_out(typed: Vec<OsString>) -> Vec<OsString> {
         _ if is_array => return typed,
         Some("calibrate") => "calibrate-ipsc2",
         Some("image") => "ipsc2",
+        // What was recorded of an array has ops, and is timed on a row of nodes.
+        Some("replay") if typed.iter().any(|word| word.to_string_lossy().ends_with(".tasks")) => "ipsc2",
         Some(word) if word.starts_with('-') => {
             let mut spelled = typed.clone();
             spelled.drain(place);

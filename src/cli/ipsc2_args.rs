@@ -11,7 +11,8 @@ use super::args::{Typed, ViewArgs};
 /// `pcs-sim ipsc2`.
 #[derive(Debug, Args)]
 pub struct Ipsc2Args {
-    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff. Or tasks that --tasks wrote, to be timed again
+    /// without their scene: .tasks.
     #[arg(value_name = "SCENE", required_unless_present = "config")]
     pub scene: Option<String>,
     /// Repeat the image that a file describes: statistics, or their configuration. Flags beside it change that.
@@ -37,6 +38,9 @@ pub struct Ipsc2Args {
     /// Write the hits as CSV: ray, t, polygon, alpha, beta. Rays are numbered pixel by pixel, each one's tree by generations.
     #[arg(long, value_name = "FILE", help_heading = "Results")]
     pub hits: Option<PathBuf>,
+    /// Write what the rays make the nodes do, to be timed again under another machine: .tasks.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub tasks: Option<PathBuf>,
     /// Replace result files that exist.
     #[arg(long, help_heading = "Results")]
     pub force: bool,

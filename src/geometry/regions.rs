@@ -3,10 +3,12 @@
 //! A *cell* is a block of whole columns of voxels along the volume's shortest axis; the two longer axes have a plane of cells. A *region*
 //! is a rectangle of cells. No voxel is in two regions, so that a ray's walk through the regions is its walk through the grid.
 
+use serde::{Deserialize, Serialize};
+
 use super::grid::Grid;
 
 /// The plane of cells of a grid.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CellPlane {
     /// Voxels along each axis of the grid.
     size: [u32; 3],
@@ -17,7 +19,7 @@ pub struct CellPlane {
 }
 
 /// A rectangle of cells: from the first to before the last, along both axes of the plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rectangle {
     /// Its first cell.
     pub low: [u32; 2],
@@ -26,7 +28,7 @@ pub struct Rectangle {
 }
 
 /// The plane of cells cut into regions.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Regions {
     plane: CellPlane,
     rectangles: Vec<Rectangle>,
@@ -140,6 +142,22 @@ impl Regions {
             }
         }
         Regions { plane, rectangles, of_cell }
+    }
+
+    /// Whether each cell is in the region that it is said to be in, which may not be so of what was read from a file.
+    pub fn is_whole(&self) -> bool {
+        let [across, down] = self.plane.cells;
+        let is_possible = across > 0 && down > 0 && u64::from(across) * u64::from(down) == self.of_cell.len() as u64;
+        let is_inside = |rectangle: &Rectangle| {
+            let along = |axis: usize| {
+                rectangle.low[axis] < rectangle.high[axis] && rectangle.high[axis] <= self.plane.cells[axis]
+            };
+            along(0) && along(1)
+        };
+        is_possible
+            && !self.rectangles.is_empty()
+            && self.rectangles.iter().all(is_inside)
+            && self.of_cell.iter().all(|&region| usize::from(region) < self.rectangles.len())
     }
 
     /// The plane of cells.

@@ -108,9 +108,9 @@ fn title(setup: &CubeSetup) -> String {
     format!(
         "image of {} ({} polygons) on {} nodes {how}: {} pixels, {} rays",
         scene.name,
-        grouped(scene.polygons.len() as u64),
+        grouped(scene.polygons as u64),
         spec.machine.nodes,
-        grouped(scene.pixels.len() as u64),
+        grouped(spec.size.pixels() as u64),
         grouped(scene.graph.rays.len() as u64),
     )
 }
@@ -286,7 +286,7 @@ pub fn to_json(setup: &CubeSetup, outcome: &CubeOutcome, configuration: &Configu
     let (stats, clock) = (&outcome.stats, setup.machine.clock);
     let Phases { loaded, subdivided } = outcome.phases;
     let whole = stats.cycles.0 as f64 * outcome.parts.len() as f64;
-    let share = |(name, time): (&str, Cycles)| (name.replace([' ', '\''], "_"), (100.0 * time.0 as f64 / whole).into());
+    let share = |(name, time): (&str, Cycles)| (name.replace("'s work", "").replace(' ', "_"), (100.0 * time.0 as f64 / whole).into());
     let report = Report {
         cycles: stats.cycles.0,
         seconds: clock.seconds(stats.cycles),
@@ -298,8 +298,8 @@ pub fn to_json(setup: &CubeSetup, outcome: &CubeOutcome, configuration: &Configu
             load: clock.seconds(loaded),
             subdivide: clock.seconds(Cycles(subdivided.0 - loaded.0)),
         },
-        pixels: setup.scene.pixels.len(),
-        polygons: setup.scene.polygons.len(),
+        pixels: setup.spec.size.pixels(),
+        polygons: setup.scene.polygons,
         rays: setup.scene.graph.rays.len(),
         rays_by_kind: rays_by_kind(&setup.scene),
         ray_messages: outcome.seen.sent.iter().sum(),

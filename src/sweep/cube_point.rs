@@ -110,7 +110,7 @@ impl CubePoint {
         let link = outcome.stats.links.iter().map(|link| link.busy).max().unwrap_or_default();
         let phases = outcome.phases;
         let results = [
-            scene.polygons.len().to_string(),
+            scene.polygons.to_string(),
             rays.to_string(),
             outcome.stats.cycles.0.to_string(),
             seconds(outcome.stats.cycles),

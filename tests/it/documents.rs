@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use pcs_sim::machine::{CapitanFile, CapitanOptions, MachineFile, MachineOptions};
+use pcs_sim::machine::{CapitanFile, CapitanOptions, Ipsc2File, Ipsc2Options, MachineFile, MachineOptions};
 use pcs_sim::report::table::{Column, Kind};
-use pcs_sim::run::{FarmRunOptions, RunOptions};
+use pcs_sim::parameters::ParameterInfo;
+use pcs_sim::run::{CubeRunOptions, FarmRunOptions, RunOptions};
 use pcs_sim::sweep::Sweep;
 use serde_json::Value;
 
@@ -58,28 +59,35 @@ fn machine_md_has_the_units_of_the_tables() {
     }
 }
 
-/// docs/farm.md lists the parameters of the farm's machine, in the order of tables, with the defaults of capitan.ron and their units.
-#[test]
-fn farm_md_lists_every_parameter_with_its_default() {
-    let text = std::fs::read_to_string("docs/farm.md").unwrap();
+/// The rows of the table of parameters of a document whose rows have so many cells: name, unit and default.
+fn rows_of(path: &str, cells: usize) -> Vec<(String, String, String)> {
+    let text = std::fs::read_to_string(path).unwrap();
     let (_, section) = text.split_once("\n## Parameters\n").unwrap();
     let section = section.split("\n## ").next().unwrap();
     let rows = section.lines().filter_map(|line| line.strip_prefix("| `"));
     let row = |line: &str| {
         let columns: Vec<String> = line.trim_end_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect();
-        assert_eq!(columns.len(), 6, "{line}");
+        assert_eq!(columns.len(), cells, "{line}");
         (columns[0].trim_end_matches('`').to_owned(), columns[1].clone(), columns[2].clone())
     };
-    let listed: Vec<_> = rows.map(row).collect();
-    let file = serde_json::to_value(CapitanFile::standard().unwrap()).unwrap();
+    rows.map(row).collect()
+}
+
+/// What such rows must be of some parameters, in the order of tables, with the defaults of a machine file and their units.
+fn expected_rows(parameters: &[ParameterInfo], file: &Value) -> Vec<(String, String, String)> {
     let unit = |label: &str| {
         let unit = label.strip_suffix(')').and_then(|label| label.rsplit_once('(')).map(|(_, unit)| unit);
         unit.unwrap_or_default().to_owned()
     };
-    let parameters = CapitanOptions::PARAMETERS.iter();
-    let expected: Vec<_> =
-        parameters.map(|it| (it.name.to_owned(), unit(it.label), default_of(&file, it.name))).collect();
-    assert_eq!(listed, expected);
+    parameters.iter().map(|it| (it.name.to_owned(), unit(it.label), default_of(file, it.name))).collect()
+}
+
+#[test]
+fn farm_md_and_ipsc2_md_list_every_parameter_with_its_default() {
+    let file = serde_json::to_value(CapitanFile::standard().unwrap()).unwrap();
+    assert_eq!(rows_of("docs/farm.md", 6), expected_rows(CapitanOptions::PARAMETERS, &file));
+    let file = serde_json::to_value(Ipsc2File::standard().unwrap()).unwrap();
+    assert_eq!(rows_of("docs/ipsc2.md", 5), expected_rows(Ipsc2Options::PARAMETERS, &file));
 }
 
 /// The lines of a section of docs/tables.md whose heading begins so, without the head of its table.
@@ -106,12 +114,18 @@ fn tables_md_lists_every_column() {
     };
     let lines = |columns: &[Column]| columns.iter().map(|it| line(it.name, it.kind, it.label)).collect::<Vec<_>>();
     let (arrays, farms) = (results(r#"(machine: "pcs.ron")"#), results("(farm: true, bus_mb_s: 10)"));
+    let cubes = results(r#"(nodes: 4, machine: "my.ron")"#);
     let (rounded, of_arrays) = arrays.split_at(9);
     let (bus, of_farms) = farms.split_at(1);
+    let (nodes, of_cubes) = cubes.split_at(6);
+    // A column that arrays have, too, is listed once.
+    let nodes: Vec<Column> = nodes.iter().filter(|column| rounded.iter().all(|other| other.name != column.name)).copied().collect();
     assert_eq!(listed("A sweep's table: the results of an array"), lines(of_arrays));
     assert_eq!(listed("A sweep's table: the results of a farm"), lines(of_farms));
-    assert_eq!(listed("A sweep's table: what the machine"), [lines(rounded), lines(bus)].concat());
+    assert_eq!(listed("A sweep's table: what the machine"), [lines(rounded), lines(bus), lines(&nodes)].concat());
+    assert_eq!(listed("A sweep's table: the results of a hypercube"), lines(of_cubes));
     let known = RunOptions::parameters().chain(RunOptions::image_parameters()).chain(FarmRunOptions::parameters());
+    let known = known.chain(CubeRunOptions::parameters());
     let known = known.map(|it| line(it.name, it.kind.into(), it.label));
     let known: BTreeSet<String> =
         known.chain([line("image", Kind::Truth, "whole image"), line("farm", Kind::Truth, "farm")]).collect();
@@ -159,5 +173,7 @@ fn tables_md_lists_every_field() {
     ];
     assert_eq!(written(&runs), names("Statistics\n"));
     assert_eq!(written(&["farm rectangles --size 20x10 --tasks 2"]), names("Statistics of a farm"));
+    let cubes = ["ipsc2 room --size 8x8 --nodes 2", "ipsc2 room --size 8x8 --nodes 2 --mode shared-memory"];
+    assert_eq!(written(&cubes), names("Statistics of an image on a hypercube"));
     assert_eq!(written(&["model room --size 8x8"]), names("Predictions"));
 }

@@ -162,6 +162,48 @@ impl TaskGraph {
         WorkTimes { shading, ..whole.time(times) }
     }
 
+    /// Tells what is wrong with a graph that was read from a file: nothing in it may lead out of it.
+    pub fn check(&self) -> Result<(), String> {
+        let count = self.rays.len() as u32;
+        let rises = |numbers: &[u32], end: u32| {
+            numbers.first().is_none_or(|&first| first == 0)
+                && numbers.windows(2).all(|pair| pair[0] < pair[1])
+                && numbers.last().is_none_or(|&last| last < end)
+        };
+        if !rises(&self.trees, count) || (self.trees.is_empty() && count > 0) {
+            return Err("its trees do not follow each other".to_owned());
+        }
+        let legs: Vec<u32> = self.rays.iter().map(|ray| ray.first_leg).collect();
+        if !rises(&legs, self.legs.len() as u32) {
+            return Err("its rays do not follow each other".to_owned());
+        }
+        // Each ray but the first of a tree is asked for once, by one before it.
+        let mut asked = vec![0u8; self.rays.len()];
+        for tree in 0..self.trees.len() {
+            let rays = self.tree(tree);
+            for ray in rays.clone() {
+                let RayTask { children: (first, more), tree: of, .. } = self.rays[ray as usize];
+                let end = first.checked_add(more).filter(|&end| more == 0 || (first > ray && end <= rays.end));
+                let Some(end) = end.filter(|_| of as usize == tree) else {
+                    return Err("a ray asks for one that does not stand behind it in its tree".to_owned());
+                };
+                if more > 0 {
+                    (first..end).for_each(|child| asked[child as usize] = asked[child as usize].saturating_add(1));
+                }
+            }
+            if asked[rays.start as usize] != 0 || rays.skip(1).any(|ray| asked[ray as usize] != 1) {
+                return Err("a ray is asked for by none, or by several".to_owned());
+            }
+        }
+        let Some(uses) = &self.pages else { return Ok(()) };
+        let ends = uses.ends.iter().try_fold(0, |before, &end| (end >= before).then_some(end));
+        let fits = uses.ends.len() == self.rays.len() && ends.is_some_and(|end| end as usize == uses.uses.len());
+        match fits && uses.page_bytes > 0 && uses.uses.iter().all(|&(page, _)| page < uses.pages) {
+            true => Ok(()),
+            false => Err("its pages do not fit".to_owned()),
+        }
+    }
+
     /// The most regions that the line of a ray meets.
     pub fn most_regions_of_a_line(&self) -> u32 {
         let met = |(ray, task): (usize, &RayTask)| u32::from(task.hop) + self.legs_of(ray as u32).len() as u32;

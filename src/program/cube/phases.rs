@@ -7,7 +7,7 @@ use crate::machine::events::{Act, Delivery, Message, Sender};
 use crate::machine::{Cycles, Ipsc2};
 
 /// A node's part of the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Part {
     /// Its polygons.
     pub polygons: usize,

@@ -15,7 +15,7 @@ use crate::run::render::Picture;
 use crate::run::{RunError, Workers};
 
 /// A scene's regions, and what the sub-sample told of them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Cut {
     /// The regions.
     pub regions: Regions,

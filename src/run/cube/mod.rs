@@ -4,9 +4,11 @@ mod calibrate;
 mod cut;
 mod options;
 mod spec;
+mod tasks_file;
 mod trees;
 
 use std::convert::Infallible;
+use std::path::Path;
 
 use glam::Vec3;
 
@@ -18,7 +20,7 @@ use crate::host::camera::primary_rays;
 use crate::host::order::Order;
 use crate::host::sampling::Pass;
 use crate::machine::events::{Act, Events};
-use crate::machine::{Cycles, Ipsc2};
+use crate::machine::{Cycles, Ipsc2, Ipsc2File};
 use crate::measure::{Measured, Observed, Recording, Topology};
 use crate::program::cube::{
     MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, TaskGraph, gray_order, highest_rank, swapped,
@@ -42,16 +44,16 @@ use trees::{Traced, Tracing};
 pub struct CubeScene {
     /// Its name.
     pub name: String,
-    /// Its polygons.
-    pub polygons: Polygons,
+    /// How many polygons it has.
+    pub polygons: usize,
     /// What is to be done.
     pub graph: TaskGraph,
     /// How it is cut.
     pub cut: Cut,
-    /// The image: its pixels' light, line by line.
+    /// The image: its pixels' light, line by line. None of it was recorded with tasks.
     pub pixels: Vec<Vec3>,
-    /// The hits of all rays, tree by tree, if they were asked for.
-    pub hits: Vec<Hit>,
+    /// The hits of all rays, tree by tree, and the polygons, if they were asked for.
+    pub found: Option<(Vec<Hit>, Polygons)>,
     /// How many rays there are of each kind, and how many hit.
     pub kinds: ByKind<(u64, u64)>,
     /// What reading it changed.
@@ -116,6 +118,27 @@ impl CubeSetup {
         Ok(CubeSetup { spec, machine, scene })
     }
 
+    /// An image whose tasks were recorded, with changes to all that they do not depend on.
+    ///
+    /// Fails if the file has no tasks, or if the options would change them or make an impossible machine.
+    pub fn of_tasks(path: &Path, options: &CubeRunOptions) -> Result<CubeSetup, InputError> {
+        let (recorded, scene) = CubeScene::read_tasks(path)?;
+        let spec = CubeSpec::new(options, Some(recorded.clone()))?;
+        let fits = |changed: &CubeSpec| {
+            let work = |spec: &CubeSpec| {
+                let times_us = recorded.machine.times_us;
+                CubeSpec { machine: Ipsc2File { times_us, ..spec.machine.clone() }, ..spec.clone() }.work_key()
+            };
+            work(changed) == work(&recorded)
+        };
+        if !fits(&spec) {
+            let error = InputError::in_file(path, "its tasks are of another scene, image or number of regions");
+            return Err(error.help("leave out what changes them, or trace the scene again"));
+        }
+        let machine = spec.machine.build()?;
+        Ok(CubeSetup { spec, machine, scene })
+    }
+
     /// What the user should know before the figures: what had to be rounded, cut or assumed.
     pub fn notes(&self) -> impl Iterator<Item = &str> {
         self.machine.notes.iter().chain(&self.scene.notes).map(String::as_str)
@@ -163,9 +186,11 @@ impl CubeSpec {
         let pass = Pass::first(self.size, sampling, Order::Raster);
         let tracing = Tracing { picture, regions: &cut.regions, pages, hits: keeps_hits };
         let traced = tracing.pass(&pass, workers, observe)?;
-        let (pixels, polygons) = (traced.pixels(pass.per_pixel()), workload.polygons().clone());
+        let pixels = traced.pixels(pass.per_pixel());
+        let polygons = workload.polygons();
         let Traced { graph, hits, kinds, .. } = traced;
-        Ok(CubeScene { name: scene.name, polygons, graph, cut, pixels, hits, kinds, notes: scene.notes })
+        let found = keeps_hits.then(|| (hits, polygons.clone()));
+        Ok(CubeScene { name: scene.name, polygons: polygons.len(), graph, cut, pixels, found, kinds, notes: scene.notes })
     }
 
     /// The regions of a scene, or all of it as one.
