@@ -203,8 +203,13 @@ impl Ipsc2File {
             (cycles("short_us", self.short_us)?, cycles("short_wire_us", self.short_wire_us)?);
         let (long, long_wire) = (cycles("long_us", self.long_us)?, cycles("long_wire_us", self.long_wire_us)?);
         let hop = cycles("hop_us", self.hop_us)?;
-        within("short_wire_us", short_wire.0, 0..=short.0)?;
-        within("long_wire_us", long_wire.0, 0..=long.0)?;
+        let wires = [
+            ("short_wire_us", short_wire <= short, self.short_wire_us, self.short_us),
+            ("long_wire_us", long_wire <= long, self.long_wire_us, self.long_us),
+        ];
+        if let Some((name, _, wire, whole)) = wires.into_iter().find(|(_, fits, ..)| !fits) {
+            return Err(impossible(name, wire, format!("from 0 to {whole}")));
+        }
         let half = |whole: Cycles, wire: Cycles| Cycles((whole.0 - wire.0).div_ceil(2));
         let short_bytes = self.short_bytes;
         let (short, long) = (half(short, short_wire), half(long, long_wire));

@@ -1,21 +1,27 @@
 //! Nodes of a hypercube by themselves: against nodes that tick every cycle, by hand, and whether they ever get stuck.
 
-use std::collections::BTreeMap;
-
 use pcs_sim::host::shading::RayKind;
 use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, WireTimes};
 use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
-use pcs_sim::measure::{Clock, Measured, StateId};
+use pcs_sim::measure::{Clock, Measured, Recording, StateId, StationRecord};
 use pcs_sim::program::cube::{Ends, Flow, Leg, MessageKind, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph, highest_rank};
 use proptest::prelude::*;
 
 use crate::support::cube_ticking::{Stopped, Ticked, tick};
 
 /// What a run came to, in the oracle's terms.
-fn ticked(nodes: usize, stats: &Measured, seen: &Seen) -> Ticked {
-    let task = |times: &pcs_sim::measure::StateTimes| -> BTreeMap<String, u64> {
-        let states = stats.topology.states.all().iter();
-        states.map(|state| (state.name.clone(), times.of(state.id).0)).filter(|(_, time)| *time > 0).collect()
+fn ticked(nodes: usize, stats: &Measured, recording: &Recording, seen: &Seen) -> Ticked {
+    let states = &stats.topology.states;
+    let task = |record: &StationRecord| {
+        let mut all: Vec<(String, u64)> = Vec::new();
+        for stretch in &record.states {
+            let name = states.get(stretch.state).unwrap().name.clone();
+            match all.last_mut() {
+                Some((last, until)) if *last == name => *until = stretch.until.0,
+                _ => all.push((name, stretch.until.0)),
+            }
+        }
+        all
     };
     let kind = |kind: MessageKind| {
         let counts = &seen.messages[kind as usize];
@@ -23,7 +29,7 @@ fn ticked(nodes: usize, stats: &Measured, seen: &Seen) -> Ticked {
     };
     Ticked {
         cycles: stats.cycles.0,
-        tasks: stats.stations.iter().map(task).collect(),
+        tasks: recording.stations.iter().map(task).collect(),
         links: stats.links.iter().map(|link| link.busy.0).collect(),
         messages: MessageKind::ALL.map(kind),
         true_end: seen.true_end.0,
@@ -35,16 +41,26 @@ fn ticked(nodes: usize, stats: &Measured, seen: &Seen) -> Ticked {
 
 /// Lets nodes run, each with the region of its number.
 fn run(machine: &Ipsc2, graph: &TaskGraph, owners: &[u16], rules: Rules) -> Result<(Measured, Seen), Stuck> {
+    run_recorded(machine, graph, owners, rules).map(|(stats, _, seen)| (stats, seen))
+}
+
+fn run_recorded(
+    machine: &Ipsc2,
+    graph: &TaskGraph,
+    owners: &[u16],
+    rules: Rules,
+) -> Result<(Measured, Recording, Seen), Stuck> {
     let node_of: Vec<u16> = (0..machine.nodes as u16).collect();
     let order: Vec<u32> = (0..graph.trees.len() as u32).collect();
     let mut nodes = RegionNodes::new(machine, graph, &node_of, (owners, &order), rules);
-    let mut events = Events::new(nodes.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
+    let events = Events::new(nodes.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
+    let mut events = events.recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
     while !nodes.is_over() && events.step(&mut |task, now, taken| nodes.next(task, now, taken)) {}
     if !nodes.is_over() {
         return Err(nodes.stuck());
     }
-    let (stats, _) = events.stop(|task| nodes.rests(task));
-    Ok((stats, nodes.seen))
+    let (stats, observed) = events.stop(|task| nodes.rests(task));
+    Ok((stats, observed.recording.unwrap(), nodes.seen))
 }
 
 fn machine(nodes: usize, t: [u64; 20]) -> Ipsc2 {
@@ -181,9 +197,17 @@ proptest! {
         let node_of: Vec<u16> = (0..nodes as u16).collect();
         let order: Vec<u32> = (0..trees as u32).collect();
         let expected = tick(&machine, &graph, &node_of, (&owners, &order), rules);
-        match run(&machine, &graph, &owners, rules) {
-            Ok((stats, seen)) => {
-                let found = ticked(nodes, &stats, &seen);
+        match run_recorded(&machine, &graph, &owners, rules) {
+            Ok((stats, recording, seen)) => {
+                let found = ticked(nodes, &stats, &recording, &seen);
+                if let Ok(expected) = &expected {
+                    for (task, (found, expected)) in found.tasks.iter().zip(&expected.tasks).enumerate() {
+                        let differs = found.iter().zip(expected).position(|(found, expected)| found != expected);
+                        let at = differs.unwrap_or(found.len().min(expected.len()));
+                        let around = |spells: &[(String, u64)]| spells[at.saturating_sub(2)..spells.len().min(at + 3)].to_vec();
+                        prop_assert_eq!(around(found), around(expected), "task {}", task);
+                    }
+                }
                 prop_assert_eq!(Ok(found), expected);
                 conserves(&machine, &graph, &stats, &seen)?;
             }
@@ -399,7 +423,7 @@ fn sums_to_one(shares: impl Iterator<Item = u32>) -> bool {
             at -= 1;
         }
     }
-    counts.iter().all(|(at, count)| *count == u32::from(*at == 0))
+    counts.get(&0) == Some(&1) && counts.iter().all(|(at, count)| *at == 0 || *count == 0)
 }
 
 proptest! {

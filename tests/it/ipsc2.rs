@@ -26,7 +26,7 @@ fn the_image_is_that_of_an_array() {
             "--nodes 8 --termination token --first pixels --sub-sample 25%",
             "--nodes 6 --mode shared-memory --page-bytes 256",
         ] {
-            folder.run(&format!("image {scene} --on ipsc2 {flags} -o cube.pfm --force")).success();
+            folder.run(&format!("image {scene} --on ipsc2 --node-kbyte 99999 {flags} -o cube.pfm --force")).success();
             assert!(std::fs::read(folder.path("cube.pfm")).unwrap() == array, "{scene} {flags}");
         }
     }
@@ -36,8 +36,8 @@ fn the_image_is_that_of_an_array() {
 #[test]
 fn hits_and_counts_do_not_depend_on_regions() {
     let folder = Folder::new();
-    folder.run("image balls --on ipsc2 --nodes 1 --size 20x20 --hits one.csv --stats one.json").success();
-    folder.run("image balls --on ipsc2 --nodes 9 --size 20x20 --hits nine.csv --stats nine.json").success();
+    folder.run("image balls --on ipsc2 --node-kbyte 99999 --nodes 1 --size 20x20 --hits one.csv --stats one.json").success();
+    folder.run("image balls --on ipsc2 --node-kbyte 99999 --nodes 9 --size 20x20 --hits nine.csv --stats nine.json").success();
     assert_eq!(folder.read("one.csv"), folder.read("nine.csv"));
     let stats = |name: &str| serde_json::from_str::<Value>(&folder.read(name)).unwrap();
     let (one, nine) = (stats("one.json"), stats("nine.json"));
@@ -141,6 +141,44 @@ fn nodes_in_a_row_broadcast() {
     let told = folder.run("--on ipsc2 --mode broadcast --cells 4 --size 16x16").success();
     assert!(told.contains("cycles of 62.5 ns"), "{told}");
     folder.run("--on ipsc2 --mode broadcast --machine pcs.ron").refused();
+}
+
+/// What the rays make the nodes do is recorded without times: timed again it is as if the scene had been traced under the other machine.
+#[test]
+fn recorded_tasks_are_timed_again() {
+    let folder = Folder::new();
+    for (name, flags, changed) in [
+        ("regions", "--nodes 5", "--short-us 700 --flow block --queue-rays 900 --pixel-order strided"),
+        ("memory", "--nodes 5 --mode shared-memory", "--nodes 3 --lookup-us 20"),
+    ] {
+        let image = format!("image teapot --on ipsc2 --size 20x16 {flags}");
+        folder.run(&format!("{image} --tasks {name}.tasks --stats traced.json --force")).success();
+        folder.run(&format!("replay {name}.tasks --on ipsc2 --stats again.json --force")).success();
+        assert_eq!(folder.read("traced.json"), folder.read("again.json"));
+        let changed = changed.strip_prefix("--nodes 3").map_or(changed.to_owned(), |rest| format!("--nodes 3{rest}"));
+        let other = image.replace(if changed.contains("--nodes") { "--nodes 5" } else { "" }, "");
+        folder.run(&format!("{other} {changed} --stats traced.json --force")).success();
+        folder.run(&format!("replay {name}.tasks --on ipsc2 {changed} --stats again.json --force")).success();
+        assert_eq!(folder.read("traced.json"), folder.read("again.json"));
+    }
+    for wrong in ["--nodes 4", "--size 8x8", "-o x.png", "--mode shared-memory", "--depth 2"] {
+        folder.run(&format!("ipsc2 regions.tasks {wrong}")).refused();
+    }
+    // Whatever is changed in a file is refused, or makes another run, but no panic.
+    let bytes = std::fs::read(folder.path("regions.tasks")).unwrap();
+    let head = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).unwrap().0 + 1;
+    for cut in [0, 5, head - 10, head, head + 1, bytes.len() - 1] {
+        folder.file("cut.tasks", &bytes[..cut]);
+        folder.run("ipsc2 cut.tasks").refused();
+    }
+    for step in 0..40 {
+        let mut changed = bytes.clone();
+        let at = head + step * (bytes.len() - head) / 40;
+        changed[at] ^= 0xff;
+        folder.file("changed.tasks", changed);
+        let ended = folder.run("ipsc2 changed.tasks");
+        assert!(ended.status <= 2, "{at}: {}", ended.stderr);
+    }
 }
 
 #[test]

@@ -98,9 +98,9 @@ impl Leg {
     pub fn joined(self, other: &Leg) -> Leg {
         Leg {
             region: self.region,
-            voxels: self.voxels + other.voxels,
-            slab_tests: self.slab_tests + other.slab_tests,
-            intersection_tests: self.intersection_tests + other.intersection_tests,
+            voxels: self.voxels.saturating_add(other.voxels),
+            slab_tests: self.slab_tests.saturating_add(other.slab_tests),
+            intersection_tests: self.intersection_tests.saturating_add(other.intersection_tests),
         }
     }
 }

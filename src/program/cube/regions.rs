@@ -155,6 +155,8 @@ struct Node {
 enum Next {
     /// Looks at what has come, and chooses.
     Chooses,
+    /// Has had nothing to do, and was woken.
+    Rests,
     /// Has worked on a ray.
     Worked(Visit),
     /// Places what follows from a ray.
@@ -242,6 +244,7 @@ impl<'a> RegionNodes<'a> {
         }
         if let Some(note) = taken {
             self.take(task, note);
+            self.nodes[task].next = Next::Chooses;
             return Act::Poll;
         }
         if let Some(act) = self.nodes[task].script.pop_front() {
@@ -249,6 +252,7 @@ impl<'a> RegionNodes<'a> {
         }
         match self.nodes[task].next {
             Next::Chooses => self.choose(task, now),
+            Next::Rests => self.look(task),
             Next::Worked(visit) => {
                 self.nodes[task].next = Next::Places(Placing { visit, is_new: false, placed: 0 });
                 Act::Done
@@ -350,6 +354,7 @@ impl<'a> RegionNodes<'a> {
         }
         let node = &mut self.nodes[task];
         node.rests = was_resting.or(Some(now));
+        node.next = Next::Rests;
         Act::Receive(Sender::Anyone, if node.slots.wants_any() { BLOCKED } else { WAITING })
     }
 
@@ -692,7 +697,7 @@ impl<'a> RegionNodes<'a> {
 
 /// R, the highest rank of any ray of a graph: nodes need one slot more, for none to stick.
 pub fn highest_rank(graph: &TaskGraph) -> u32 {
-    (graph.most_turns() + 1) * graph.most_regions_of_a_line() - 1
+    (graph.most_turns() + 1).saturating_mul(graph.most_regions_of_a_line()) - 1
 }
 
 impl Node {

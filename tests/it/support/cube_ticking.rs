@@ -7,11 +7,12 @@ use pcs_sim::host::shading::RayKind;
 use pcs_sim::machine::Ipsc2;
 use pcs_sim::program::cube::{Ends, Flow, Leg, Rules, TaskGraph};
 
-/// What came out: when all was over, for each task the cycles in each state, for each link the cycles that it was taken.
+/// What came out: when all was over, what each task did in each cycle, for each link the cycles that it was taken.
 #[derive(Debug, PartialEq)]
 pub struct Ticked {
     pub cycles: u64,
-    pub tasks: Vec<BTreeMap<String, u64>>,
+    /// For each task, its states one after the other, and until when it is in each.
+    pub tasks: Vec<Vec<(String, u64)>>,
     pub links: Vec<u64>,
     /// Messages of each kind: sent, taken, bytes, links passed, cycles of processors.
     pub messages: [[u64; 5]; 4],
@@ -90,8 +91,8 @@ struct Node {
     todo: VecDeque<Todo>,
     busy: u64,
     state: &'static str,
-    /// Cycles that are told, by state.
-    times: BTreeMap<String, u64>,
+    /// Its states, and until when.
+    times: Vec<(String, u64)>,
     /// It waits, since when, and whether it has been so with nothing between.
     waits: bool,
     since: Option<u64>,
@@ -214,7 +215,10 @@ impl Cube<'_> {
                 return Err(Stopped::Stuck);
             }
             for node in &mut self.nodes {
-                *node.times.entry(node.state.to_owned()).or_default() += 1;
+                match node.times.last_mut() {
+                    Some((state, until)) if state == node.state => *until += 1,
+                    _ => node.times.push((node.state.to_owned(), self.now + 1)),
+                }
                 node.busy = node.busy.saturating_sub(1);
             }
             self.now += 1;
@@ -618,14 +622,15 @@ impl Cube<'_> {
         out.cycles = self.now;
         for node in &mut self.nodes[..host] {
             // What it waited for last did not come any more.
-            if let Some(since) = node.since {
-                let idle = self.now - since;
-                *node.times.entry("waiting".to_owned()).or_default() -= idle;
-                *node.times.entry("idle".to_owned()).or_default() += idle;
+            if let Some(since) = node.since.filter(|since| *since < self.now) {
+                node.times.retain(|(_, until)| *until <= since);
+                let until = node.times.last().map_or(0, |last| last.1);
+                node.times.extend((until < since).then(|| ("waiting".to_owned(), since)));
+                node.times.push(("idle".to_owned(), self.now));
             }
         }
         out.longest_queues = self.nodes[..host].iter().map(|node| node.longest).collect();
-        out.tasks = self.nodes.iter().map(|node| node.times.iter().filter(|(_, time)| **time > 0).map(|(name, time)| (name.clone(), *time)).collect()).collect();
+        out.tasks = self.nodes.iter().map(|node| node.times.clone()).collect();
         let bits = host.next_power_of_two().ilog2() as usize;
         let between = (0..1usize << bits).flat_map(|node| (0..bits).map(move |bit| (node, node ^ (1 << bit))));
         out.links = between.chain([(host, 0), (0, host)]).map(|link| self.links.get(&link).map_or(0, |link| link.1)).collect();
