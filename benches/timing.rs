@@ -1,5 +1,5 @@
 //! The timing half alone: words a second on one core, with all statistics on: alone, with a probe, and with the critical path;
-//! and how long a farm takes.
+//! how long a farm takes, and how much a hypercube does a second.
 //!
 //! `cargo bench --bench timing`
 
@@ -12,7 +12,7 @@ use pcs_sim::machine::MachineFile;
 use pcs_sim::machine::{Array, MachineSpec, Words};
 use pcs_sim::measure::CriticalPath;
 use pcs_sim::program::work::{self, GRID_START, GRID_VOXEL, INTERSECTION_POLYGON, SLABS_POLYGON, SLABS_START};
-use pcs_sim::run::{FarmRunOptions, FarmSpec, Watching, Workers};
+use pcs_sim::run::{CubeRunOptions, CubeSpec, FarmRunOptions, FarmSpec, Watching, Workers};
 use pcs_sim::seam::{Costs, OpBatch, OpKind};
 
 const RAYS: u32 = 1024;
@@ -160,6 +160,36 @@ fn main() {
     }
     if only.is_none_or(|only| only == "farm") {
         println!("farm of 8 workers, 640 x 512 pixels, and of one: {:.3} s", median_farm());
+    }
+    if only.is_none_or(|only| only == "cube") {
+        cube();
+    }
+}
+
+/// How long images on 32 nodes take: tracing them on one thread, and letting the nodes run, with how many things they do a second.
+fn cube() {
+    for (scene, size, node_kbyte) in [("teapot", "256x256", 4096), ("reference", "512x512", 16384)] {
+        let mut options = CubeRunOptions::default();
+        options.scene.scene = Some(scene.to_owned());
+        options.set("size", size).expect("it is a size");
+        options.machine.node_kbyte = Some(node_kbyte);
+        let spec = CubeSpec::new(&options, None).expect("it is possible");
+        let machine = spec.machine.build().expect("it is possible");
+        let start = Instant::now();
+        let laid_out = spec.lay_out(false, &Workers::new(1), |_| Ok::<_, Infallible>(())).expect("it fits");
+        let traced = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let outcome = spec.run(&laid_out, &machine, &Watching::default(), &Cancel::default()).expect("it ends");
+        let ran = start.elapsed().as_secs_f64();
+        // Beginning a pixel; a leg; and each end of a message.
+        let legs: u64 = outcome.seen.nodes.iter().map(|node| node.legs).sum();
+        let messages: u64 = outcome.seen.messages.iter().map(|counts| counts.sent + counts.taken).sum();
+        let events = laid_out.graph.trees.len() as u64 + legs + messages;
+        let rays = laid_out.graph.rays.len();
+        println!(
+            "{scene} {size} on 32 nodes: {rays} rays traced in {traced:.2} s; nodes {ran:.2} s, {events} events, {:.1} million/s",
+            events as f64 / ran / 1e6
+        );
     }
 }
 

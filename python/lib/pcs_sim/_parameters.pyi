@@ -68,6 +68,9 @@ class MachineChanges(TypedDict, total=False):
 class MachineParameters(MachineChanges, total=False):
     """A machine, and changes to it."""
 
+    on: str | None
+    """Machine."""
+
     machine: str | PathLike[str] | Mapping[str, Any] | Machine | None
     """Machine."""
 
@@ -355,3 +358,138 @@ class FarmParameters(TypedDict, total=False):
 
     shade_hit: float | None
     """Shading a hit (µs)."""
+
+class CubeParameters(TypedDict, total=False):
+    """Parameters of an image on a hypercube."""
+
+    size_factor: int | None
+    """Size factor of the scene."""
+
+    resolution: int | None
+    """Slices of spheres and cones."""
+
+    size: str | int | tuple[int, int] | None
+    """Size of the image (pixels)."""
+
+    mode: str | None
+    """Mode."""
+
+    grid_coefficient: float | None
+    """Grid coefficient (voxels a polygon)."""
+
+    machine: str | PathLike[str] | Mapping[str, Any] | Machine | None
+    """Machine."""
+
+    clock_ns: float | None
+    """Length of a cycle (ns)."""
+
+    grid_start: float | None
+    """Grid: start of a ray (µs)."""
+
+    grid_voxel: float | None
+    """Grid: step to a voxel (µs)."""
+
+    slabs_start: float | None
+    """Slabs: start of a ray (µs)."""
+
+    slabs_polygon: float | None
+    """Slabs: test of a polygon (µs)."""
+
+    intersection_start: float | None
+    """Intersection: start of a ray (µs)."""
+
+    intersection_polygon: float | None
+    """Intersection: test of a polygon (µs)."""
+
+    samples: int | None
+    """Samples along a side of a pixel."""
+
+    adaptive: bool | None
+    """Samples only where they tell."""
+
+    depth: int | None
+    """Reflections and refractions at the most."""
+
+    min_contribution: float | None
+    """Least share of a pixel that is followed."""
+
+    shade_hit: float | None
+    """Shading a hit (µs)."""
+
+    sub_sample: float | None
+    """Pixels of the sub-sample (%)."""
+
+    cell_grid: int | None
+    """Cells along a side."""
+
+    mapping: str | None
+    """Mapping."""
+
+    flow: str | None
+    """Flow control."""
+
+    queue_rays: int | None
+    """Slots of a node (rays)."""
+
+    window: int | None
+    """Pixels under way on a node."""
+
+    termination: str | None
+    """Termination."""
+
+    pixel_order: str | None
+    """Order of the pixels."""
+
+    first: str | None
+    """What is done first."""
+
+    pixels: str | None
+    """Who begins a pixel."""
+
+    page_bytes: int | None
+    """Page of the shared memory (bytes)."""
+
+    nodes: int | None
+    """Nodes."""
+
+    node_kbyte: int | None
+    """Memory of a node (kbyte)."""
+
+    program_kbyte: int | None
+    """Program of a node (kbyte)."""
+
+    short_bytes: int | None
+    """Most bytes of a short message."""
+
+    short_us: float | None
+    """Short message (µs)."""
+
+    short_wire_us: float | None
+    """Short message under way (µs)."""
+
+    long_us: float | None
+    """Long message (µs)."""
+
+    long_wire_us: float | None
+    """Long message under way (µs)."""
+
+    hop_us: float | None
+    """Further link of a message's way (µs)."""
+
+    byte_us: float | None
+    """Byte of a message (µs)."""
+
+    pixel_us: float | None
+    """Beginning a pixel (µs)."""
+
+    result_us: float | None
+    """Taking a result (µs)."""
+
+    fill_us: float | None
+    """Making a list: a reference (µs)."""
+
+    lookup_us: float | None
+    """Access to another's page (µs)."""
+
+    serve_us: float | None
+    """Serving a page (µs)."""

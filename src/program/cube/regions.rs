@@ -93,6 +93,8 @@ pub struct RegionNodes<'a> {
     /// The order of nodes in which the token goes round.
     ring: Vec<u16>,
     ages: u64,
+    /// Nodes that have nothing else to do than to wait for a slot somewhere, a bit each.
+    blocked: u128,
     over: bool,
     /// What is counted.
     pub seen: Seen,
@@ -214,6 +216,7 @@ impl<'a> RegionNodes<'a> {
             ranks,
             ring: gray_order(count),
             ages: 0,
+            blocked: 0,
             over: graph.trees.is_empty(),
             seen,
         }
@@ -329,6 +332,7 @@ impl<'a> RegionNodes<'a> {
     /// Takes the first that there is to do.
     fn choose(&mut self, task: usize, now: Cycles) -> Act<Note> {
         let was_resting = self.nodes[task].rests.take();
+        self.blocked &= !(1 << task);
         if let Some(tree) = self.nodes[task].results.pop_front() {
             let time = self.took(MessageKind::Calculation, RESULT_BYTES) + self.machine.costs.result;
             self.nodes[task].next = Next::Counts(tree);
@@ -355,7 +359,9 @@ impl<'a> RegionNodes<'a> {
         let node = &mut self.nodes[task];
         node.rests = was_resting.or(Some(now));
         node.next = Next::Rests;
-        Act::Receive(Sender::Anyone, if node.slots.wants_any() { BLOCKED } else { WAITING })
+        let is_blocked = node.slots.wants_any();
+        self.blocked |= u128::from(is_blocked) << task;
+        Act::Receive(Sender::Anyone, if is_blocked { BLOCKED } else { WAITING })
     }
 
     /// What was put aside and can go on.
@@ -450,8 +456,11 @@ impl<'a> RegionNodes<'a> {
     fn leave(&mut self, task: usize) {
         if let Flow::Classes(_) = self.rules.flow {
             self.nodes[task].slots.free += 1;
-            for other in 0..self.nodes.len() {
-                if other != task && self.nodes[other].rests.is_some() && self.nodes[other].slots.wants(task) {
+            let mut blocked = self.blocked;
+            while blocked != 0 {
+                let other = blocked.trailing_zeros() as usize;
+                blocked &= blocked - 1;
+                if self.nodes[other].slots.wants(task) {
                     self.nodes[task].script.push_back(Act::Wake(other));
                 }
             }

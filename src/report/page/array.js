@@ -1,6 +1,6 @@
 "use strict";
 {% if is_line %}// Draws the array as it is: the host, the cells, the FIFOs between them. A click on a cell shows or hides its charts.
-{% else %}// Draws the tasks, and the buses that join them. A click on a task shows or hides its chart.
+{% else %}// Draws the {{ station }}s{% if has_buses %}, and the buses that join them{% endif %}. A click on a {{ station }} shows or hides its chart.
 {% endif %}
 const svg = (name, attributes, text) => {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -87,12 +87,12 @@ function drawArray() {
   markSelected();
 }
 
-{% else %}// The tasks in rows, each on the buses below it.
+{% else %}// The {{ station }}s in rows{% if has_buses %}, each on the buses below it{% endif %}.
 function drawArray() {
   const place = document.getElementById("array");
   const count = run.cells.length;
   const size = count <= 24 ? LARGE : SMALL;
-  const step = size.box + 12, buses = 3 * run.buses.length;
+  const step = size.box + 12, buses = {% if has_buses %}3 * run.buses.length{% else %}-12{% endif %};
   const across = Math.max(1, Math.min(Math.floor((place.clientWidth - 8) / step), count));
   const height = size.height + 16 + buses;
   const drawing = svg("svg", { width: across * step + 4, height: Math.ceil(count / across) * height + 4 });
@@ -110,7 +110,7 @@ function drawArray() {
     group.addEventListener("keydown", (event) => { if (event.key === "Enter") toggle(index); });
     group.addEventListener("mouseenter", () => point(index));
     group.addEventListener("mouseleave", () => point(null));
-    const stem = left + size.box / 2, foot = top + size.height;
+{% if has_buses %}    const stem = left + size.box / 2, foot = top + size.height;
     drawing.append(svg("line", { x1: stem, x2: stem, y1: foot, y2: foot + 4 + buses, stroke: "#444" }), group);
     run.buses.forEach((busy, bus) => {
       const y = foot + 6 + 3 * bus;
@@ -118,7 +118,8 @@ function drawArray() {
       line.append(svg("title", {}, `bus ${bus + 1} carries messages for ${busy.toFixed(1)} % of the time`));
       drawing.append(line);
     });
-  });
+{% else %}    drawing.append(group);
+{% endif %}  });
   place.replaceChildren(drawing);
   markSelected();
 }

@@ -57,6 +57,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     let topology = &*page.stats.topology;
     let called = context! {
         is_line => topology.shape == Shape::Line,
+        has_buses => topology.shape == Shape::Farm,
         machine_name => topology.names.machine.as_str(),
         station => topology.names.station.as_str(),
         job => topology.names.job.as_str(),

@@ -64,7 +64,7 @@ const telling = () => [...new Set([0, 1, 2, count - 1])];
     entry.append(square, name);
     document.getElementById("legend").append(entry);
   }
-  const buttons = [["whole run", () => zoom(0, run.end)], ["{% if is_line %}busiest cells{% else %}some tasks{% endif %}", () => select(telling())], ["no {{ station }}s", () => select([])]];
+  const buttons = [["whole run", () => zoom(0, run.end)], ["{% if is_line %}busiest cells{% else %}some {{ station }}s{% endif %}", () => select(telling())], ["no {{ station }}s", () => select([])]];
   if (count <= 32) buttons.splice(1, 0, ["all {{ station }}s", () => select(all())]);
   for (const [name, action] of buttons) {
     const button = document.createElement("button");
