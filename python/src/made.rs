@@ -15,7 +15,9 @@ use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{account, cube, farm};
-use pcs_sim::run::{CubeOutcome, CubeSetup, FarmOutcome, FarmSetup, Outcome, Outputs, Rendered, Replay, Setup, Timing, Watching};
+use pcs_sim::run::{
+    CubeOutcome, CubeSetup, FarmOutcome, FarmSetup, Outcome, Outputs, Rendered, Replay, Setup, Timing, Watching,
+};
 use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 
@@ -103,7 +105,9 @@ impl Made {
         match self {
             Made::Rays { setup, outcome, .. } => Ok((setup, setup.by_number(&outcome.hits))),
             Made::Image { setup, rendered, hits, .. } => Made::timing(rendered).map(|_| (setup, hits.clone())),
-            Made::Replay { .. } | Made::Farm { .. } | Made::Cube { .. } => self.setup("hits").map(|setup| (setup, Vec::new())),
+            Made::Replay { .. } | Made::Farm { .. } | Made::Cube { .. } => {
+                self.setup("hits").map(|setup| (setup, Vec::new()))
+            }
         }
     }
 

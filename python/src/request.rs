@@ -8,8 +8,8 @@ use pcs_sim::geometry::Ray;
 use pcs_sim::machine::MachineOptions;
 use pcs_sim::parameters::{Kind, ParameterInfo, named};
 use pcs_sim::run::{
-    CellsOptions, CubeRunOptions, CubeSpec, FarmRunOptions, FarmSpec, Layers, MachineFileOptions, PlannedRun, RayOptions, ReplaySpec, RunOptions,
-    RunSpec,
+    CellsOptions, CubeRunOptions, CubeSpec, FarmRunOptions, FarmSpec, Layers, MachineFileOptions, PlannedRun,
+    RayOptions, ReplaySpec, RunOptions, RunSpec,
 };
 use pcs_sim::scene::{Scene as SceneData, builtin};
 use pyo3::prelude::*;

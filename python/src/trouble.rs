@@ -84,7 +84,9 @@ impl<E: Display> From<RunError<E>> for Trouble {
             RunError::Unfit(error) => error.into(),
             RunError::Batch(error) => error::InputError::new(error.to_string()).into(),
             RunError::Cancelled(cancelled) => cancelled.into(),
-            RunError::Standstill(_) | RunError::Nodes(_) | RunError::Outlived(_) | RunError::Observer(_) => output(error),
+            RunError::Standstill(_) | RunError::Nodes(_) | RunError::Outlived(_) | RunError::Observer(_) => {
+                output(error)
+            }
         }
     }
 }

@@ -22,7 +22,8 @@ pub fn calibrate(args: &CalibrateIpsc2Args, typed: &Typed) -> Result<(), Failure
     let output = outputs::open(args.output.as_deref(), args.force)?;
     let known = Known { one_node: args.seconds, geometry: args.geometry, others: args.times.clone() };
     let spinner = progress::waiting("fitting");
-    let calibrated = outputs::reading(&named, || spec.calibrate(&known, &workers(args.threads)).map_err(Failure::from))?;
+    let calibrated =
+        outputs::reading(&named, || spec.calibrate(&known, &workers(args.threads)).map_err(Failure::from))?;
     spinner.finish_and_clear();
     let path = args.machine.as_deref().unwrap_or(Path::new("ipsc2.ron"));
     let standing = match &args.machine {

@@ -68,7 +68,8 @@ fn traced(args: &Ipsc2Args, options: &CubeRunOptions) -> Result<(CubeSetup, Outp
 
 /// An image whose tasks were recorded.
 fn recorded(args: &Ipsc2Args, path: &Path, options: CubeRunOptions) -> Result<(CubeSetup, Outputs), Failure> {
-    let of_image = [("-o", args.output.is_some()), ("--hits", args.hits.is_some()), ("--config", args.config.is_some())];
+    let of_image =
+        [("-o", args.output.is_some()), ("--hits", args.hits.is_some()), ("--config", args.config.is_some())];
     if let Some((flag, _)) = of_image.iter().find(|(_, typed)| *typed) {
         let error = InputError::new(format!("{flag} is about tracing a scene, and recorded tasks go without"));
         return Err(error.help("leave it out, or name the scene").into());

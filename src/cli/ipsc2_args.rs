@@ -105,11 +105,8 @@ pub struct CalibrateIpsc2Args {
 impl CalibrateIpsc2Args {
     /// The image that is fitted to.
     pub fn options(&self, typed: &Typed) -> CubeRunOptions {
-        let mut options = CubeRunOptions {
-            shape: self.shape.clone(),
-            light: self.light.clone(),
-            ..CubeRunOptions::default()
-        };
+        let mut options =
+            CubeRunOptions { shape: self.shape.clone(), light: self.light.clone(), ..CubeRunOptions::default() };
         options.retain(|name| typed.has(name));
         options.scene.scene = Some(self.scene.clone());
         options.cube = CubeOptions {

@@ -121,9 +121,11 @@ impl<E: std::fmt::Display> From<RunError<E>> for Failure {
             RunError::Fault(fault) => fault.into(),
             RunError::Unfit(error) => error.into(),
             RunError::Batch(error) => InputError::new(error.to_string()).into(),
-            RunError::Standstill(_) | RunError::Nodes(_) | RunError::Outlived(_) | RunError::Cancelled(_) | RunError::Observer(_) => {
-                Failure::Output(error.to_string())
-            }
+            RunError::Standstill(_)
+            | RunError::Nodes(_)
+            | RunError::Outlived(_)
+            | RunError::Cancelled(_)
+            | RunError::Observer(_) => Failure::Output(error.to_string()),
         }
     }
 }
@@ -145,8 +147,9 @@ impl From<MeasureError> for Failure {
 
 /// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed, 130 for one that was stopped.
 pub fn main() -> ExitCode {
-    let parsed =
-        manual::command().try_get_matches_from(ipsc2::spelled_out(std::env::args_os().collect())).and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let parsed = manual::command()
+        .try_get_matches_from(ipsc2::spelled_out(std::env::args_os().collect()))
+        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => {

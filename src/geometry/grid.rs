@@ -170,8 +170,11 @@ impl Grid {
         }
         let Some(t_enter) = self.enter(ray, strayed) else { return };
         if strayed > 0.0 {
-            let all =
-                (0..self.voxel_count()).map(|voxel| Visit { voxel, polygons: self.list(voxel), t_exit: f32::NEG_INFINITY });
+            let all = (0..self.voxel_count()).map(|voxel| Visit {
+                voxel,
+                polygons: self.list(voxel),
+                t_exit: f32::NEG_INFINITY,
+            });
             let _ = { all }.try_for_each(visit);
             return;
         }

@@ -228,9 +228,8 @@ fn bisect(sums: &Sums, rectangle: Rectangle, regions: usize, into: &mut Vec<Rect
 /// The cut across an axis whose two sides' work divides best, of those that leave cells enough on both.
 fn best_cut(sums: &Sums, all: Rectangle, axis: usize, (fewer, regions): (usize, usize)) -> Option<[Rectangle; 2]> {
     let total = sums.of(all) * fewer as u128;
-    let has_room = |[low, high]: &[Rectangle; 2]| {
-        low.cells() >= fewer as u64 && high.cells() >= (regions - fewer) as u64
-    };
+    let has_room =
+        |[low, high]: &[Rectangle; 2]| low.cells() >= fewer as u64 && high.cells() >= (regions - fewer) as u64;
     let cuts = (all.low[axis] + 1..all.high[axis]).map(|at| all.cut(axis, at)).filter(has_room);
     cuts.min_by_key(|[low, _]| (sums.of(*low) * regions as u128).abs_diff(total))
 }

@@ -151,7 +151,8 @@ impl Ipsc2File {
         ];
         let line = |line: &str| {
             let body = line.trim_start();
-            let found = fitted.iter().find(|(name, _)| body.strip_prefix(name).is_some_and(|rest| rest.starts_with(':')));
+            let found =
+                fitted.iter().find(|(name, _)| body.strip_prefix(name).is_some_and(|rest| rest.starts_with(':')));
             let indent = &line[..line.len() - body.len()];
             found.map_or_else(|| format!("{line}\n"), |(name, value)| format!("{indent}{name}: {value:?},\n"))
         };
@@ -199,8 +200,7 @@ impl Ipsc2File {
 
     fn message_times(&self, notes: &mut Vec<String>) -> Result<(MessageTimes, WireTimes), Fault> {
         let mut cycles = |name, us| time(name, us, (self.us(), LONGEST), notes);
-        let (short, short_wire) =
-            (cycles("short_us", self.short_us)?, cycles("short_wire_us", self.short_wire_us)?);
+        let (short, short_wire) = (cycles("short_us", self.short_us)?, cycles("short_wire_us", self.short_wire_us)?);
         let (long, long_wire) = (cycles("long_us", self.long_us)?, cycles("long_wire_us", self.long_wire_us)?);
         let hop = cycles("hop_us", self.hop_us)?;
         let wires = [

@@ -221,7 +221,11 @@ fn messages(outcome: &CubeOutcome, clock: Clock) -> String {
     };
     summary::text(Rows {
         header: ["messages", "sent", "bytes", "links each", "processors' time"].map(str::to_owned).to_vec(),
-        rows: MessageKind::ALL.into_iter().filter(|&kind| outcome.seen.messages[kind as usize].sent > 0).map(row).collect(),
+        rows: MessageKind::ALL
+            .into_iter()
+            .filter(|&kind| outcome.seen.messages[kind as usize].sent > 0)
+            .map(row)
+            .collect(),
     })
 }
 
@@ -286,7 +290,9 @@ pub fn to_json(setup: &CubeSetup, outcome: &CubeOutcome, configuration: &Configu
     let (stats, clock) = (&outcome.stats, setup.machine.clock);
     let Phases { loaded, subdivided } = outcome.phases;
     let whole = stats.cycles.0 as f64 * outcome.parts.len() as f64;
-    let share = |(name, time): (&str, Cycles)| (name.replace("'s work", "").replace(' ', "_"), (100.0 * time.0 as f64 / whole).into());
+    let share = |(name, time): (&str, Cycles)| {
+        (name.replace("'s work", "").replace(' ', "_"), (100.0 * time.0 as f64 / whole).into())
+    };
     let report = Report {
         cycles: stats.cycles.0,
         seconds: clock.seconds(stats.cycles),
@@ -294,10 +300,7 @@ pub fn to_json(setup: &CubeSetup, outcome: &CubeOutcome, configuration: &Configu
         speed_up: speed_up(outcome),
         efficiency: efficiency(outcome),
         one_node_seconds: clock.seconds(outcome.one_node),
-        phases: PhasesJson {
-            load: clock.seconds(loaded),
-            subdivide: clock.seconds(Cycles(subdivided.0 - loaded.0)),
-        },
+        phases: PhasesJson { load: clock.seconds(loaded), subdivide: clock.seconds(Cycles(subdivided.0 - loaded.0)) },
         pixels: setup.spec.size.pixels(),
         polygons: setup.scene.polygons,
         rays: setup.scene.graph.rays.len(),

@@ -24,8 +24,8 @@ mod trees;
 mod workers;
 
 pub use cube::{
-    Calibrated, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut, First, FlowKind, Known, KnownTime, Mapping,
-    Percent, PixelOrder, PixelsOf, RegionSpec, Termination,
+    Calibrated, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut, First,
+    FlowKind, Known, KnownTime, Mapping, Percent, PixelOrder, PixelsOf, RegionSpec, Termination,
 };
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};

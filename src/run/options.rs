@@ -108,7 +108,6 @@ parameters! {
     }
 }
 
-
 parameters! {
     /// How the host makes an image of the light.
     pub struct LightOptions under "Light" {

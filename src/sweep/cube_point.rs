@@ -61,7 +61,9 @@ impl LaidOut for CubePoint {
         for (name, value) in values {
             match (name == ON.name, value.as_str()) {
                 (true, "ipsc2") => {}
-                (true, _) => return Err(format!("nodes with regions, or a shared memory, are on ipsc2, not on {value}")),
+                (true, _) => {
+                    return Err(format!("nodes with regions, or a shared memory, are on ipsc2, not on {value}"));
+                }
                 (false, _) => options.set(name, &value).map_err(reason)?,
             }
         }

@@ -4,7 +4,9 @@ use pcs_sim::host::shading::RayKind;
 use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, WireTimes};
 use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
 use pcs_sim::measure::{Clock, Measured, Recording, StateId, StationRecord};
-use pcs_sim::program::cube::{Ends, Flow, Leg, MessageKind, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph, highest_rank};
+use pcs_sim::program::cube::{
+    Ends, Flow, Leg, MessageKind, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph, highest_rank,
+};
 use proptest::prelude::*;
 
 use crate::support::cube_ticking::{Stopped, Ticked, tick};
@@ -69,7 +71,13 @@ fn machine(nodes: usize, t: [u64; 20]) -> Ipsc2 {
         nodes,
         clock: Clock { cycle_ns: 62.5 },
         memory_bytes: 1 << 22,
-        wires: WireTimes { short_bytes: 30, short: Cycles(t[0]), long: Cycles(t[1]), hop: Cycles(t[2]), byte_millicycles: 100 * t[3] },
+        wires: WireTimes {
+            short_bytes: 30,
+            short: Cycles(t[0]),
+            long: Cycles(t[1]),
+            hop: Cycles(t[2]),
+            byte_millicycles: 100 * t[3],
+        },
         messages: MessageTimes { short_bytes: 30, short: Cycles(t[4]), long: Cycles(t[5]) },
         costs: NodeCosts {
             pixel: Cycles(t[6]),
@@ -249,7 +257,10 @@ fn conserves(machine: &Ipsc2, graph: &TaskGraph, stats: &Measured, seen: &Seen) 
     }
     prop_assert!(stats.links.iter().all(|link| link.busy <= stats.cycles));
     prop_assert!(seen.true_end <= seen.told_at && seen.told_at <= stats.cycles);
-    let work = |ray: u32| (graph.rays[ray as usize].first_leg..graph.legs_end(ray)).map(move |leg| graph.time(ray, leg, &machine.times).all().0);
+    let work = |ray: u32| {
+        (graph.rays[ray as usize].first_leg..graph.legs_end(ray))
+            .map(move |leg| graph.time(ray, leg, &machine.times).all().0)
+    };
     let all: u64 = (0..graph.rays.len() as u32).flat_map(work).sum();
     prop_assert!(stats.cycles.0 * machine.nodes as u64 >= all);
     // A ray begins when the one that asks for it has ended.
@@ -274,7 +285,15 @@ fn leg(region: u16, voxels: u32, slab_tests: u32, intersection_tests: u32) -> Le
 
 /// A pixel whose ray crosses from region 0 to region 1, hits there, and asks for a shadow ray that comes back.
 fn there_and_back() -> TaskGraph {
-    let ray = |first_leg, children, turns, kind, shaded| RayTask { first_leg, children, tree: 0, hop: 0, turns, kind, shaded };
+    let ray = |first_leg, children, turns, kind, shaded| RayTask {
+        first_leg,
+        children,
+        tree: 0,
+        hop: 0,
+        turns,
+        kind,
+        shaded,
+    };
     TaskGraph {
         regions: 2,
         rays: vec![ray(0, (1, 1), 0, RayKind::Primary, true), ray(2, (2, 0), 1, RayKind::Shadow, false)],
@@ -320,7 +339,8 @@ fn a_ray_goes_there_and_its_shadow_ray_comes_back() {
 /// taking it.
 #[test]
 fn a_token_goes_round_once() {
-    let ray = RayTask { first_leg: 0, children: (1, 0), tree: 0, hop: 0, turns: 0, kind: RayKind::Primary, shaded: false };
+    let ray =
+        RayTask { first_leg: 0, children: (1, 0), tree: 0, hop: 0, turns: 0, kind: RayKind::Primary, shaded: false };
     let graph = TaskGraph { regions: 4, rays: vec![ray], legs: vec![leg(0, 1, 0, 0)], trees: vec![0], pages: None };
     let (_, seen) = run(&standard(4), &graph, &[0], Rules { ends: Ends::Token, ..UNLIMITED }).unwrap();
     let done = 3200 + 4002 + 1040;
@@ -332,7 +352,8 @@ fn a_token_goes_round_once() {
 /// cross, and a long message that has its way from when it asks for room.
 #[test]
 fn messages_wait_for_all_links_of_their_way() {
-    let wires = WireTimes { short_bytes: 30, short: Cycles(5), long: Cycles(20), hop: Cycles(2), byte_millicycles: 1000 };
+    let wires =
+        WireTimes { short_bytes: 30, short: Cycles(5), long: Cycles(20), hop: Cycles(2), byte_millicycles: 1000 };
     let topology = |tasks: usize| pcs_sim::program::cube::topology(tasks, "message");
     let arrivals = |sends: &[(usize, usize, u64)]| {
         let mut events = Events::new(topology(4), Cube::new(4, wires), RegionNodes::SENDING_AND_IDLE);
@@ -367,7 +388,15 @@ fn messages_wait_for_all_links_of_their_way() {
 #[test]
 fn with_a_slot_less_classes_get_stuck() {
     // From each of two nodes a ray goes to the other.
-    let ray = |first_leg, tree| RayTask { first_leg, children: (2, 0), tree, hop: 0, turns: 0, kind: RayKind::Primary, shaded: false };
+    let ray = |first_leg, tree| RayTask {
+        first_leg,
+        children: (2, 0),
+        tree,
+        hop: 0,
+        turns: 0,
+        kind: RayKind::Primary,
+        shaded: false,
+    };
     let graph = TaskGraph {
         regions: 2,
         rays: vec![ray(0, 0), ray(2, 1)],
@@ -383,7 +412,9 @@ fn with_a_slot_less_classes_get_stuck() {
     // What gives the only slot to a ray of the lowest rank is blocking, and that gets stuck: three rays of either side fill both queues.
     let many = TaskGraph {
         rays: (0..12).map(|number| ray(2 * number, number)).collect(),
-        legs: (0..12).flat_map(|number| [leg((number % 2) as u16, 1, 0, 0), leg((number + 1) as u16 % 2, 1, 0, 0)]).collect(),
+        legs: (0..12)
+            .flat_map(|number| [leg((number % 2) as u16, 1, 0, 0), leg((number + 1) as u16 % 2, 1, 0, 0)])
+            .collect(),
         trees: (0..12).collect(),
         ..graph
     };
@@ -405,7 +436,10 @@ fn credits(graph: &TaskGraph) -> Vec<u32> {
         results.push((exponents[ray], split, count));
     }
     // A result brings back what its ray did not give away: 2^split - count shares of 2^-(exponent + split).
-    results.into_iter().flat_map(|(exponent, split, count)| vec![exponent + split; (1 << split) - count as usize]).collect()
+    results
+        .into_iter()
+        .flat_map(|(exponent, split, count)| vec![exponent + split; (1 << split) - count as usize])
+        .collect()
 }
 
 /// Adds powers of a half up, and tells when they are 1.

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use pcs_sim::machine::{CapitanFile, CapitanOptions, Ipsc2File, Ipsc2Options, MachineFile, MachineOptions};
-use pcs_sim::report::table::{Column, Kind};
 use pcs_sim::parameters::ParameterInfo;
+use pcs_sim::report::table::{Column, Kind};
 use pcs_sim::run::{CubeRunOptions, FarmRunOptions, RunOptions};
 use pcs_sim::sweep::Sweep;
 use serde_json::Value;
@@ -119,7 +119,8 @@ fn tables_md_lists_every_column() {
     let (bus, of_farms) = farms.split_at(1);
     let (nodes, of_cubes) = cubes.split_at(6);
     // A column that arrays have, too, is listed once.
-    let nodes: Vec<Column> = nodes.iter().filter(|column| rounded.iter().all(|other| other.name != column.name)).copied().collect();
+    let nodes: Vec<Column> =
+        nodes.iter().filter(|column| rounded.iter().all(|other| other.name != column.name)).copied().collect();
     assert_eq!(listed("A sweep's table: the results of an array"), lines(of_arrays));
     assert_eq!(listed("A sweep's table: the results of a farm"), lines(of_farms));
     assert_eq!(listed("A sweep's table: what the machine"), [lines(rounded), lines(bus), lines(&nodes)].concat());

@@ -9,7 +9,9 @@ use crate::support::command::Folder;
 fn an_image_is_told_in_tables_and_a_sentence() {
     let folder = Folder::new();
     insta::assert_snapshot!(folder.run("image teapot --on ipsc2 --nodes 4 --size 32x32").success());
-    insta::assert_snapshot!(folder.run("image teapot --on=ipsc2 --mode shared-memory --nodes 4 --size 32x32").success());
+    insta::assert_snapshot!(
+        folder.run("image teapot --on=ipsc2 --mode shared-memory --nodes 4 --size 32x32").success()
+    );
 }
 
 /// The pixels are those of an array, to the bit, whatever the nodes, cells, queues and orders.
@@ -36,8 +38,12 @@ fn the_image_is_that_of_an_array() {
 #[test]
 fn hits_and_counts_do_not_depend_on_regions() {
     let folder = Folder::new();
-    folder.run("image balls --on ipsc2 --node-kbyte 99999 --nodes 1 --size 20x20 --hits one.csv --stats one.json").success();
-    folder.run("image balls --on ipsc2 --node-kbyte 99999 --nodes 9 --size 20x20 --hits nine.csv --stats nine.json").success();
+    folder
+        .run("image balls --on ipsc2 --node-kbyte 99999 --nodes 1 --size 20x20 --hits one.csv --stats one.json")
+        .success();
+    folder
+        .run("image balls --on ipsc2 --node-kbyte 99999 --nodes 9 --size 20x20 --hits nine.csv --stats nine.json")
+        .success();
     assert_eq!(folder.read("one.csv"), folder.read("nine.csv"));
     let stats = |name: &str| serde_json::from_str::<Value>(&folder.read(name)).unwrap();
     let (one, nine) = (stats("one.json"), stats("nine.json"));
@@ -184,7 +190,8 @@ fn recorded_tasks_are_timed_again() {
 #[test]
 fn images_on_hypercubes_are_swept_and_drawn() {
     let folder = Folder::new();
-    let sweep = "(on: \"ipsc2\", scene: \"teapot\", size: 16, mode: [\"regions\", \"shared-memory\"], nodes: [1, 4], depth: 2)";
+    let sweep =
+        "(on: \"ipsc2\", scene: \"teapot\", size: 16, mode: [\"regions\", \"shared-memory\"], nodes: [1, 4], depth: 2)";
     folder.file("speedup.ron", sweep);
     folder.run("sweep speedup.ron -o speedup.csv --plot x=nodes y=efficiency by=mode").success();
     insta::assert_snapshot!(folder.read("speedup.csv"));
@@ -201,7 +208,9 @@ fn a_machine_is_fitted_to_known_times() {
     let fit = "calibrate teapot --on ipsc2 --size 16x16 --seconds 10 --times 4:3";
     let told = folder.run(&format!("{fit} -o my.ron")).success();
     assert!(told.contains("times Figure 7's"), "{told}");
-    folder.run("image teapot --on ipsc2 --mode shared-memory --machine my.ron --nodes 1 --size 16x16 --stats one.json").success();
+    folder
+        .run("image teapot --on ipsc2 --mode shared-memory --machine my.ron --nodes 1 --size 16x16 --stats one.json")
+        .success();
     let stats: Value = serde_json::from_str(&folder.read("one.json")).unwrap();
     assert!((stats["one_node_seconds"].as_f64().unwrap() / 10.0 - 1.0).abs() < 1e-3, "{}", stats["one_node_seconds"]);
     folder.run("calibrate teapot --on ipsc2 --size 16x16 --seconds 0.001").refused();

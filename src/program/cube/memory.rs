@@ -10,7 +10,8 @@ use super::lru::Lru;
 use super::messages::{MessageKind, PACKET_PIXELS, PAGE_HEAD_BYTES, TOKEN_BYTES, packet_bytes};
 use super::regions::{NodeSeen, Seen};
 use super::states::{
-    GRID, IDLE, INTERSECTION, LOOKUP, PIXELS, RECEIVING, SENDING, SERVING, SHADING, SLABS, WAITING, WAITING_PAGE, topology,
+    GRID, IDLE, INTERSECTION, LOOKUP, PIXELS, RECEIVING, SENDING, SERVING, SHADING, SLABS, WAITING, WAITING_PAGE,
+    topology,
 };
 use crate::machine::events::{Act, Cube, Delivery, Message, Sender};
 use crate::machine::{Cycles, Ipsc2};

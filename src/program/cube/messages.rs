@@ -17,12 +17,8 @@ pub enum MessageKind {
 
 impl MessageKind {
     /// All kinds, in the order of reports.
-    pub const ALL: [MessageKind; 4] = [
-        MessageKind::RealObject,
-        MessageKind::VirtualObject,
-        MessageKind::Calculation,
-        MessageKind::Information,
-    ];
+    pub const ALL: [MessageKind; 4] =
+        [MessageKind::RealObject, MessageKind::VirtualObject, MessageKind::Calculation, MessageKind::Information];
 
     /// Its name in reports.
     pub fn name(self) -> &'static str {

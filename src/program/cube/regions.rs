@@ -14,9 +14,7 @@ use super::messages::{
     MessageKind, Messages, PACKET_PIXELS, RAY_BYTES, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES, packet_bytes,
 };
 use super::pool::{Flow, Placing, Slots};
-use super::states::{
-    BLOCKED, GRID, IDLE, INTERSECTION, PIXELS, RECEIVING, SENDING, SHADING, SLABS, WAITING, topology,
-};
+use super::states::{BLOCKED, GRID, IDLE, INTERSECTION, PIXELS, RECEIVING, SENDING, SHADING, SLABS, WAITING, topology};
 use super::stuck::{Stuck, Waiting};
 use super::token::{Account, Token};
 use crate::host::shading::RayKind;
@@ -155,10 +153,10 @@ struct Node {
 
 #[derive(Clone, Copy, Debug)]
 enum Next {
-    /// Looks at what has come, and chooses.
+    /// Looks at what has come.
+    Looks,
+    /// Has seen all that has come, and chooses.
     Chooses,
-    /// Has had nothing to do, and was woken.
-    Rests,
     /// Has worked on a ray.
     Worked(Visit),
     /// Places what follows from a ray.
@@ -199,8 +197,7 @@ impl<'a> RegionNodes<'a> {
             nodes[0].account.token = Some(Token::default());
         }
         let pixels = |node: &Node| NodeSeen { pixels: node.pixels.len(), ..NodeSeen::default() };
-        let seen =
-            Seen { nodes: nodes.iter().map(pixels).collect(), sent: vec![0; count * count], ..Seen::default() };
+        let seen = Seen { nodes: nodes.iter().map(pixels).collect(), sent: vec![0; count * count], ..Seen::default() };
         RegionNodes {
             machine,
             graph,
@@ -255,7 +252,7 @@ impl<'a> RegionNodes<'a> {
         }
         match self.nodes[task].next {
             Next::Chooses => self.choose(task, now),
-            Next::Rests => self.look(task),
+            Next::Looks => self.look(task),
             Next::Worked(visit) => {
                 self.nodes[task].next = Next::Places(Placing { visit, is_new: false, placed: 0 });
                 Act::Done
@@ -322,10 +319,12 @@ impl<'a> RegionNodes<'a> {
 
     /// Looks at what has come, then chooses.
     fn look(&mut self, task: usize) -> Act<Note> {
-        self.nodes[task].next = Next::Chooses;
-        if let Some(act) = self.nodes[task].script.pop_front() {
+        let node = &mut self.nodes[task];
+        if let Some(act) = node.script.pop_front() {
+            node.next = Next::Looks;
             return act;
         }
+        node.next = Next::Chooses;
         Act::Poll
     }
 
@@ -358,7 +357,7 @@ impl<'a> RegionNodes<'a> {
         }
         let node = &mut self.nodes[task];
         node.rests = was_resting.or(Some(now));
-        node.next = Next::Rests;
+        node.next = Next::Looks;
         let is_blocked = node.slots.wants_any();
         self.blocked |= u128::from(is_blocked) << task;
         Act::Receive(Sender::Anyone, if is_blocked { BLOCKED } else { WAITING })
@@ -500,6 +499,7 @@ impl<'a> RegionNodes<'a> {
             if to == task && self.is_the_rest(placing, visit) {
                 // It has its line and its slot in common with the ray that met a blocker.
                 self.nodes[task].own.push(visit);
+                self.note_queue(task);
                 return self.end(task, placing, now);
             }
             if let Some(act) = self.wait_for_slot(task, (to, visit), placing, is_granted) {
@@ -525,13 +525,14 @@ impl<'a> RegionNodes<'a> {
     /// Whether a ray is the rest of a shadow ray behind what it has hit.
     fn is_the_rest(&self, placing: Placing, visit: Visit) -> bool {
         let kind = |ray: u32| self.graph.rays[ray as usize].kind;
-        kind(visit.ray) == RayKind::Shadow && kind(placing.visit.ray) == RayKind::Shadow && visit.ray != placing.visit.ray
+        kind(visit.ray) == RayKind::Shadow
+            && kind(placing.visit.ray) == RayKind::Shadow
+            && visit.ray != placing.visit.ray
     }
 
     /// All that follows from a ray is placed: if it has ended, it makes a result.
     fn end(&mut self, task: usize, placing: Placing, now: Cycles) -> Act<Note> {
         let Visit { ray, leg } = placing.visit;
-        self.nodes[task].next = Next::Chooses;
         if !placing.is_new && leg + 1 == self.graph.legs_end(ray) {
             let tree = self.graph.rays[ray as usize].tree;
             let owner = usize::from(self.owners[tree as usize]);
@@ -633,9 +634,10 @@ impl<'a> RegionNodes<'a> {
         let is_passive = node.begun == node.pixels.len() && !node.slots.wants_any();
         node.account.token.filter(|_| is_passive)?;
         self.nodes[task].next = Next::Passes;
-        // Node 0 has the first token without having been sent it.
+        // Node 0 has the first token without having been sent it. A token that took no time would go round for ever while a ray is
+        // under way.
         let was_sent = task > 0 || self.seen.probes > 0;
-        let time = if was_sent { self.took(MessageKind::Information, TOKEN_BYTES) } else { Cycles(0) };
+        let time = if was_sent { self.took(MessageKind::Information, TOKEN_BYTES).max(Cycles(1)) } else { Cycles(0) };
         Some(Act::Spend(RECEIVING, time))
     }
 
@@ -655,8 +657,8 @@ impl<'a> RegionNodes<'a> {
         }
         let token = if task == 0 { Some(account.begin()) } else { account.pass() };
         self.seen.probes += u64::from(task == 0);
-        self.nodes[task].next = Next::Chooses;
         let Some(token) = token else { return self.look(task) };
+        self.nodes[task].next = Next::Looks;
         let place = self.ring.iter().position(|&node| usize::from(node) == task).unwrap_or(0);
         let to = usize::from(self.ring[(place + 1) % self.ring.len()]);
         self.send(task, to, (MessageKind::Information, TOKEN_BYTES), Note::Token(token))
@@ -712,7 +714,7 @@ pub fn highest_rank(graph: &TaskGraph) -> u32 {
 impl Node {
     fn new(slots: Slots) -> Node {
         Node {
-            next: Next::Chooses,
+            next: Next::Looks,
             script: VecDeque::new(),
             own: Vec::new(),
             received: VecDeque::new(),

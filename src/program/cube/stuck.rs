@@ -53,10 +53,16 @@ impl fmt::Display for Stuck {
         f.write_str("the nodes are stuck: each waits for a slot of the next, which none gives free")?;
         for Waiting { node, ray, kind, tree, to } in &self.circle {
             let (kind, slots) = (kind.name(), self.slots);
-            write!(f, "\n  node {node} waits to send ray {ray} ({kind}, pixel {tree}) to node {to} ({slots} of {slots} slots taken)")?;
+            write!(
+                f,
+                "\n  node {node} waits to send ray {ray} ({kind}, pixel {tree}) to node {to} ({slots} of {slots} slots taken)"
+            )?;
         }
         let enough = self.enough;
-        write!(f, "\nhelp: --flow classes with --queue-rays {enough} or more never gets stuck; with more slots or --pixel-order strided, \
-            block may get through")
+        write!(
+            f,
+            "\nhelp: --flow classes with --queue-rays {enough} or more never gets stuck; with more slots or --pixel-order strided, \
+            block may get through"
+        )
     }
 }

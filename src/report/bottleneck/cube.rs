@@ -22,7 +22,8 @@ pub fn sentence(run: &Measured) -> String {
     let losses = LOSSES.map(|(names, told)| (of(names), told));
     let lost: Cycles = losses.iter().map(|(time, _)| *time).sum();
     // The first of several that are as large.
-    let Some((most, told)) = losses.into_iter().rev().max_by_key(|(time, _)| *time).filter(|(time, _)| time.0 > 0) else {
+    let Some((most, told)) = losses.into_iter().rev().max_by_key(|(time, _)| *time).filter(|(time, _)| time.0 > 0)
+    else {
         return "The nodes compute all of the time.".to_owned();
     };
     let computing = percent(Cycles(whole.0 - lost.0), whole);

@@ -49,7 +49,8 @@ impl FromStr for KnownTime {
     fn from_str(text: &str) -> Result<KnownTime, &'static str> {
         let wrong = "expected a number of nodes and its seconds, as in 64:119";
         let (nodes, seconds) = text.split_once(':').ok_or(wrong)?;
-        let known = KnownTime { nodes: nodes.parse().map_err(|_| wrong)?, seconds: seconds.parse().map_err(|_| wrong)? };
+        let known =
+            KnownTime { nodes: nodes.parse().map_err(|_| wrong)?, seconds: seconds.parse().map_err(|_| wrong)? };
         let is_possible = known.nodes >= 2 && known.seconds.is_finite() && known.seconds > 0.0;
         if is_possible { Ok(known) } else { Err("expected 2 nodes or more, and seconds above 0") }
     }
@@ -109,7 +110,8 @@ impl CubeSpec {
         let begun = machine.clock.seconds(machine.costs.pixel) * scene.graph.trees.len() as f64;
         let shading = ((1.0 - known.geometry / 100.0) * known.one_node - begun) / shaded as f64;
         if !(factor.is_finite() && factor > 0.0 && shading.is_finite() && shading >= 0.0) {
-            let error = InputError::new("no machine takes these times: nothing is left for shading, or there is nothing to do");
+            let error =
+                InputError::new("no machine takes these times: nothing is left for shading, or there is nothing to do");
             return Err(error.help("take a smaller share of geometry, or a scene with hits"));
         }
         let whole = |us: f64| (us / clock).round() * clock;

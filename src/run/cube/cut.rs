@@ -2,9 +2,9 @@
 
 use std::convert::Infallible;
 
+use super::Percent;
 use super::spec::RegionSpec;
 use super::trees::{Traced, Tracing};
-use super::Percent;
 use crate::error::InputError;
 use crate::geometry::{CellPlane, Grid, Regions};
 use crate::host::camera::ImageSize;

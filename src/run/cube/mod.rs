@@ -190,7 +190,16 @@ impl CubeSpec {
         let polygons = workload.polygons();
         let Traced { graph, hits, kinds, .. } = traced;
         let found = keeps_hits.then(|| (hits, polygons.clone()));
-        Ok(CubeScene { name: scene.name, polygons: polygons.len(), graph, cut, pixels, found, kinds, notes: scene.notes })
+        Ok(CubeScene {
+            name: scene.name,
+            polygons: polygons.len(),
+            graph,
+            cut,
+            pixels,
+            found,
+            kinds,
+            notes: scene.notes,
+        })
     }
 
     /// The regions of a scene, or all of it as one.
@@ -228,8 +237,7 @@ impl CubeSpec {
         let (stats, observed, seen) = match &self.regions {
             Some(spec) => {
                 self.check_slots(highest_rank)?;
-                let mut nodes =
-                    RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), spec.rules());
+                let mut nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), spec.rules());
                 let events = watched(nodes.topology(), 0, machine, watching);
                 let run = (RegionNodes::next as fn(&mut _, _, _, _) -> _, RegionNodes::is_over as fn(&_) -> _);
                 let events = drive(&mut nodes, events, run, cancel)?;
@@ -289,16 +297,20 @@ impl CubeSpec {
             "the scene does not fit: node {node} needs {} bytes for it and {queue} for {slots} rays, and has {}",
             part.holds, machine.memory_bytes
         );
-        Err(InputError::new(message).help("take more nodes, a smaller --grid-coefficient, fewer --queue-rays or more --node-kbyte"))
+        Err(InputError::new(message)
+            .help("take more nodes, a smaller --grid-coefficient, fewer --queue-rays or more --node-kbyte"))
     }
 
     /// Fails if there are too few slots for classes.
     fn check_slots(&self, highest_rank: u32) -> Result<(), InputError> {
-        let Some(RegionSpec { flow: FlowKind::Classes, queue_rays: Some(slots), .. }) = self.regions else { return Ok(()) };
+        let Some(RegionSpec { flow: FlowKind::Classes, queue_rays: Some(slots), .. }) = self.regions else {
+            return Ok(());
+        };
         if slots > highest_rank {
             return Ok(());
         }
-        let message = format!("classes need a slot for each rank: {} of them, and a node has {slots}", highest_rank + 1);
+        let message =
+            format!("classes need a slot for each rank: {} of them, and a node has {slots}", highest_rank + 1);
         Err(InputError::new(message).help("ask for more --queue-rays, or for another --flow"))
     }
 

@@ -139,12 +139,15 @@ impl RegionSpec {
 
     fn check(&self) -> Result<(), InputError> {
         if self.flow == FlowKind::Window && self.termination == Termination::Token {
-            let error = InputError::new("a window counts pixels that are done, which --termination token does not tell");
+            let error =
+                InputError::new("a window counts pixels that are done, which --termination token does not tell");
             return Err(error.help("ask for --termination credit, or for another --flow"));
         }
         let Percent(share) = self.sub_sample;
         if !(share > 0.0 && share <= 100.0) {
-            return Err(InputError::new(format!("sub_sample is {share}, it must be more than 0 and up to 100 percent")));
+            return Err(InputError::new(format!(
+                "sub_sample is {share}, it must be more than 0 and up to 100 percent"
+            )));
         }
         if self.queue_rays == Some(0) || self.window == Some(0) || !(1..=128).contains(&self.cell_grid) {
             return Err(InputError::new("queue_rays and window must be 1 or more, and cell_grid from 1 to 128"));
@@ -167,7 +170,9 @@ impl CubeSpec {
         };
         options.machine.change(&mut machine);
         let scene = options.scene.scene.clone().or(base.map(|base| base.scene.clone()));
-        let scene = scene.ok_or_else(|| InputError::new("there is no scene").help("name one: `pcs-sim scenes` lists those built in"))?;
+        let scene = scene.ok_or_else(|| {
+            InputError::new("there is no scene").help("name one: `pcs-sim scenes` lists those built in")
+        })?;
         let of_same_scene = base.filter(|base| base.scene == scene);
         let mode = asked.mode.or(base.map(CubeSpec::mode)).unwrap_or_default();
         let page_bytes = asked.page_bytes.or(base.and_then(|base| base.page_bytes)).unwrap_or(PAGE_BYTES);

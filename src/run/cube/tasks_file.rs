@@ -82,7 +82,10 @@ impl CubeScene {
         })?;
         let Some(uses) = &graph.pages else { return Ok(()) };
         uses.ends.iter().try_for_each(|end| out.write_all(&end.to_le_bytes()))?;
-        uses.uses.iter().flat_map(|&(page, reads)| [page, reads]).try_for_each(|number| out.write_all(&number.to_le_bytes()))
+        uses.uses
+            .iter()
+            .flat_map(|&(page, reads)| [page, reads])
+            .try_for_each(|number| out.write_all(&number.to_le_bytes()))
     }
 
     /// Reads a file of tasks: what is to be done, and the image that it was recorded of. Its pixels are not in it.
@@ -90,13 +93,16 @@ impl CubeScene {
     /// Fails if the file cannot be read, or has no such tasks.
     pub fn read_tasks(path: &Path) -> Result<(CubeSpec, CubeScene), InputError> {
         let bytes = file::read(path, LARGEST)?;
-        let wrong = |what: String| InputError::in_file(path, what).help("record it with `pcs-sim image SCENE --on ipsc2 --tasks FILE`");
+        let wrong = |what: String| {
+            InputError::in_file(path, what).help("record it with `pcs-sim image SCENE --on ipsc2 --tasks FILE`")
+        };
         let mut lines = bytes.splitn(3, |&byte| byte == b'\n');
         let (magic, header, rest) = (lines.next(), lines.next().unwrap_or_default(), lines.next().unwrap_or_default());
         if magic != Some(MAGIC.as_bytes()) {
             return Err(wrong(format!("is no file of tasks: its first line is not `{MAGIC}`")));
         }
-        let header: Header = serde_json::from_slice(header).map_err(|error| wrong(format!("tells nothing of its tasks: {error}")))?;
+        let header: Header =
+            serde_json::from_slice(header).map_err(|error| wrong(format!("tells nothing of its tasks: {error}")))?;
         let expected = header.bytes();
         if rest.len() as u64 != expected {
             return Err(wrong(format!("has {} bytes of tasks, there should be {expected}", rest.len())));

@@ -173,7 +173,9 @@ pub fn tick(
         now: 0,
         nodes,
         links: BTreeMap::new(),
-        left: (0..graph.trees.len()).map(|tree| graph.rays.iter().filter(|ray| ray.tree == tree as u32).count() as u32).collect(),
+        left: (0..graph.trees.len())
+            .map(|tree| graph.rays.iter().filter(|ray| ray.tree == tree as u32).count() as u32)
+            .collect(),
         undone: graph.trees.len(),
         host_left: graph.trees.len() + if rules.ends == Ends::Token { count } else { 0 },
         over: false,
@@ -210,7 +212,10 @@ impl Cube<'_> {
                     return Ok(self.ended());
                 }
             }
-            let is_busy = self.nodes.iter().any(|node| node.busy > 0 || node.letters.iter().any(|letter| letter.arrives > self.now));
+            let is_busy = self
+                .nodes
+                .iter()
+                .any(|node| node.busy > 0 || node.letters.iter().any(|letter| letter.arrives > self.now));
             if !is_busy {
                 return Err(Stopped::Stuck);
             }
@@ -294,7 +299,11 @@ impl Cube<'_> {
     }
 
     fn processor(&self, bytes: u64) -> u64 {
-        if bytes > self.machine.messages.short_bytes { self.machine.messages.long.0 } else { self.machine.messages.short.0 }
+        if bytes > self.machine.messages.short_bytes {
+            self.machine.messages.long.0
+        } else {
+            self.machine.messages.short.0
+        }
     }
 
     /// Puts the work on a message, and its way, on the list.
@@ -309,7 +318,11 @@ impl Cube<'_> {
         if matches!(text, Text::Ray(..) | Text::Result(_)) {
             self.nodes[task].sent += 1;
         }
-        let at = self.nodes[task].todo.iter().take_while(|todo| matches!(todo, Todo::Be("sending", _) | Todo::Send(..))).count();
+        let at = self.nodes[task]
+            .todo
+            .iter()
+            .take_while(|todo| matches!(todo, Todo::Be("sending", _) | Todo::Send(..)))
+            .count();
         self.nodes[task].todo.insert(at, Todo::Be("sending", time));
         self.nodes[task].todo.insert(at + 1, Todo::Send(to, text));
     }
@@ -407,13 +420,22 @@ impl Cube<'_> {
             return self.nodes[task].todo.extend([Todo::Be("receiving", time), Todo::Count(tree)]);
         }
         let can = |(rank, _, to, _): &&(u32, u64, usize, Place)| self.nodes[*to].free > self.r - i64::from(*rank);
-        let best = self.nodes[task].aside.iter().filter(can).max_by_key(|(rank, age, ..)| (*rank, std::cmp::Reverse(*age))).map(|aside| aside.1);
+        let best = self.nodes[task]
+            .aside
+            .iter()
+            .filter(can)
+            .max_by_key(|(rank, age, ..)| (*rank, std::cmp::Reverse(*age)))
+            .map(|aside| aside.1);
         if let Some(age) = best {
             let at = self.nodes[task].aside.iter().position(|aside| aside.1 == age).unwrap();
             let (.., place) = self.nodes[task].aside.remove(at);
             return self.place(task, place);
         }
-        let did = if self.rules.pixels_first { self.begin(task) || self.work(task) } else { self.work(task) || self.begin(task) };
+        let did = if self.rules.pixels_first {
+            self.begin(task) || self.work(task)
+        } else {
+            self.work(task) || self.begin(task)
+        };
         if did {
             return;
         }
@@ -427,7 +449,7 @@ impl Cube<'_> {
             && node.aside.is_empty()
         {
             let is_first = task == 0 && self.out.probes == 0;
-            let time = if is_first { 0 } else { self.took(Text::Token(count, black)) };
+            let time = if is_first { 0 } else { self.took(Text::Token(count, black)).max(1) };
             return self.nodes[task].todo.extend([Todo::Be("receiving", time), Todo::PassToken]);
         }
         let now = self.now;
@@ -513,7 +535,9 @@ impl Cube<'_> {
             let to = self.node_of[self.graph.legs[leg as usize].region as usize] as usize;
             let kind = |ray: u32| self.graph.rays[ray as usize].kind;
             if to == task && ray != place.ray && kind(ray) == RayKind::Shadow && kind(place.ray) == RayKind::Shadow {
-                self.nodes[task].own.push((ray, leg));
+                let node = &mut self.nodes[task];
+                node.own.push((ray, leg));
+                node.longest = node.longest.max(node.own.len() + node.received.len());
                 return self.end(task, place);
             }
             let behind = &self.graph.rays[ray as usize];
@@ -617,7 +641,16 @@ impl Cube<'_> {
         let host = self.machine.nodes;
         let mut out = std::mem::replace(
             &mut self.out,
-            Ticked { cycles: 0, tasks: vec![], links: vec![], messages: [[0; 5]; 4], true_end: 0, told_at: 0, probes: 0, longest_queues: vec![] },
+            Ticked {
+                cycles: 0,
+                tasks: vec![],
+                links: vec![],
+                messages: [[0; 5]; 4],
+                true_end: 0,
+                told_at: 0,
+                probes: 0,
+                longest_queues: vec![],
+            },
         );
         out.cycles = self.now;
         for node in &mut self.nodes[..host] {
@@ -633,7 +666,8 @@ impl Cube<'_> {
         out.tasks = self.nodes.iter().map(|node| node.times.clone()).collect();
         let bits = host.next_power_of_two().ilog2() as usize;
         let between = (0..1usize << bits).flat_map(|node| (0..bits).map(move |bit| (node, node ^ (1 << bit))));
-        out.links = between.chain([(host, 0), (0, host)]).map(|link| self.links.get(&link).map_or(0, |link| link.1)).collect();
+        out.links =
+            between.chain([(host, 0), (0, host)]).map(|link| self.links.get(&link).map_or(0, |link| link.1)).collect();
         out
     }
 }
