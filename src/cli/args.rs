@@ -237,7 +237,7 @@ pub struct ReplayArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Views of the run over time")]
 pub struct ViewArgs {
-    /// Draw the run as SVG and PNG: FIFO levels and histograms, cell states, rays done, latencies.
+    /// Draw the run as SVG and PNG: FIFO levels and histograms, cell states, rays on their way and done, latencies.
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     /// Write a page (HTML) to look at the run in a browser: the array, and charts to zoom into.
@@ -246,9 +246,9 @@ pub struct ViewArgs {
     /// Write the run cycle by cycle for a viewer: .pftrace for Perfetto, .vcd or .fst for GTKWave and Surfer.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// The cycles to trace, from A to before B; either may be left out [default: from 0 on, as many as viewers open with
-    /// ease].
-    #[arg(long, value_name = "A..B", requires = "trace", value_parser = window)]
+    /// The cycles to trace, and those that a page and plots show one by one, from A to before B; either may be left out
+    /// [default: from 0 on, as many as viewers open with ease].
+    #[arg(long, value_name = "A..B", value_parser = window)]
     pub trace_window: Option<Range<Cycles>>,
     /// Tell why the run took as long: its critical path, and what faster parts would save. In --stats, --plot and --page too.
     #[arg(long)]

@@ -7,6 +7,7 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::image;
+use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
@@ -130,7 +131,7 @@ fn render(
     let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
         rules: image.rules(setup.spec.order),
-        watching: files.views.watching(),
+        watching: files.views.watching(Shape::Line),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
     let form = args.tracing.ops_form.into();

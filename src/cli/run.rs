@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::host::image;
-use pcs_sim::measure::{Actor, Clock, Measured, Observed, When};
+use pcs_sim::measure::{Actor, Clock, Measured, Observed, Shape, When};
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
@@ -106,7 +106,7 @@ fn simulate(
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
-    let watched = (spec, &Watching { moment, ..views.watching() });
+    let watched = (spec, &Watching { moment, ..views.watching(Shape::Line) });
     let mut shuffled = Shuffled::new(cells);
     let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
         shuffled.take(&batch.ops);

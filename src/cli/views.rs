@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::machine::Observed;
-use pcs_sim::measure::{Clock, Measured};
+use pcs_sim::measure::{Clock, Measured, Shape};
 use pcs_sim::quantities::Cycles;
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::page::{self, Page};
@@ -49,6 +49,10 @@ pub struct Seen<'a> {
 impl Views {
     /// Opens the files, and makes the folder.
     pub fn open(args: &ViewArgs, force: bool) -> Result<Views, InputError> {
+        if args.trace_window.is_some() && args.trace.is_none() && args.page.is_none() && args.plot.is_none() {
+            let error = InputError::new("--trace-window is about --trace, --page and --plot, and none of them is given");
+            return Err(error.help("name a file for one: --page run.html"));
+        }
         let trace = |path: &PathBuf| {
             let format = Format::of(path)?;
             Ok((outputs::create(path, force)?, format))
@@ -68,10 +72,11 @@ impl Views {
         Views { plot: None, page: None, trace: None, why: false, window: Cycles(0)..Cycles(0), force: false }
     }
 
-    /// What the views need to see of a machine.
-    pub fn watching(&self) -> Watching {
+    /// What the views need to see of a machine. Pages and plots show the cells of a line cycle by cycle.
+    pub fn watching(&self, shape: Shape) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
-        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: self.why, moment: None }
+        let recorded = self.trace.is_some() || (profile && shape == Shape::Line);
+        Watching { profile, recording: recorded.then(|| self.window.clone()), path: self.why, moment: None }
     }
 
     /// Whether a view shows the traced picture.
@@ -82,11 +87,12 @@ impl Views {
     /// Writes the views of a run.
     pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
         let &Seen { caption, clock, stats, losses, cell_names, configuration, image, .. } = run;
-        let path = run.observed.path.as_ref();
+        let (path, recording) = (run.observed.path.as_ref(), run.observed.recording.as_ref());
         if let Some(profile) = &run.observed.profile {
-            let page = Page { caption, clock, stats, losses, profile, path, cell_names, configuration, image };
+            let page = Page { caption, clock, stats, losses, profile, recording, path, cell_names, configuration, image };
+            let drawn = plot::Run { caption, clock, profile, recording, path, cell_names };
             let (pictures, html) = rayon::join(
-                || self.plot.as_ref().map(|_| plot::pictures(profile, path, clock, caption, cell_names)).transpose(),
+                || self.plot.as_ref().map(|_| plot::pictures(&drawn)).transpose(),
                 || self.page.as_ref().map(|_| page::html(&page)).transpose(),
             );
             let pictures = pictures.map_err(|error| Failure::Output(error.to_string()))?;

@@ -4,12 +4,12 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::Axes;
-use super::scale::Scale;
 use super::series::{Curves, Line, Spot};
 use crate::report::palette;
 use crate::report::plot::Caption;
 use crate::report::plot::chart::{self, font, rgb};
 use crate::report::plot::render::{Drawn, Figure};
+use crate::report::plot::scale::Scale;
 use crate::report::table::Column;
 
 /// Height of the figure, in panels of the others.

@@ -1,7 +1,6 @@
 //! Any column of a table over any other, as lines with markers.
 
 mod draw;
-mod scale;
 mod series;
 
 use super::render::{self, PlotError, Rendered};

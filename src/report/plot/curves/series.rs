@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::Axes;
 use crate::report::palette;
+use crate::report::plot::scale::Positions;
 use crate::report::table::Table;
 
 /// More lines cannot be told apart: every colour with every marker.
@@ -20,15 +21,6 @@ pub struct Curves {
     pub left_out: usize,
     /// Whether some point stands for rows that differ.
     pub has_spread: bool,
-}
-
-/// What stands along the horizontal axis.
-#[derive(Debug)]
-pub enum Positions {
-    /// Numbers, rising.
-    Numbers(Vec<f64>),
-    /// Words, at 0, 1, 2, ...
-    Words(Vec<String>),
 }
 
 /// A line.

@@ -1,17 +1,25 @@
-//! An axis of a plot of a table: linear, logarithmic, or words side by side.
+//! An axis: linear, logarithmic, or words side by side.
 
 use std::ops::Range;
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 
-use super::series::Positions;
-use crate::report::plot::chart;
+use super::chart;
 
 /// Ticks that an axis has room for.
 const MOST_TICKS: usize = 14;
 
 /// Ticks that are no more than this share of the axis apart would run into each other.
 const CLOSEST_TICKS: f64 = 0.03;
+
+/// What stands along an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Positions {
+    /// Numbers, rising.
+    Numbers(Vec<f64>),
+    /// Words, at 0, 1, 2, ...
+    Words(Vec<String>),
+}
 
 /// A scale, its ticks and what they are called.
 #[derive(Clone, Debug)]
@@ -63,7 +71,8 @@ impl Scale {
         }
     }
 
-    fn linear(low: f64, high: f64) -> Scale {
+    /// Evenly from one number to another.
+    pub fn linear(low: f64, high: f64) -> Scale {
         let rough = (high - low) / 8.0;
         let power = 10f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|step| *step >= rough);
@@ -72,7 +81,12 @@ impl Scale {
         Scale { low, high, is_log: false, ticks: ticks.map(|tick| tick as f64 * step).collect(), words: Vec::new() }
     }
 
-    fn logarithmic(low: f64, high: f64) -> Scale {
+    /// By powers from one number above 0 to another.
+    pub fn logarithmic(low: f64, high: f64) -> Scale {
+        // So near each other there are hardly any powers.
+        if high / low < 4.0 {
+            return Scale { is_log: true, ..Scale::linear(low, high) };
+        }
         let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
         let digits: &[f64] = if high / low > 1e4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let all = powers.flat_map(|power| digits.iter().map(move |digit| digit * 10f64.powi(power)));
@@ -100,7 +114,7 @@ impl Scale {
         if self.is_log { value * (self.high / self.low).powf(share) } else { value + share * (self.high - self.low) }
     }
 
-    /// What a tick is called.
+    /// What a number along it is called.
     pub fn name_of(&self, tick: f64) -> String {
         match self.words.get(tick.round().max(0.0) as usize) {
             Some(word) => word.clone(),
