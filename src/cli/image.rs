@@ -10,7 +10,6 @@ use pcs_sim::host::image;
 use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
-use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{
@@ -187,7 +186,7 @@ fn write_outputs(
                 .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
         }
         let seen = views::Seen {
-            caption: &Caption { title: account::image_title(setup, rendered), machine: account::machine_line(spec) },
+            caption: &account::caption(account::image_title(setup, rendered), setup),
             clock: spec.clock(),
             stats: &timing.stats,
             losses,

@@ -4,7 +4,6 @@ use std::io::Write;
 
 use pcs_sim::cancel::Cancel;
 use pcs_sim::measure::Shape;
-use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{account, bottleneck};
 use pcs_sim::run::{self, Replay, ReplaySpec, Watching, moot};
@@ -47,10 +46,7 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
         file.write_all(account::replay_stats_json(&replay, (&result, observed.path.as_ref()), losses)?.as_bytes())
     })?;
     let seen = Seen {
-        caption: &Caption {
-            title: account::replay_title(&replay),
-            machine: account::machine_line(&replay.machine.spec),
-        },
+        caption: &account::replay_caption(&replay),
         clock,
         stats: &result,
         losses,

@@ -16,11 +16,13 @@ use pcs_sim::report::trace::{Format, Trace};
 use pcs_sim::run::{OutputFile, OutputFolder, Watching};
 
 use super::args::ViewArgs;
+use super::plot::Files;
 use super::{Failure, outputs};
 
 /// The views that are asked for, their places found fit before the run.
 pub struct Views {
     plot: Option<OutputFolder>,
+    formats: Vec<plot::Format>,
     page: Option<OutputFile>,
     trace: Option<(OutputFile, Format)>,
     window: Range<Cycles>,
@@ -59,6 +61,7 @@ impl Views {
         };
         Ok(Views {
             plot: args.plot.as_ref().map(|folder| prepare_folder(folder, force)).transpose()?,
+            formats: args.formats.plot_format.clone(),
             page: outputs::open(args.page.as_deref(), force)?,
             trace: args.trace.as_ref().map(trace).transpose()?,
             window: args.trace_window.clone().unwrap_or(Cycles(0)..Cycles(u64::MAX)),
@@ -69,7 +72,7 @@ impl Views {
 
     /// No views.
     pub fn none() -> Views {
-        Views { plot: None, page: None, trace: None, why: false, window: Cycles(0)..Cycles(0), force: false }
+        Views { plot: None, formats: Vec::new(), page: None, trace: None, why: false, window: Cycles(0)..Cycles(0), force: false }
     }
 
     /// What the views need to see of a machine. Pages and plots show the cells of a line cycle by cycle.
@@ -97,7 +100,7 @@ impl Views {
             );
             let pictures = pictures.map_err(|error| Failure::Output(error.to_string()))?;
             if let (Some(folder), Some(pictures)) = (&self.plot, pictures) {
-                write_plots(folder.path(), self.force, pictures, written)?;
+                write_plots(folder.path(), (&self.formats, self.force), pictures, written)?;
             }
             let html = html.map_err(|error| Failure::Output(error.to_string()))?;
             outputs::finish(self.page, written, |file| file.write_all(html.unwrap_or_default().as_bytes()))?;
@@ -129,16 +132,12 @@ fn prepare_folder(folder: &Path, force: bool) -> Result<OutputFolder, InputError
 
 fn write_plots(
     folder: &Path,
-    force: bool,
+    (formats, force): (&[plot::Format], bool),
     pictures: Vec<plot::Picture>,
     written: &mut Vec<PathBuf>,
 ) -> Result<(), Failure> {
     for picture in pictures {
-        for (ending, bytes) in [("svg", picture.rendered.svg.as_bytes()), ("png", &picture.rendered.png)] {
-            let path = folder.join(format!("{}.{ending}", picture.name));
-            let file = outputs::create(&path, force)?;
-            outputs::finish(Some(file), written, |file| file.write_all(bytes))?;
-        }
+        Files::open(&folder.join(&picture.name), formats, force)?.write(&picture.rendered, written)?;
     }
     Ok(())
 }

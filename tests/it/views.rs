@@ -17,7 +17,7 @@ fn plots_are_pictures_in_both_formats() {
     for name in ["fifos", "fifo-histograms", "cells", "space-time", "rays", "latency"] {
         assert!(stdout.contains(&format!("wrote plots/{name}.svg\nwrote plots/{name}.png\n")), "{stdout}");
         let svg = folder.read(&format!("plots/{name}.svg"));
-        assert!(svg.contains("hybrid on 4 cells in 2 groups of 2: scene room"), "{name} tells what ran");
+        assert!(svg.contains("hybrid on 4 cells in 2 groups of 2: scene room (45 polygons), 120 rays, partition regular"), "{name} tells what ran");
         assert!(svg.contains("@font-face"), "{name} brings its font");
         assert!(!svg.contains("href"), "{name} asks for nothing");
         let file = std::io::BufReader::new(std::fs::File::open(folder.path(&format!("plots/{name}.png"))).unwrap());
@@ -251,7 +251,7 @@ fn a_run_of_no_cycles_can_be_drawn() {
         let spec = MachineSpec::default();
         let (_, observed) =
             Array::new(&spec, &crate::support::random_ops::costs(), cells).probed().recorded(ALL, 9).finish_observed().unwrap();
-        let caption = Caption { title: "nothing".to_owned(), machine: "none".to_owned() };
+        let caption = Caption { title: "nothing".to_owned(), partition: None, machine: "none".to_owned() };
         let profile = &observed.profile.unwrap();
         let recording = observed.recording.as_ref();
         let run = Run { caption: &caption, clock: spec.clock(), profile, recording, path: None, cell_names: &[] };

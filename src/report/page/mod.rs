@@ -78,7 +78,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     let scripts = scripts.map_err(|error| PageError(error.to_string()))?;
     let template = environment.get_template("page.html").map_err(|error| PageError(error.to_string()))?;
     let rendered = template.render(context! {
-        title => page.caption.title.as_str(),
+        title => page.caption.what_ran(),
         machine => page.caption.machine.as_str(),
         speed => summary::speed(page.stats, page.clock),
         bottleneck => bottleneck::sentence(page.stats),

@@ -5,6 +5,7 @@ mod chart;
 pub mod curves;
 mod fifos;
 mod many;
+mod pdf;
 mod rays;
 mod render;
 mod scale;
@@ -14,15 +15,25 @@ use rayon::prelude::*;
 
 use crate::measure::{Clock, CriticalPath, FifoInfo, FifoProfile, Profile, Recording, Shape};
 
-pub use render::{PlotError, Rendered};
+pub use render::{Format, PlotError, Rendered};
 
 /// What ran, in words, above every picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Caption {
     /// Program, array, scene and rays.
     pub title: String,
+    /// How the scene is cut, if it is.
+    pub partition: Option<String>,
     /// The machine.
     pub machine: String,
+}
+
+impl Caption {
+    /// All that ran, in a line.
+    pub fn what_ran(&self) -> String {
+        let cut = self.partition.iter().map(|partition| format!(", partition {partition}"));
+        [self.title.clone()].into_iter().chain(cut).collect()
+    }
 }
 
 /// A run as pictures show it.

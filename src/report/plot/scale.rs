@@ -21,6 +21,20 @@ pub enum Positions {
     Words(Vec<String>),
 }
 
+/// How the numbers along an axis are spread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spread {
+    /// As the numbers are themselves.
+    OfItself,
+    /// Evenly.
+    Even,
+    /// By powers.
+    Logarithmic,
+}
+
+/// Why a number has no place on a logarithmic axis.
+const NOT_ABOVE_0: &str = "a logarithmic axis has numbers above 0, and there are others: leave out log=";
+
 /// A scale, its ticks and what they are called.
 #[derive(Clone, Debug)]
 pub struct Scale {
@@ -32,9 +46,10 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The scale of what stands along x. It is logarithmic where the numbers are spread like that, with a tick at each.
-    pub fn of_positions(positions: &Positions) -> Scale {
-        match positions {
+    /// The scale of what stands along x. It is logarithmic where the numbers are spread like that, with a tick at each. Fails
+    /// if it has to be and cannot.
+    pub fn of_positions(positions: &Positions, spread: Spread) -> Result<Scale, String> {
+        Ok(match positions {
             Positions::Words(words) => {
                 let last = words.len() as f64 - 1.0;
                 let ticks = (0..words.len()).map(|word| word as f64).collect();
@@ -42,8 +57,11 @@ impl Scale {
             }
             Positions::Numbers(numbers) => {
                 let (first, last) = (numbers[0], numbers[numbers.len() - 1]);
-                if is_geometric(numbers) {
-                    let air = (last / first).powf(0.03);
+                if spread == Spread::Logarithmic && first <= 0.0 {
+                    return Err(NOT_ABOVE_0.to_owned());
+                }
+                if spread == Spread::Logarithmic || (spread == Spread::OfItself && is_geometric(numbers)) {
+                    let air = (last / first).powf(0.03).max(1.01);
                     let scale = Scale::logarithmic(first / air, last * air);
                     let apart =
                         numbers.windows(2).all(|pair| scale.share(pair[1]) - scale.share(pair[0]) > CLOSEST_TICKS);
@@ -54,21 +72,27 @@ impl Scale {
                     Scale::linear(first - air, last + air)
                 }
             }
-        }
+        })
     }
 
     /// The scale of values from 0 up, or down; those above 0 may span several powers of ten.
-    pub fn of_values(values: impl Iterator<Item = f64> + Clone) -> Scale {
+    ///
+    /// Fails if it has to be logarithmic and cannot.
+    pub fn of_values(values: impl Iterator<Item = f64> + Clone, spread: Spread) -> Result<Scale, String> {
         let low = values.clone().fold(f64::INFINITY, f64::min);
         let high = values.fold(f64::NEG_INFINITY, f64::max);
-        if low > 0.0 && high / low > 50.0 {
-            let air = (high / low).powf(0.05);
+        if spread == Spread::Logarithmic && low <= 0.0 {
+            return Err(NOT_ABOVE_0.to_owned());
+        }
+        let is_wide = low > 0.0 && high / low > 50.0;
+        Ok(if spread == Spread::Logarithmic || (spread == Spread::OfItself && is_wide) {
+            let air = (high / low).powf(0.05).max(1.1);
             Scale::logarithmic(low / air, high * air)
         } else {
             let beyond = |end: f64| if end == 0.0 { 0.0 } else { 1.08 * end };
             let (low, high) = (beyond(low.min(0.0)), beyond(high.max(0.0)));
             Scale::linear(low, if high > low { high } else { 1.0 })
-        }
+        })
     }
 
     /// Evenly from one number to another.
@@ -187,17 +211,17 @@ mod tests {
 
     #[test]
     fn ticks_lie_on_the_axis() {
-        let scale = Scale::of_positions(&Positions::Numbers(vec![16.0, 64.0, 256.0]));
+        let scale = Scale::of_positions(&Positions::Numbers(vec![16.0, 64.0, 256.0]), Spread::OfItself).unwrap();
         assert_eq!(scale.ticks, [16.0, 64.0, 256.0]);
         assert_eq!(scale.map(&64.0, (0, 100)), 50);
-        let crowded = Scale::of_positions(&Positions::Numbers(vec![1.0, 40.0, 41.0, 1000.0]));
+        let crowded = Scale::of_positions(&Positions::Numbers(vec![1.0, 40.0, 41.0, 1000.0]), Spread::OfItself).unwrap();
         assert_eq!(crowded.ticks, [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]);
-        let scale = Scale::of_values([3.0, 950.0].into_iter());
+        let scale = Scale::of_values([3.0, 950.0].into_iter(), Spread::OfItself).unwrap();
         assert!(scale.is_log);
         assert_eq!(scale.ticks, [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]);
-        let scale = Scale::of_values([700.0, 1234.0].into_iter());
+        let scale = Scale::of_values([700.0, 1234.0].into_iter(), Spread::OfItself).unwrap();
         assert_eq!(scale.ticks, [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0, 1200.0]);
-        let single = Scale::of_positions(&Positions::Numbers(vec![7.0]));
+        let single = Scale::of_positions(&Positions::Numbers(vec![7.0]), Spread::OfItself).unwrap();
         assert!(single.ticks.contains(&7.0), "{single:?}");
     }
 
