@@ -102,7 +102,8 @@ function addChart(title, station, data, series, options, describe) {
       }],
       setCursor: [(chart) => {
         const bin = binAt(chart), text = bin === null ? null : describe(bin, chart);
-        values.textContent = text === null ? "" : `${+times[bin].toPrecision(6)} ${run.unit}: ${text}`;
+        const time = bin === null ? "" : `${+times[bin].toPrecision(6)} ${run.unit}`;
+        values.textContent = text ? `${time}: ${text}` : text === null ? "" : time;
         if (pointed === chart) tell(bin === null ? undefined : stationAt(chart), cycleAt(chart));
       }],
       draw: options.draw ? [options.draw] : [],

@@ -28,7 +28,7 @@ function addRows(title, { rows, pixels, draw, range, name, station, into, descri
 // Rows lower than this are of one colour at a time: of what takes most of it.
 const LOWEST_BARS = 8;
 
-// `paint(row, from, until)` gives what is in some bins of a row: [share of the height, colour], from the ground up; the colours
+// `thin` says what these colours tell. `paint(row, from, until)` gives what is in some bins of a row: [share of the height, colour], from the ground up; the colours
 // are the legend's, and none is mixed.
 function addOverview(title, rows, paint, options) {
   const pixels = rows * LOWEST_BARS <= 420 ? Math.min(14, Math.floor(420 / rows)) : Math.max(1, Math.min(LOWEST_BARS - 1, Math.floor(768 / rows)));
@@ -85,7 +85,7 @@ function addOverview(title, rows, paint, options) {
     ctx.drawImage(picture, bbox.left - from * scale, bbox.top, picture.width * step * scale, bbox.height);
     ctx.restore();
   };
-  addRows(title + (isThin ? ", each in the colour of what takes most of the time" : ""), { rows, pixels, draw, ...options });
+  addRows(title + (isThin ? `, ${options.thin}` : ""), { rows, pixels, draw, ...options });
 }
 
 // The mean of some bins.
@@ -101,6 +101,7 @@ const statesOf = (shares, from, until, colors) => shares.map((share, at) => [mea
 function addPath() {
   const where = (row) => row < count ? `cell ${row}` : "the host";
   addOverview("where the critical path is, and why", count + 1, (row, from, until) => statesOf(path[row](), from, until, stateColors()), {
+    thin: "each in the colour of what takes most of it",
     name: (row) => row < count ? `${row}` : "host",
     station: (row) => row < count ? row : null,
     describe: (row, bin) => `${where(row)}: ${describePath(row, bin) ?? "not on the critical path"}`,
@@ -113,6 +114,7 @@ const shadeOf = (at) => mixed(ground("ground"), seen(run.colors.amount), at / 4)
 
 function addOverviews() {
   addOverview("all {{ station }}s: a click on one shows or hides its charts", count, (row, from, until) => statesOf(run.cells[row].shares(), from, until, stateColors()), {
+    thin: "each in the colour of what takes most of the time",
     name: (row) => `${row}`,
     station: (row) => row,
     describe: (row, bin) => `{% if is_line %}cell ${row}{% else %}${run.cells[row].name}{% endif %}: ${describeCell(run.cells[row], bin)}`,
@@ -129,6 +131,7 @@ function addOverviews() {
       if (isFull) return [[Math.min(held, 0.8), amount], [0.8 - Math.min(held, 0.8), range], [0.2, full]];
       return [[held, amount], [Math.max(most / deepest - held, 0), range]];
     }, {
+      thin: "each in the colour of its mean, or of one that was full",
       name: (row) => first + row < count ? `${first + row}` : "host",
       station: (row) => first + row < count ? first + row : null,
       describe: (row, bin) => `${fifos[row].name}: ${describeFifo(fifos[row], bin)}`,

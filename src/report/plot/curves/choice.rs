@@ -27,7 +27,7 @@ pub struct Look {
     pub cm: Option<(f64, f64)>,
 }
 
-/// The axes that are logarithmic.
+/// The axes that are logarithmic; if neither is, both are even.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Log {
     /// From left to right.
@@ -122,10 +122,14 @@ impl Log {
 }
 
 impl Look {
-    /// How numbers are spread along x, and along y.
+    /// How numbers are spread along x, and along y: what is not named is left to them.
     pub fn spreads(&self) -> [Spread; 2] {
-        let spread = |is_log: bool| if is_log { Spread::Logarithmic } else { Spread::Even };
-        self.log.map_or([Spread::OfItself; 2], |log| [spread(log.x), spread(log.y)])
+        let spread = |is_log: bool| if is_log { Spread::Logarithmic } else { Spread::OfItself };
+        match self.log {
+            None => [Spread::OfItself; 2],
+            Some(Log { x: false, y: false }) => [Spread::Even; 2],
+            Some(log) => [spread(log.x), spread(log.y)],
+        }
     }
 }
 

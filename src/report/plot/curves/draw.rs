@@ -28,6 +28,8 @@ const CAPTION_LETTERS: usize = 160;
 const LEGEND_LETTERS: usize = 30;
 const AXIS_LETTERS: usize = 120;
 const WHAT_LETTERS: usize = 110;
+/// Width of a letter of an axis's name.
+const LETTER: u32 = 7;
 /// Room below the panels for what the axis is called, and below each for its numbers.
 const FOOT: u32 = 26;
 const TICKS: u32 = 26;
@@ -62,19 +64,19 @@ impl<'a> Chart<'a> {
             Some(FIRST) => ", relative to the first point of each line".to_owned(),
             Some(line) => format!(", relative to {line}"),
         };
+        let y_name = columns[axes.y].label;
+        let y_name = if relative.is_empty() { y_name.to_owned() } else { format!("{}, relative", without_unit(y_name)) };
         let label = |name: &str, scale: &Scale| {
             let logarithmic = if scale.is_log() { ", logarithmic" } else { "" };
             format!("{name}{logarithmic}")
         };
-        let y_name = columns[axes.y].label;
-        let y_name = if relative.is_empty() { y_name } else { without_unit(y_name) };
-        let labels = [label(columns[axes.x].label, &x), label(&format!("{y_name}{relative}"), &y)];
+        let labels = [label(columns[axes.x].label, &x), label(&y_name, &y)];
         let [by, facet] = [curves.by, axes.facet].map(|column| column.map(|column| columns[column].label));
         let of = |word: &str, label: Option<&str>| {
             label.map(|label| format!(", {word} {}", without_unit(label))).unwrap_or_default()
         };
         let mut what = format!(
-            "{} over {}{}{}",
+            "{} over {}{}{}{relative}",
             without_unit(columns[axes.y].label),
             without_unit(columns[axes.x].label),
             of("by", by),
@@ -154,7 +156,8 @@ impl Chart<'_> {
         let y_name = |tick: &f64| self.y.name_of(*tick);
         mesh.x_label_formatter(&x_name).y_label_formatter(&y_name).max_light_lines(1);
         mesh.label_style(font(13)).axis_desc_style(font(14));
-        mesh.y_desc(&self.labels[1]).draw()?;
+        let along = (area.dim_in_pixel().1.saturating_sub(TICKS) / LETTER) as usize;
+        mesh.y_desc(cut(&self.labels[1], along.max(8))).draw()?;
         for (index, spots) in panel.lines.iter().enumerate() {
             // Words have nothing between them that a line could lead through.
             let place = if self.x.has_words() { self.places()[index] } else { 0.0 };
