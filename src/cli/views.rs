@@ -52,7 +52,8 @@ impl Views {
     /// Opens the files, and makes the folder.
     pub fn open(args: &ViewArgs, force: bool) -> Result<Views, InputError> {
         if args.trace_window.is_some() && args.trace.is_none() && args.page.is_none() && args.plot.is_none() {
-            let error = InputError::new("--trace-window is about --trace, --page and --plot, and none of them is given");
+            let error =
+                InputError::new("--trace-window is about --trace, --page and --plot, and none of them is given");
             return Err(error.help("name a file for one: --page run.html"));
         }
         let trace = |path: &PathBuf| {
@@ -72,7 +73,15 @@ impl Views {
 
     /// No views.
     pub fn none() -> Views {
-        Views { plot: None, formats: Vec::new(), page: None, trace: None, why: false, window: Cycles(0)..Cycles(0), force: false }
+        Views {
+            plot: None,
+            formats: Vec::new(),
+            page: None,
+            trace: None,
+            why: false,
+            window: Cycles(0)..Cycles(0),
+            force: false,
+        }
     }
 
     /// What the views need to see of a machine. Pages and plots show the cells of a line cycle by cycle.
@@ -92,7 +101,8 @@ impl Views {
         let &Seen { caption, clock, stats, losses, cell_names, configuration, image, .. } = run;
         let (path, recording) = (run.observed.path.as_ref(), run.observed.recording.as_ref());
         if let Some(profile) = &run.observed.profile {
-            let page = Page { caption, clock, stats, losses, profile, recording, path, cell_names, configuration, image };
+            let page =
+                Page { caption, clock, stats, losses, profile, recording, path, cell_names, configuration, image };
             let drawn = plot::Run { caption, clock, profile, recording, path, cell_names };
             let (pictures, html) = rayon::join(
                 || self.plot.as_ref().map(|_| plot::pictures(&drawn)).transpose(),

@@ -13,16 +13,21 @@ const MOST_VALUES: usize = 4;
 /// All parameters in the rows of a table with their values, those that all rows share first: `9 points: scene room; cells 8`.
 /// The number of cells is told in any case.
 pub fn what_ran(table: &Table<'_>) -> String {
-    let mut told: Vec<(&str, Vec<&str>)> = table.columns.iter().enumerate().filter_map(|(index, column)| {
-        let name = called(table.columns, column.name)?;
-        let mut values: Vec<&str> = Vec::new();
-        table.column(index).filter(|value| !value.is_empty()).for_each(|value| {
-            if !values.contains(&value) {
-                values.push(value);
-            }
-        });
-        (!values.is_empty()).then_some((name, values))
-    }).collect();
+    let mut told: Vec<(&str, Vec<&str>)> = table
+        .columns
+        .iter()
+        .enumerate()
+        .filter_map(|(index, column)| {
+            let name = called(table.columns, column.name)?;
+            let mut values: Vec<&str> = Vec::new();
+            table.column(index).filter(|value| !value.is_empty()).for_each(|value| {
+                if !values.contains(&value) {
+                    values.push(value);
+                }
+            });
+            (!values.is_empty()).then_some((name, values))
+        })
+        .collect();
     told.sort_by_key(|(_, values)| values.len() > 1);
     let told: Vec<String> = told.iter().map(|(name, values)| format!("{name} {}", listed(values))).collect();
     let points = plural(table.rows.len(), "point");

@@ -65,7 +65,11 @@ fn no_point_is_an_average_over_what_is_not_shown() {
     // The scene alone tells the rows apart: it has lines.
     folder.run("plot t.csv x=cells y=speed_up -o scenes").success();
     let svg = folder.read("scenes.svg");
-    assert!(["Times as fast as one worker over cells, by scene", "room", "lake"].iter().all(|text| texts(&svg).contains(text)));
+    assert!(
+        ["Times as fast as one worker over cells, by scene", "room", "lake"]
+            .iter()
+            .all(|text| texts(&svg).contains(text))
+    );
     folder.run("plot t.csv x=cells y=speed_up by=mode facet=scene -o panels").success();
     let panels = folder.read("panels.svg");
     assert!(["scene room", "scene lake", "broadcast"].iter().all(|text| texts(&panels).contains(text)), "{panels}");
@@ -90,7 +94,10 @@ fn sizes_are_in_cm_and_pictures_can_be_pages() {
 #[test]
 fn parquet_is_read_and_all_doors_speak_with_one_voice() {
     let folder = Folder::new();
-    folder.file("sweep.ron", r#"(scene: "room", size: 8, mode: "broadcast", cells: [1, 2], partition: ["regular", "work"])"#);
+    folder.file(
+        "sweep.ron",
+        r#"(scene: "room", size: 8, mode: "broadcast", cells: [1, 2], partition: ["regular", "work"])"#,
+    );
     folder.run("sweep sweep.ron -o t.csv --plot x=cells y=rays_per_second by=partition log=y").success();
     let words = "x=cells y=rays_per_second by=partition log=y";
     folder.run(&format!("plot t.csv {words} -o csv")).success();

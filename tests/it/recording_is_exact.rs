@@ -6,7 +6,9 @@ use crate::support::random_ops::{batches_of, case, costs};
 use crate::support::ticking::{self, History, Ticked};
 use pcs_sim::machine::line::{IDLE, MOVING, waiting};
 use pcs_sim::machine::{Array, Cycles, MachineSpec, Unfinished, Words};
-use pcs_sim::measure::{Actor, FifoInfo, JobSpan, Measured, Moment, Recording, StateId, StationMoment, StationRecord, Stretch};
+use pcs_sim::measure::{
+    Actor, FifoInfo, JobSpan, Measured, Moment, Recording, StateId, StationMoment, StationRecord, Stretch,
+};
 use pcs_sim::seam::{Channel, Costs, OpBatch, OpKind, OpStream};
 use proptest::prelude::*;
 

@@ -17,13 +17,17 @@ const BY_MODE: &str = "t-rays_per_second-over-fifo_words-by-mode-link_mb_s-80";
 fn columns_are_plotted_over_each_other() {
     let folder = Folder::new();
     folder.file("sweep.ron", SWEEP);
-    let plots = "--plot x=fifo_words y=rays_per_second by=mode link_mb_s=80 --plot x=mode y=cycles fifo_words=4 link_mb_s=80";
+    let plots =
+        "--plot x=fifo_words y=rays_per_second by=mode link_mb_s=80 --plot x=mode y=cycles fifo_words=4 link_mb_s=80";
     let stdout = folder.run(&format!("sweep sweep.ron -o t.csv {plots}")).success();
     for name in [BY_MODE, "t-cycles-over-mode-fifo_words-4-link_mb_s-80"] {
         assert!(stdout.contains(&format!("wrote {name}.svg\nwrote {name}.png\n")), "{stdout}");
         let svg = folder.read(&format!("{name}.svg"));
         assert!(svg.contains("points: scene room; size 8x8; "), "{name} tells what ran");
-        assert!(svg.contains("mode pipeline, broadcast") && svg.contains("; cells 3"), "{name} tells of how many cells");
+        assert!(
+            svg.contains("mode pipeline, broadcast") && svg.contains("; cells 3"),
+            "{name} tells of how many cells"
+        );
         let png = std::io::BufReader::new(std::fs::File::open(folder.path(&format!("{name}.png"))).unwrap());
         let mut reader = png::Decoder::new(png).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];

@@ -17,7 +17,10 @@ fn plots_are_pictures_in_both_formats() {
     for name in ["fifos", "fifo-histograms", "cells", "space-time", "rays", "latency"] {
         assert!(stdout.contains(&format!("wrote plots/{name}.svg\nwrote plots/{name}.png\n")), "{stdout}");
         let svg = folder.read(&format!("plots/{name}.svg"));
-        assert!(svg.contains("hybrid on 4 cells in 2 groups of 2: scene room (45 polygons), 120 rays, partition regular"), "{name} tells what ran");
+        assert!(
+            svg.contains("hybrid on 4 cells in 2 groups of 2: scene room (45 polygons), 120 rays, partition regular"),
+            "{name} tells what ran"
+        );
         assert!(svg.contains("@font-face"), "{name} brings its font");
         assert!(!svg.contains("href"), "{name} asks for nothing");
         let file = std::io::BufReader::new(std::fs::File::open(folder.path(&format!("plots/{name}.png"))).unwrap());
@@ -67,7 +70,7 @@ setTimeout(() => {
   told.scrolls = over.dispatchEvent(new WheelEvent('wheel', turned));
   told.stays = view.max - view.min === run.end;
   const known = [...document.querySelectorAll('.legend i')].map((square) => getComputedStyle(square).backgroundColor);
-  const ours = new Set([...known, 'rgb(255, 255, 255)', 'rgb(228, 228, 232)']);
+  const ours = new Set([...known, 'rgb(255, 255, 255)']);
   const foreign = new Set();
   for (const { chart: { ctx, bbox }, place } of charts.filter(({ place }) => place.parentElement.id === 'overview').slice(1)) {
     const { data } = ctx.getImageData(bbox.left, bbox.top, bbox.width, bbox.height);
@@ -111,7 +114,10 @@ fn a_page_opens_in_a_browser_and_its_charts_move_together() {
     folder.run(&format!("{RUN} {shown} --page part.html")).success();
     let part = folder.read("part.html");
     let (from, until) = shown.trim_start_matches("--trace-window ").split_once("..").unwrap();
-    assert!(part.contains(&format!("\"window\":{{\"from\":{from},\"until\":{until},")), "{shown} is what the page says");
+    assert!(
+        part.contains(&format!("\"window\":{{\"from\":{from},\"until\":{until},")),
+        "{shown} is what the page says"
+    );
     assert!(few.contains("cell 3") && few.contains("data:image/png"), "the array and the picture are there");
     for (cells, window) in [(40, "1280,800"), (130, "900,800"), (256, "1920,1080")] {
         let run = format!("--mode broadcast --cells {cells} --scene teapot --size 8x6 --page many.html --force");
@@ -249,8 +255,11 @@ fn next_to_nothing_can_be_seen() {
 fn a_run_of_no_cycles_can_be_drawn() {
     for cells in [1, 20] {
         let spec = MachineSpec::default();
-        let (_, observed) =
-            Array::new(&spec, &crate::support::random_ops::costs(), cells).probed().recorded(ALL, 9).finish_observed().unwrap();
+        let (_, observed) = Array::new(&spec, &crate::support::random_ops::costs(), cells)
+            .probed()
+            .recorded(ALL, 9)
+            .finish_observed()
+            .unwrap();
         let caption = Caption { title: "nothing".to_owned(), partition: None, machine: "none".to_owned() };
         let profile = &observed.profile.unwrap();
         let recording = observed.recording.as_ref();

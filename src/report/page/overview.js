@@ -76,6 +76,9 @@ function addOverview(title, rows, paint, options) {
     const from = view.min / run.bin, length = (view.max - view.min) / run.bin;
     const step = 2 ** Math.max(0, Math.ceil(Math.log2(length / bbox.width)));
     ctx.save();
+    // Nothing shows through where a row is empty.
+    ctx.fillStyle = ground("ground");
+    ctx.fillRect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.imageSmoothingEnabled = false;
     // The last bin may be shorter than the others, and is drawn past the end of the run.
     ctx.beginPath();

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, Recording, StateKind, StationRecord, Toward, Topology};
+use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, Recording, StateKind, StationRecord, Topology, Toward};
 use crate::quantities::{Cycles, Words};
 
 /// Stretches, jobs and levels that a page holds at the most, whatever the length of the run: about half a megabyte.
@@ -61,12 +61,15 @@ impl<'a> Window<'a> {
     pub fn new(recording: &'a Recording) -> Window<'a> {
         let Recording { window, topology, .. } = recording;
         let range = window.start..recording.end_of_beginning(MOST_EVENTS).max(window.start);
-        let station = |record: &StationRecord| Station {
-            states: Packed::new(record.states.iter().filter(|stretch| stretch.from < range.end).flat_map(|stretch| {
-                [u64::from(stretch.state.0), stretch.until.min(range.end).0 - stretch.from.0]
-            })),
-            jobs: Packed::jobs(&record.jobs, (range.start, range.end)),
-        };
+        let station =
+            |record: &StationRecord| Station {
+                states: Packed::new(
+                    record.states.iter().filter(|stretch| stretch.from < range.end).flat_map(|stretch| {
+                        [u64::from(stretch.state.0), stretch.until.min(range.end).0 - stretch.from.0]
+                    }),
+                ),
+                jobs: Packed::jobs(&record.jobs, (range.start, range.end)),
+            };
         let fifo = |(info, held): (&FifoInfo, &FifoLevels)| Fifo {
             from: place(info.from),
             to: place(info.to),
@@ -97,7 +100,8 @@ fn states(topology: &Topology) -> Vec<State<'_>> {
             name: state.map_or("", |state| &state.name),
             kind: state.map_or("idle", |state| kind(state.kind)),
             at: at.map(|(group, _)| group.as_str()),
-            reads: state.is_some_and(|state| state.kind == StateKind::Waits) || at.is_some_and(|at| at.1 == Toward::Upstream),
+            reads: state.is_some_and(|state| state.kind == StateKind::Waits)
+                || at.is_some_and(|at| at.1 == Toward::Upstream),
         }
     };
     (0..=most).map(of).collect()
@@ -142,11 +146,8 @@ impl Packed {
     fn jobs(jobs: &[JobSpan], (start, end): (Cycles, Cycles)) -> Packed {
         let (mut job, mut from) = (0, start);
         Packed::new(jobs.iter().filter(|span| span.from < end).flat_map(|span| {
-            let numbers = [
-                folded(i64::from(span.job) - job),
-                span.from.0 - from.0,
-                span.until.min(end).0 - span.from.0,
-            ];
+            let numbers =
+                [folded(i64::from(span.job) - job), span.from.0 - from.0, span.until.min(end).0 - span.from.0];
             (job, from) = (i64::from(span.job), span.from);
             numbers
         }))

@@ -23,8 +23,7 @@ const THOUSAND: f32 = 1000.0;
 const FONT_NAME: Name<'static> = Name(b"F");
 /// Its own.
 const BASE_FONT: Name<'static> = Name(b"DejaVuSans");
-const IDENTITY: SystemInfo<'static> =
-    SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
+const IDENTITY: SystemInfo<'static> = SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
 
 /// Draws a figure as the only page of a document.
 pub struct PdfBackend<'a> {
@@ -67,7 +66,11 @@ impl<'a> PdfBackend<'a> {
         for (index, (x, y)) in points.into_iter().enumerate() {
             // The middle of a pixel.
             let (x, y) = (x as f32 + 0.5, y as f32 + 0.5);
-            if index == 0 { self.content.move_to(x, y) } else { self.content.line_to(x, y) };
+            if index == 0 {
+                self.content.move_to(x, y)
+            } else {
+                self.content.line_to(x, y)
+            };
         }
     }
 
@@ -84,7 +87,8 @@ impl<'a> PdfBackend<'a> {
     /// The whole document.
     fn document(&mut self) -> Vec<u8> {
         let mut pdf = Pdf::new();
-        let [catalog, pages, page, content, font, letters, about, file, unicode] = [1, 2, 3, 4, 5, 6, 7, 8, 9].map(Ref::new);
+        let [catalog, pages, page, content, font, letters, about, file, unicode] =
+            [1, 2, 3, 4, 5, 6, 7, 8, 9].map(Ref::new);
         pdf.catalog(catalog).pages(pages);
         pdf.pages(pages).kids([page]).count(1);
         let (width, height) = (POINTS * self.size.0 as f32, POINTS * self.size.1 as f32);
@@ -94,7 +98,11 @@ impl<'a> PdfBackend<'a> {
         sheet.finish();
         pdf.stream(content, &std::mem::replace(&mut self.content, Content::new()).finish());
         let encoding = Name(b"Identity-H");
-        pdf.type0_font(font).base_font(BASE_FONT).encoding_predefined(encoding).descendant_font(letters).to_unicode(unicode);
+        pdf.type0_font(font)
+            .base_font(BASE_FONT)
+            .encoding_predefined(encoding)
+            .descendant_font(letters)
+            .to_unicode(unicode);
         let mut of_letters = pdf.cid_font(letters);
         of_letters.subtype(CidFontType::Type2).base_font(BASE_FONT).system_info(IDENTITY).font_descriptor(about);
         of_letters.default_width(0.0).cid_to_gid_map_predefined(Name(b"Identity"));
@@ -102,14 +110,27 @@ impl<'a> PdfBackend<'a> {
         of_letters.widths().consecutive(0, (0..glyphs).map(|glyph| THOUSAND * self.advance(glyph)));
         of_letters.finish();
         let em = self.font.units_per_em().unwrap_or(THOUSAND);
-        let [ascent, descent] = [self.font.ascent_unscaled(), self.font.descent_unscaled()].map(|unscaled| THOUSAND * unscaled / em);
+        let [ascent, descent] =
+            [self.font.ascent_unscaled(), self.font.descent_unscaled()].map(|unscaled| THOUSAND * unscaled / em);
         let mut descriptor = pdf.font_descriptor(about);
-        descriptor.name(BASE_FONT).flags(FontFlags::SYMBOLIC).bbox(Rect::new(-THOUSAND, descent, 2.0 * THOUSAND, ascent));
-        descriptor.italic_angle(0.0).ascent(ascent).descent(descent).cap_height(0.73 * THOUSAND).stem_v(80.0).font_file2(file);
+        descriptor.name(BASE_FONT).flags(FontFlags::SYMBOLIC).bbox(Rect::new(
+            -THOUSAND,
+            descent,
+            2.0 * THOUSAND,
+            ascent,
+        ));
+        descriptor
+            .italic_angle(0.0)
+            .ascent(ascent)
+            .descent(descent)
+            .cap_height(0.73 * THOUSAND)
+            .stem_v(80.0)
+            .font_file2(file);
         descriptor.finish();
         pdf.stream(file, FONT).pair(Name(b"Length1"), FONT.len() as i32);
         let mut meaning = UnicodeCmap::new(Name(b"Letters"), IDENTITY);
-        let mut letters: Vec<(u16, char)> = self.font.codepoint_ids().map(|(glyph, letter)| (glyph.0, letter)).collect();
+        let mut letters: Vec<(u16, char)> =
+            self.font.codepoint_ids().map(|(glyph, letter)| (glyph.0, letter)).collect();
         letters.sort_unstable();
         letters.iter().for_each(|&(glyph, letter)| meaning.pair(glyph, letter));
         pdf.cmap(unicode, &meaning.finish());
@@ -193,11 +214,12 @@ impl DrawingBackend for PdfBackend<'_> {
             text_anchor::HPos::Center => -width / 2.0,
             text_anchor::HPos::Right => -width,
         };
-        let down = size * match style.anchor().v_pos {
-            text_anchor::VPos::Top => 0.76,
-            text_anchor::VPos::Center => 0.27,
-            text_anchor::VPos::Bottom => -0.27,
-        };
+        let down = size
+            * match style.anchor().v_pos {
+                text_anchor::VPos::Top => 0.76,
+                text_anchor::VPos::Center => 0.27,
+                text_anchor::VPos::Bottom => -0.27,
+            };
         let (cos, sin) = match style.transform() {
             FontTransform::None => (1.0, 0.0),
             FontTransform::Rotate90 => (0.0, 1.0),

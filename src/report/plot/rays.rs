@@ -79,8 +79,8 @@ impl Figure for Latencies<'_> {
         // From the shortest to the longest, with a tenth of air, and over a cycle at the least.
         let (low, high) = (time(latency.min.max(Cycles(1))) / 1.1, time(latency.max.max(Cycles(2))) * 1.1);
         let scale = Scale::logarithmic(low, high);
-        let mut chart = chart::builder(&panels[0], &self.figures(), true)
-            .build_cartesian_2d(scale.clone(), 0.0..100.0)?;
+        let mut chart =
+            chart::builder(&panels[0], &self.figures(), true).build_cartesian_2d(scale.clone(), 0.0..100.0)?;
         let mut mesh = chart.configure_mesh();
         let name = |tick: &f64| scale.name_of(*tick);
         mesh.max_light_lines(1).x_label_formatter(&name).y_label_formatter(&chart::number).y_labels(11);

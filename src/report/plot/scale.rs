@@ -214,7 +214,8 @@ mod tests {
         let scale = Scale::of_positions(&Positions::Numbers(vec![16.0, 64.0, 256.0]), Spread::OfItself).unwrap();
         assert_eq!(scale.ticks, [16.0, 64.0, 256.0]);
         assert_eq!(scale.map(&64.0, (0, 100)), 50);
-        let crowded = Scale::of_positions(&Positions::Numbers(vec![1.0, 40.0, 41.0, 1000.0]), Spread::OfItself).unwrap();
+        let crowded =
+            Scale::of_positions(&Positions::Numbers(vec![1.0, 40.0, 41.0, 1000.0]), Spread::OfItself).unwrap();
         assert_eq!(crowded.ticks, [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]);
         let scale = Scale::of_values([3.0, 950.0].into_iter(), Spread::OfItself).unwrap();
         assert!(scale.is_log);

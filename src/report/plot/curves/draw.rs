@@ -65,7 +65,8 @@ impl<'a> Chart<'a> {
             Some(line) => format!(", relative to {line}"),
         };
         let y_name = columns[axes.y].label;
-        let y_name = if relative.is_empty() { y_name.to_owned() } else { format!("{}, relative", without_unit(y_name)) };
+        let y_name =
+            if relative.is_empty() { y_name.to_owned() } else { format!("{}, relative", without_unit(y_name)) };
         let label = |name: &str, scale: &Scale| {
             let logarithmic = if scale.is_log() { ", logarithmic" } else { "" };
             format!("{name}{logarithmic}")
@@ -122,7 +123,8 @@ impl Figure for Chart<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let caption = Caption { title: cut(&self.caption.title, self.letters(CAPTION_LETTERS)), ..self.caption.clone() };
+        let caption =
+            Caption { title: cut(&self.caption.title, self.letters(CAPTION_LETTERS)), ..self.caption.clone() };
         let what = cut(&self.what, self.letters(WHAT_LETTERS));
         let below = &chart::panels(area, &caption, &what, &[], 1)?[0];
         let (width, _) = below.dim_in_pixel();
@@ -140,12 +142,7 @@ impl Figure for Chart<'_> {
 }
 
 impl Chart<'_> {
-    fn draw_panel<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        panel: &Panel,
-        is_last: bool,
-    ) -> Drawn<DB> {
+    fn draw_panel<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, panel: &Panel, is_last: bool) -> Drawn<DB> {
         let name = self.facet.map(|facet| format!("{} {}", without_unit(facet), panel.name)).unwrap_or_default();
         let mut builder = chart::builder(area, &cut(&name, self.letters(AXIS_LETTERS)), true);
         builder.margin_left(12).y_label_area_size(LEFT).x_label_area_size(TICKS);

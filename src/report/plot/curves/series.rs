@@ -89,7 +89,11 @@ impl Curves {
         let named = panels.words.into_iter().zip(found);
         let panels: Vec<Panel> = named.map(|(name, lines)| Panel { name, lines }).collect();
         let x = if in_numbers { Positions::Numbers(numbers(&panels)) } else { Positions::Words(words.words) };
-        let drawn = if look.relative.is_some() { panels.iter().flat_map(|p| &p.lines).flatten().count() } else { entries.len() };
+        let drawn = if look.relative.is_some() {
+            panels.iter().flat_map(|p| &p.lines).flatten().count()
+        } else {
+            entries.len()
+        };
         Ok(Curves { panels, lines: lines.words, x, left_out: table.rows.len() - drawn.min(table.rows.len()), by })
     }
 
@@ -111,7 +115,8 @@ fn apart(table: &Table<'_>, axes: &Axes) -> Option<usize> {
     let rows: Vec<&[String]> = table.rows.iter().copied().filter(|row| value(row, axes).is_some()).collect();
     let agrees = |by: Option<usize>| {
         let mut places = HashMap::new();
-        let key = |row: &[String]| [Some(axes.x), axes.facet, by].map(|column| column.map(|column| row[column].clone()));
+        let key =
+            |row: &[String]| [Some(axes.x), axes.facet, by].map(|column| column.map(|column| row[column].clone()));
         rows.iter().all(|&row| *places.entry(key(row)).or_insert(&row[axes.y]) == &row[axes.y])
     };
     if agrees(None) {
@@ -124,7 +129,8 @@ fn apart(table: &Table<'_>, axes: &Axes) -> Option<usize> {
 /// Whether a column may be what rows were made of, and not what came out: words, or numbers that come again.
 fn is_given(table: &Table<'_>, column: usize, rows: &[&[String]]) -> bool {
     let values: HashSet<&String> = rows.iter().map(|row| &row[column]).collect();
-    values.len() > 1 && (matches!(table.columns[column].kind, Kind::Text | Kind::Truth) || 2 * values.len() <= rows.len())
+    values.len() > 1
+        && (matches!(table.columns[column].kind, Kind::Text | Kind::Truth) || 2 * values.len() <= rows.len())
 }
 
 /// Fails if rows that do not agree come to the same place.
@@ -232,7 +238,13 @@ mod tests {
 
     #[test]
     fn rows_that_agree_are_one_point() {
-        let rows = [["8", "b", "r", "3"], ["4", "p", "r", "1"], ["8", "b", "r", "3"], ["8", "b", "r", ""], ["4", "b", "r", "2"]];
+        let rows = [
+            ["8", "b", "r", "3"],
+            ["4", "p", "r", "1"],
+            ["8", "b", "r", "3"],
+            ["8", "b", "r", ""],
+            ["4", "b", "r", "2"],
+        ];
         let curves = curves(&rows, "x=cells y=rate by=mode").unwrap();
         assert_eq!(curves.lines, ["b", "p"]);
         assert_eq!(curves.panels[0].lines, [vec![(4.0, 2.0), (8.0, 3.0)], vec![(4.0, 1.0)]]);
@@ -240,8 +252,12 @@ mod tests {
     }
 
     const TWO_SCENES: [[&str; 4]; 6] = [
-        ["4", "b", "room", "1"], ["8", "b", "room", "2"], ["4", "b", "lake", "10"],
-        ["8", "b", "lake", "30"], ["4", "p", "room", "5"], ["4", "p", "lake", "6"],
+        ["4", "b", "room", "1"],
+        ["8", "b", "room", "2"],
+        ["4", "b", "lake", "10"],
+        ["8", "b", "lake", "30"],
+        ["4", "p", "room", "5"],
+        ["4", "p", "lake", "6"],
     ];
 
     #[test]
@@ -250,7 +266,9 @@ mod tests {
         let one = curves(&TWO_SCENES, "x=cells y=rate mode=b").unwrap();
         assert_eq!((one.lines, one.by), (vec!["room".to_owned(), "lake".to_owned()], Some(2)));
         let refused = curves(&TWO_SCENES, "x=cells y=rate by=mode").unwrap_err();
-        assert!(refused.contains("differ in scene") && refused.contains("facet=scene") && refused.contains("scene=room"));
+        assert!(
+            refused.contains("differ in scene") && refused.contains("facet=scene") && refused.contains("scene=room")
+        );
         let refused = curves(&TWO_SCENES, "x=cells y=rate").unwrap_err();
         assert!(refused.contains("differ in mode, scene") && refused.contains("by=mode"), "{refused}");
         let panels = curves(&TWO_SCENES, "x=cells y=rate by=mode facet=scene").unwrap().panels;
@@ -261,8 +279,14 @@ mod tests {
     #[test]
     fn values_are_relative_to_the_first_or_to_a_line() {
         let relative = |to: &str| curves(&TWO_SCENES, &format!("x=cells y=rate by=scene mode=b relative={to}"));
-        assert_eq!(relative("first").unwrap().panels[0].lines, [vec![(4.0, 1.0), (8.0, 2.0)], vec![(4.0, 1.0), (8.0, 3.0)]]);
-        assert_eq!(relative("room").unwrap().panels[0].lines, [vec![(4.0, 1.0), (8.0, 1.0)], vec![(4.0, 10.0), (8.0, 15.0)]]);
+        assert_eq!(
+            relative("first").unwrap().panels[0].lines,
+            [vec![(4.0, 1.0), (8.0, 2.0)], vec![(4.0, 1.0), (8.0, 3.0)]]
+        );
+        assert_eq!(
+            relative("room").unwrap().panels[0].lines,
+            [vec![(4.0, 1.0), (8.0, 1.0)], vec![(4.0, 10.0), (8.0, 15.0)]]
+        );
         assert!(relative("attic").unwrap_err().contains("there are first, room, lake"));
     }
 
