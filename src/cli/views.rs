@@ -23,6 +23,8 @@ pub struct Views {
     plot: Option<OutputFolder>,
     page: Option<OutputFile>,
     trace: Option<(OutputFile, Format)>,
+    /// How GTKWave is to show the trace.
+    save: Option<OutputFile>,
     window: Range<Cycles>,
     why: bool,
     force: bool,
@@ -53,7 +55,12 @@ impl Views {
             let format = Format::of(path)?;
             Ok((outputs::create(path, force)?, format))
         };
+        let save = |path: &PathBuf| {
+            let save = Trace::save_path(Format::of(path)?, path);
+            outputs::open(save.as_deref(), force)
+        };
         Ok(Views {
+            save: args.trace.as_ref().map(save).transpose()?.flatten(),
             plot: args.plot.as_ref().map(|folder| prepare_folder(folder, force)).transpose()?,
             page: outputs::open(args.page.as_deref(), force)?,
             trace: args.trace.as_ref().map(trace).transpose()?,
@@ -65,7 +72,15 @@ impl Views {
 
     /// No views.
     pub fn none() -> Views {
-        Views { plot: None, page: None, trace: None, why: false, window: Cycles(0)..Cycles(0), force: false }
+        Views {
+            plot: None,
+            page: None,
+            trace: None,
+            save: None,
+            why: false,
+            window: Cycles(0)..Cycles(0),
+            force: false,
+        }
     }
 
     /// What the views need to see of a machine.
@@ -98,7 +113,9 @@ impl Views {
         }
         let (Some((file, format)), Some(recording)) = (self.trace, &run.observed.recording) else { return Ok(()) };
         let trace = Trace { caption, clock, cell_names, recording };
+        let dump = file.path().to_owned();
         outputs::finish(Some(file), written, |file| trace.write(format, file))?;
+        outputs::finish(self.save, written, |file| file.write_all(trace.save_file(&dump).as_bytes()))?;
         trace.notes(format).iter().for_each(super::note);
         Ok(())
     }

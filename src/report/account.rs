@@ -83,7 +83,7 @@ pub fn head(setup: &Setup, outcome: &Outcome) -> String {
         ),
     ];
     lines.push(memory_line(workload) + "\n");
-    lines.join("\n")
+    summary::prose(&lines.join("\n"))
 }
 
 /// Where the cycles of the cells went, what the FIFOs held, what limits the machine, and why it took as long if that is known.
@@ -99,18 +99,17 @@ pub fn body(
 
 /// What people read of a whole image.
 pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String {
-    let title = image_title(setup, rendered);
+    let title = summary::prose(&image_title(setup, rendered));
     let Some(timing) = &rendered.timing else {
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
     };
     let (spec, stats) = (&setup.machine.spec, &timing.stats);
     let path = timing.observed.path.as_ref();
     let why = path.map(|path| format!("\n{}{}", why::text(path, false), why::OF_AN_IMAGE)).unwrap_or_default();
+    let lines = [machine_line(spec), summary::speed(stats, spec.clock()), memory_line(&setup.workload)];
     [
         title,
-        machine_line(spec),
-        summary::speed(stats, spec.clock()),
-        memory_line(&setup.workload),
+        summary::prose(&lines.join("\n")),
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
@@ -127,7 +126,12 @@ pub fn replay_text(replay: &Replay, seen: (&Measured, Option<&CriticalPath>), lo
 /// What was replayed, and how fast.
 pub fn replay_head(replay: &Replay, stats: &Measured) -> String {
     let spec = &replay.machine.spec;
-    format!("{}\n{}\n{}\n", replay_title(replay), machine_line(spec), summary::speed(stats, spec.clock()))
+    summary::prose(&format!(
+        "{}\n{}\n{}\n",
+        replay_title(replay),
+        machine_line(spec),
+        summary::speed(stats, spec.clock())
+    ))
 }
 
 /// What people read of a prediction: `rows` are its quantities, with those of the run or without.
@@ -146,12 +150,12 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
         grouped(*rays as u64),
         in_order(spec.order),
     );
-    format!(
-        "{title}\n{}\n\n{}\n{}",
-        machine_line(&machine.spec),
-        prediction::to_table(rows),
-        prediction::sentences(predicted, best, array),
-    )
+    let head = format!("{title}\n{}", machine_line(&machine.spec));
+    let mut sentences = prediction::sentences(predicted, best, array);
+    if spec.order != Order::Raster {
+        sentences += "The model knows no order of the rays: what it expects bounds them all.\n";
+    }
+    format!("{}\n\n{}\n{}", summary::prose(&head), prediction::to_table(rows), summary::prose(&sentences))
 }
 
 /// The statistics of a run of primary rays, as JSON.
@@ -187,7 +191,7 @@ pub fn replay_stats_json(
 /// What limits the machine, and where it is worth a word, to what it loses its time.
 pub fn verdict(stats: &Measured, losses: Option<&Losses>, clock: Clock) -> String {
     let lost = losses.map(|losses| format!("\n{}", losses.sentence(stats, clock))).unwrap_or_default();
-    format!("{}{lost}", bottleneck::sentence(stats))
+    summary::prose(&format!("{}{lost}", bottleneck::sentence(stats)))
 }
 
 /// Names the order of the rays in a title, if it is not the usual one.
