@@ -32,9 +32,9 @@ pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
 }
 
 fn rows(spec: &MachineSpec, timings: &[f64; 6], programs: Option<&[f64; 6]>) -> String {
-    let mut header = vec!["Figure 7, µs", "paper", "timings cell", "difference"];
+    let mut header = vec!["Figure 7, µs", "paper", "timings cell", "off"];
     if programs.is_some() {
-        header.extend(["program cell", "difference"]);
+        header.extend(["program cell", "off"]);
     }
     let mut rows = table(&header);
     for (index, number) in NUMBERS.iter().enumerate() {

@@ -94,7 +94,8 @@ pub fn body(
     clock: Clock,
 ) -> String {
     let why = path.map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
-    format!("{}\n{}\n{}\n{why}", summary::cells(stats, names), summary::fifos(stats), verdict(stats, losses, clock),)
+    let verdict = summary::prose(&verdict(stats, losses, clock));
+    format!("{}\n{}\n{verdict}\n{why}", summary::cells(stats, names), summary::fifos(stats))
 }
 
 /// What people read of a whole image.
@@ -113,7 +114,7 @@ pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n{why}", verdict(stats, losses, spec.clock())),
+        format!("{}\n{why}", summary::prose(&verdict(stats, losses, spec.clock()))),
     ]
     .join("\n")
 }
@@ -191,7 +192,7 @@ pub fn replay_stats_json(
 /// What limits the machine, and where it is worth a word, to what it loses its time.
 pub fn verdict(stats: &Measured, losses: Option<&Losses>, clock: Clock) -> String {
     let lost = losses.map(|losses| format!("\n{}", losses.sentence(stats, clock))).unwrap_or_default();
-    summary::prose(&format!("{}{lost}", bottleneck::sentence(stats)))
+    format!("{}{lost}", bottleneck::sentence(stats))
 }
 
 /// Names the order of the rays in a title, if it is not the usual one.

@@ -426,7 +426,7 @@ fn a_scene_is_read_once() {
 #[test]
 fn a_table_tells_what_it_is_of() {
     let folder = Folder::new();
-    folder.file("s.ron", "(scene: \"room\", size: 4, fifo_words: [4, 8], grid_voxel: (from: 5, to: 10, by: 5))");
+    folder.file("s.ron", "(scene: \"room\", size: 4, fifo_words: [4, 8], grid_voxel: (from: 5, to: 10, step: 5))");
     folder.run("sweep s.ron -o t.csv").success();
     let told = folder.read("t.sweep.ron");
     assert!(told.starts_with(&format!("// Made by pcs-sim {}", env!("CARGO_PKG_VERSION"))), "{told}");
