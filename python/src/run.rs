@@ -313,7 +313,7 @@ impl Run {
         }
         if let Some(path) = trace {
             let window = window.unwrap_or(Cycles(0)..Cycles(u64::MAX));
-            written.push(self.save_trace(py, &path, window, force)?);
+            written.extend(self.save_trace(py, &path, window, force)?);
         }
         Ok(written)
     }
@@ -342,13 +342,17 @@ impl Run {
 }
 
 impl Run {
-    fn save_trace(&self, py: Python<'_>, path: &Path, window: Range<Cycles>, force: bool) -> PyResult<PathBuf> {
+    fn save_trace(&self, py: Python<'_>, path: &Path, window: Range<Cycles>, force: bool) -> PyResult<Vec<PathBuf>> {
         let format = Format::of(path).map_err(|error| Trouble::from(error).raise(py))?;
         let observed = self.watch(py, &Watching { recording: Some(window), ..Watching::default() })?;
         let recording = observed.recording.ok_or_else(|| has_none("a run that was not recorded", "trace"))?;
         let Described { caption, names, .. } = &self.made.described();
         let trace = Trace { caption, clock: self.made.clock(), cell_names: names, recording: &recording };
-        let written = briefly(py, |_| outputs::write(path, force, |file| trace.write(format, file)))?;
+        let mut written = vec![briefly(py, |_| outputs::write(path, force, |file| trace.write(format, file)))?];
+        if let Some(save) = Trace::save_path(format, path) {
+            let text = trace.save_file(path);
+            written.push(briefly(py, |_| outputs::write(&save, force, |file| file.write_all(text.as_bytes())))?);
+        }
         for note in trace.notes(format) {
             let note = std::ffi::CString::new(note).unwrap_or_default();
             PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &note, 1)?;

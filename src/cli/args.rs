@@ -13,6 +13,11 @@ use pcs_sim::run::{
 };
 use pcs_sim::seam::activity_trace::Form;
 
+/// The heading of flags that are about no part of a run: that of `--help`.
+pub const GENERAL: Option<&str> = None;
+
+const VIEWS: &str = "Views of the run over time";
+
 /// What can be asked of a run of primary rays.
 #[derive(Clone, Debug, Args)]
 pub struct Asked {
@@ -58,7 +63,7 @@ pub struct RunArgs {
     #[command(flatten)]
     pub asked: Asked,
     /// Repeat the run that a file describes: statistics, or their configuration. Flags beside it change that.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = GENERAL)]
     pub config: Option<PathBuf>,
     #[command(flatten)]
     pub results: ResultArgs,
@@ -178,7 +183,7 @@ pub struct TracingArgs {
     #[arg(long, value_name = "FORM", value_enum, default_value_t = OpsForm::Units, help_heading = "Results", requires = "ops")]
     pub ops_form: OpsForm,
     /// Threads to use [default: all cores]. The results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
 }
 
@@ -213,7 +218,7 @@ pub struct ResultArgs {
     #[arg(long)]
     pub force: bool,
     /// Watch the cells and the FIFOs at work, on a terminal.
-    #[arg(long, help_heading = "Options")]
+    #[arg(long, help_heading = VIEWS)]
     pub watch: bool,
 }
 
@@ -244,7 +249,7 @@ pub struct PlotFormats {
 }
 
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Views of the run over time")]
+#[command(next_help_heading = VIEWS)]
 pub struct ViewArgs {
     #[command(flatten)]
     pub formats: PlotFormats,
@@ -254,7 +259,8 @@ pub struct ViewArgs {
     /// Write a page (HTML) to look at the run in a browser: the array, and charts to zoom into.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
-    /// Write the run cycle by cycle for a viewer: .pftrace for Perfetto, .vcd or .fst for GTKWave and Surfer.
+    /// Write the run cycle by cycle for a viewer: .pftrace for Perfetto, .vcd or .fst for GTKWave and Surfer, with a save file for
+    /// GTKWave beside it (.gtkw).
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// The cycles to trace, and those that a page and plots show one by one, from A to before B; either may be left out
@@ -296,7 +302,7 @@ pub struct SweepArgs {
     #[arg(long)]
     pub watch: bool,
     /// Threads to use [default: all cores]. The results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
 }
 
@@ -327,7 +333,7 @@ pub struct ModelArgs {
     #[command(flatten)]
     pub results: ResultArgs,
     /// Threads to use [default: all cores]. The results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
 }
 
@@ -376,12 +382,30 @@ pub struct ManArgs {
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// The statistics of one run.
+    /// The statistics of one run; - is standard input.
     #[arg(value_name = "A.json")]
     pub a: PathBuf,
     /// The statistics of another.
     #[arg(value_name = "B.json")]
     pub b: PathBuf,
+    /// Tell of every value that differs, below the ten lines that matter most.
+    #[arg(long)]
+    pub all: bool,
+    /// Print the values that differ as CSV, and nothing else.
+    #[arg(long, conflicts_with_all = ["all", "json"])]
+    pub csv: bool,
+    /// Print them as JSON, and nothing else.
+    #[arg(long, conflicts_with = "all")]
+    pub json: bool,
+    /// Do both runs again, and write a page (HTML) on which they have one axis of time.
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
+    /// Replace a page that exists.
+    #[arg(long, requires = "page")]
+    pub force: bool,
+    /// Threads to use for the page [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", requires = "page", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
 }
 
 fn window(text: &str) -> Result<Range<Cycles>, String> {

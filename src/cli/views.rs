@@ -25,6 +25,8 @@ pub struct Views {
     formats: Vec<plot::Format>,
     page: Option<OutputFile>,
     trace: Option<(OutputFile, Format)>,
+    /// How GTKWave is to show the trace.
+    save: Option<OutputFile>,
     window: Range<Cycles>,
     why: bool,
     force: bool,
@@ -60,7 +62,12 @@ impl Views {
             let format = Format::of(path)?;
             Ok((outputs::create(path, force)?, format))
         };
+        let save = |path: &PathBuf| {
+            let save = Trace::save_path(Format::of(path)?, path);
+            outputs::open(save.as_deref(), force)
+        };
         Ok(Views {
+            save: args.trace.as_ref().map(save).transpose()?.flatten(),
             plot: args.plot.as_ref().map(|folder| prepare_folder(folder, force)).transpose()?,
             formats: args.formats.plot_format.clone(),
             page: outputs::open(args.page.as_deref(), force)?,
@@ -78,6 +85,7 @@ impl Views {
             formats: Vec::new(),
             page: None,
             trace: None,
+            save: None,
             why: false,
             window: Cycles(0)..Cycles(0),
             force: false,
@@ -117,7 +125,9 @@ impl Views {
         }
         let (Some((file, format)), Some(recording)) = (self.trace, &run.observed.recording) else { return Ok(()) };
         let trace = Trace { caption, clock, cell_names, recording };
+        let dump = file.path().to_owned();
         outputs::finish(Some(file), written, |file| trace.write(format, file))?;
+        outputs::finish(self.save, written, |file| file.write_all(trace.save_file(&dump).as_bytes()))?;
         trace.notes(format).iter().for_each(super::note);
         Ok(())
     }

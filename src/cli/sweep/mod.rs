@@ -27,7 +27,7 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
 }
 
 fn run(args: &SweepArgs, sweep: &Sweep, table: &Path) -> Result<(), Failure> {
-    let results = ["csv", "parquet", "journal"].map(|ending| table.with_extension(ending));
+    let results = ["csv", "parquet", "sweep.ron", "journal"].map(|ending| table.with_extension(ending));
     let inputs: Vec<Option<&Path>> = sweep.files().chain([args.sweep.as_path()]).map(Some).collect();
     outputs::check_distinct(&results.each_ref().map(Some), &inputs)?;
     let plots = Plots::open(args, table, &sweep.columns())?;

@@ -106,6 +106,14 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     rendered.map_err(|error| PageError(error.to_string()))
 }
 
+/// Two pages beside one another, whose charts show the same time. What they are of should have one length: see
+/// [`Profile::extended`].
+pub fn side_by_side(a: &str, b: &str) -> Result<String, PageError> {
+    let rendered =
+        Environment::new().render_str(include_str!("pair.html"), context! { runs => [a.to_owned(), b.to_owned()] });
+    rendered.map(|page| page + "\n").map_err(|error| PageError(error.to_string()))
+}
+
 /// The colours of the states that the cells' table has, on white and on black.
 fn state_colors(run: &Measured) -> Vec<[String; 2]> {
     let states = &run.topology.states;
