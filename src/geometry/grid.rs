@@ -280,37 +280,43 @@ fn planes(lattice: &Lattice, axis: usize, margin: f64) -> Vec<f32> {
     planes
 }
 
-/// The voxel table and the index lists, each list in rising order: counted first, then filled.
+/// The voxel table and the index lists, each list in rising order: the voxels of all polygons are found and counted first, then
+/// the lists are filled.
 fn fill(
     lattice: &Lattice,
     (polygons, members): (&Polygons, &[u32]),
     margin: f64,
     cancel: &Cancel,
 ) -> Result<(Vec<u32>, Vec<u32>), Unfilled> {
-    let mut starts = vec![0u32; lattice.voxel_count() + 1];
-    let mut references = 0u64;
+    // Of each voxel what its list has, two places on: in the end each place holds where its voxel's list begins.
+    let mut starts = vec![0u32; lattice.voxel_count() + 2];
+    let mut reached: Vec<u32> = Vec::new();
+    let mut ends = Vec::with_capacity(members.len());
     for &polygon in members {
         lattice.for_each_voxel(polygons, polygon, margin + polygons.slack(polygon), |voxel| {
-            starts[voxel + 1] += 1;
-            references += 1;
+            starts[voxel + 2] += 1;
+            reached.push(voxel as u32);
         });
-        if references as f64 > MOST_REFERENCES {
+        if reached.len() as f64 > MOST_REFERENCES {
             return Err(GridTooLarge { what: "references to polygons", most: MOST_REFERENCES }.into());
         }
+        ends.push(reached.len());
         cancel.check()?;
     }
-    for voxel in 1..starts.len() {
+    for voxel in 2..starts.len() {
         starts[voxel] += starts[voxel - 1];
     }
-    let mut ends = starts.clone();
-    let mut lists = vec![0u32; references as usize];
-    for &polygon in members {
+    let mut lists = vec![0u32; reached.len()];
+    let mut first = 0;
+    for (&polygon, end) in members.iter().zip(ends) {
         cancel.check()?;
-        lattice.for_each_voxel(polygons, polygon, margin + polygons.slack(polygon), |voxel| {
-            let end = &mut ends[voxel];
-            lists[*end as usize] = polygon;
-            *end += 1;
-        });
+        for &voxel in &reached[first..end] {
+            let next = &mut starts[voxel as usize + 1];
+            lists[*next as usize] = polygon;
+            *next += 1;
+        }
+        first = end;
     }
+    starts.pop();
     Ok((starts, lists))
 }

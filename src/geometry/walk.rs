@@ -88,7 +88,7 @@ impl Walk {
 
     /// Goes on until it has crossed `clearance` planes along some axis, has left the volume, or is in the voxel that it leaves
     /// at `t_end` or behind: to the same voxel, by the same number of voxels, as plane by plane.
-    #[inline]
+    #[inline(always)]
     pub fn leap(&mut self, grid: &Grid, clearance: u8, t_end: f32) -> Leap {
         let most = self.left.map(|left| left.min(clearance as i32));
         let (axis, t) = first_of([0, 1, 2].map(|axis| self.t_of_plane(grid, axis, most[axis] - 1)));
@@ -115,7 +115,7 @@ impl Walk {
 
     /// How many of an axis's next `most` planes are crossed before t, and at t if those count as well. Guessed from the ray's
     /// speed, and then put right by the planes' own t, in which rounding may be seen.
-    #[inline]
+    #[inline(always)]
     fn planes_before(&self, grid: &Grid, axis: usize, most: i32, t: f32, at_t: bool) -> i32 {
         let is_before = |ahead: i32| {
             let plane = self.t_of_plane(grid, axis, ahead);
@@ -135,7 +135,7 @@ impl Walk {
 
     /// Where an axis's plane so many planes behind the next one is crossed. The paper adds δt from step to step; taking each
     /// plane's t by itself costs no more and does not add up rounding.
-    #[inline]
+    #[inline(always)]
     fn t_of_plane(&self, grid: &Grid, axis: usize, ahead: i32) -> f32 {
         let plane = self.plane[axis] + self.step[axis] * ahead;
         (grid.planes(axis)[plane as usize] - self.origin[axis]) * self.inverse[axis]
