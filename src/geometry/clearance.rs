@@ -74,3 +74,31 @@ fn farther(last: u8, voxel: &mut u8, neighbours: &[u8]) -> u8 {
     *voxel = (*voxel).min(nearest.min(last).saturating_add(1));
     *voxel
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn it_is_the_distance_to_the_nearest_occupied_voxel(
+            size in [1u32..7, 1u32..7, 1u32..40],
+            seeds in prop::collection::vec(0u32..10_000, 0..6),
+        ) {
+            let count = size.iter().product::<u32>();
+            let occupied: Vec<u32> = seeds.iter().map(|seed| seed % count).collect();
+            let mut table = vec![0u32];
+            for voxel in 0..count {
+                table.push(table[voxel as usize] + u32::from(occupied.contains(&voxel)));
+            }
+            let place = |voxel: u32| [voxel % size[0], voxel / size[0] % size[1], voxel / size[0] / size[1]];
+            let apart = |a: u32, b: u32| (0..3).map(|axis| place(a)[axis].abs_diff(place(b)[axis])).max().unwrap_or(0);
+            let clearance = Clearance::new(size, &table);
+            for voxel in 0..count {
+                let nearest = occupied.iter().map(|&other| apart(voxel, other)).min().unwrap_or(255);
+                prop_assert_eq!(u32::from(clearance.of(voxel as usize)), nearest);
+            }
+        }
+    }
+}

@@ -153,3 +153,89 @@ fn first_of([x, y, z]: [f32; 3]) -> (usize, f32) {
         (2, z)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+    use std::ops::ControlFlow;
+
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    use crate::cancel::Cancel;
+    use crate::geometry::{Grid, Polygons, Ray};
+    use crate::scene::Mesh;
+
+    /// Small triangles here and there in a box, some of them where others are too.
+    fn grid() -> impl Strategy<Value = Grid> {
+        let point = || [-8i32..8, -8i32..8, -2i32..8].prop_map(|place| Vec3::from_array(place.map(|n| n as f32)));
+        let triangles = prop::collection::vec((point(), point(), point()), 1..30);
+        (triangles, prop_oneof![Just(50.0), Just(3000.0), Just(20_000.0)]).prop_filter_map(
+            "empty",
+            |(triangles, coefficient)| {
+                let mut mesh = Mesh::default();
+                for (a, b, c) in triangles {
+                    let corners = [a, a + b * 0.4, a + c * 0.4].map(|point| mesh.add_point(point));
+                    mesh.add_face(&corners, 0);
+                }
+                let polygons = Polygons::new(&mesh);
+                let members: Vec<u32> = (0..polygons.len() as u32).collect();
+                let volume = crate::geometry::partition::reached(&polygons, &members);
+                Grid::new(&polygons, &members, volume, coefficient, &Cancel::default()).ok()
+            },
+        )
+    }
+
+    /// Rays of all directions, among them along axes and diagonals, on which planes of several axes are crossed at the same t.
+    fn ray() -> impl Strategy<Value = Ray> {
+        let number = || prop_oneof![-1.0f32..1.0, (-1i32..2).prop_map(|n| n as f32), Just(1e-30f32)];
+        let origin = || prop_oneof![-9.0f32..9.0, (-9i32..9).prop_map(|n| n as f32)];
+        let t_max = prop_oneof![Just(f32::INFINITY), 0.0f32..30.0];
+        ([origin(), origin(), origin()], [number(), number(), number()], t_max).prop_map(|(o, d, t_max)| Ray {
+            origin: o.into(),
+            direction: d.into(),
+            t_max,
+        })
+    }
+
+    thread_local! {
+        /// Voxels that were walked through, and those of them with polygons.
+        static SEEN: Cell<[u64; 2]> = const { Cell::new([0; 2]) };
+    }
+
+    #[test]
+    fn leaps_go_the_way_that_steps_go() {
+        let asked = ProptestConfig::default();
+        let config = ProptestConfig { cases: asked.cases.max(400), failure_persistence: None, ..asked };
+        let mut runner = proptest::test_runner::TestRunner::new(config);
+        let cases = (grid(), prop::collection::vec((ray(), 0u64..6, 0.0f32..30.0), 50));
+        let result = runner.run(&cases, |(grid, plans)| {
+            for (ray, met, end) in plans {
+                // From the `met`-th voxel with polygons on, nothing behind `end` counts.
+                let t_end = |so_far: usize| if so_far as u64 > met { end } else { f32::INFINITY };
+                let (mut by_steps, mut voxels) = (Vec::new(), 0);
+                grid.walk(&ray, 0.0, |visit| {
+                    voxels += 1;
+                    if !visit.polygons.is_empty() {
+                        by_steps.push((std::mem::take(&mut voxels), visit.polygons));
+                    }
+                    let is_done = t_end(by_steps.len()) <= visit.t_exit;
+                    if is_done { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                });
+                let mut by_leaps = Vec::new();
+                let behind = grid.walk_occupied(&ray, 0.0, |stretch| {
+                    by_leaps.push((stretch.voxels, stretch.polygons));
+                    t_end(by_leaps.len())
+                });
+                prop_assert_eq!((&by_leaps, behind), (&by_steps, voxels), "{:?}", ray);
+                let [all, full] = SEEN.get();
+                let walked = by_steps.iter().map(|stretch| stretch.0).sum::<u64>() + voxels;
+                SEEN.set([all + walked, full + by_steps.len() as u64]);
+            }
+            Ok(())
+        });
+        result.unwrap_or_else(|error| panic!("{error}"));
+        let [all, full] = SEEN.get();
+        assert!(all > 50_000 && full > 1000 && full * 3 < all, "{full} of {all} voxels have polygons");
+    }
+}

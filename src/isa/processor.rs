@@ -2,8 +2,7 @@
 
 use bitvec::vec::BitVec;
 
-use super::encoding::Instruction;
-use super::executable::{Executable, RESULT_SLOT, Step, UNCOUNTED, queue_slot};
+use super::executable::{Executable, Moves, QUEUE_SLOTS, RESULT_SLOT, Step, Tally, UNCOUNTED};
 use super::fault::{Fault, FaultKind};
 use super::kernels::{OTHER, unit};
 use super::queues::Queues;
@@ -35,7 +34,8 @@ pub struct Processor<'a> {
     changed: Vec<u32>,
     /// Which those are.
     is_changed: BitVec,
-    registers: [u32; 64],
+    /// As many as slots have numbers, so that none needs a check of bounds.
+    registers: [u32; 256],
     address: u32,
     /// Why the instruction at its address has failed, until that is told.
     failed: Option<FaultKind>,
@@ -44,6 +44,8 @@ pub struct Processor<'a> {
     /// Instructions executed for the message, by class, and how many of each have been put down as ops.
     classes: Classes,
     noted: Classes,
+    /// Whether all of them have.
+    is_noted: bool,
     work: Activity,
     instruction_limit: u64,
     /// Instructions executed before the message.
@@ -71,12 +73,13 @@ impl<'a> Processor<'a> {
             data: data.to_vec(),
             changed: Vec::new(),
             is_changed: BitVec::repeat(false, data.len()),
-            registers: [0; 64],
+            registers: [0; 256],
             address: 0,
             failed: None,
             ended: false,
             classes: Classes::default(),
             noted: Classes::default(),
+            is_noted: true,
             work: OTHER,
             instruction_limit,
             before: 0,
@@ -125,7 +128,7 @@ impl<'a> Processor<'a> {
     /// Runs until the message is done, the cell halts, or a word is missing. Adds what it does to `ops`.
     pub fn run(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Stop, Fault> {
         loop {
-            self.run_plain(u64::MAX, ops);
+            self.run_ahead(ops);
             if let Some(stop) = self.not_plain(queues, ops)? {
                 return Ok(stop);
             }
@@ -134,37 +137,93 @@ impl<'a> Processor<'a> {
 
     /// Executes one instruction, unless it has to wait; tells if the cell stands still then.
     pub fn step(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, Fault> {
-        let before = self.executed;
-        self.run_plain(1, ops);
-        if self.executed > before && self.failed.is_none() {
-            return Ok(None);
-        }
-        self.not_plain(queues, ops)
-    }
-
-    /// Executes instructions that work between registers and memory, up to so many, as far as the next one is such.
-    fn run_plain(&mut self, most: u64, ops: &mut OpStream) {
-        let steps = self.executable.steps.as_slice();
-        let (mut address, mut executed) = (self.address, 0);
-        let before = self.executed - self.before;
-        while executed < most {
-            let Some(step) = steps.get(address as usize).filter(|step| !step.special) else { break };
-            if step.work != self.work {
-                self.note(ops);
-                self.work = step.work;
-            }
-            self.classes[(step.class & 15) as usize] += 1;
-            executed += 1;
-            match self.execute(step, address, before + executed) {
-                FAILED => break,
-                next => address = next,
+        let plain =
+            self.executable.steps.get(self.address as usize).filter(|step| !step.special && self.failed.is_none());
+        let Some(&step) = plain else { return self.not_plain(queues, ops) };
+        self.count_events();
+        self.charge(step, ops);
+        match self.execute(&step, self.address, self.executed - self.before) {
+            FAILED => self.not_plain(queues, ops),
+            next => {
+                self.address = next;
+                Ok(None)
             }
         }
-        self.address = address;
-        self.executed += executed;
     }
 
-    /// What [`Processor::run_plain`] stops at.
+    /// Executes instructions that work between registers and memory, as far as the next one is such: run by run, each of which is
+    /// charged at once.
+    fn run_ahead(&mut self, ops: &mut OpStream) {
+        let executable = self.executable;
+        let (mut address, mut executed) = (self.address, self.executed);
+        let (mut classes, mut tallied) = (Tally::default(), 0);
+        while let Some(run) = executable.runs.get(address as usize).filter(|run| run.length > 0) {
+            if tallied + run.length > Tally::MOST || run.work != self.work {
+                self.settle(std::mem::take(&mut classes));
+                tallied = 0;
+                if run.work != self.work {
+                    self.note(ops);
+                    self.work = run.work;
+                }
+            }
+            if run.is_counted {
+                self.address = address;
+                self.count_events();
+            }
+            classes = classes.and(run.classes);
+            tallied += run.length;
+            executed += u64::from(run.length);
+            let steps = &executable.steps[address as usize..][..run.length as usize - usize::from(run.branches)];
+            address += run.length - u32::from(run.branches);
+            if let Err(left) = self.compute_all(steps) {
+                address -= left as u32;
+                // What is behind the one that failed has not been executed.
+                if left > 1 || run.branches {
+                    let behind = &executable.runs[address as usize + 1];
+                    classes = classes.without(behind.classes);
+                    executed -= u64::from(behind.length);
+                }
+                break;
+            }
+            if run.branches {
+                match self.execute(&executable.steps[address as usize], address, executed - self.before) {
+                    FAILED => break,
+                    next => address = next,
+                }
+            }
+        }
+        if tallied > 0 {
+            self.settle(classes);
+        }
+        (self.address, self.executed) = (address, executed);
+    }
+
+    /// Executes instructions that go on to the next, chain by chain. If one fails, tells how many have not been executed, with it.
+    #[inline(always)]
+    fn compute_all(&mut self, mut steps: &[Step]) -> Result<(), usize> {
+        while !steps.is_empty() {
+            match self.compute_chain(steps) {
+                Ok(done) => steps = &steps[done..],
+                Err(done) => return Err(steps.len() - done),
+            }
+        }
+        Ok(())
+    }
+
+    /// Charges what has been tallied.
+    fn settle(&mut self, classes: Tally) {
+        self.is_noted = false;
+        self.classes.iter_mut().zip(classes.numbers()).for_each(|(counted, number)| *counted += number);
+    }
+
+    /// Counts the events that happen at the address.
+    fn count_events(&mut self) {
+        for &(_, counter) in self.executable.counted.iter().filter(|(at, _)| *at == self.address) {
+            self.counts[counter] += 1;
+        }
+    }
+
+    /// What [`Processor::run_ahead`] stops at.
     fn not_plain(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, Fault> {
         if let Some(kind) = self.failed.take() {
             return Err(self.fault(kind));
@@ -181,44 +240,39 @@ impl<'a> Processor<'a> {
 
     /// An instruction that moves words, is counted, ends the message, or is none.
     fn special(&mut self, step: Step, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, FaultKind> {
-        let address = self.address;
-        let instruction = match self.executable.instructions[address as usize] {
-            Ok(instruction) => instruction,
-            Err(why) => return Err(FaultKind::Invalid(self.executable.program.code[address as usize], why)),
-        };
-        if self.ended {
-            return Ok(self.go_on(instruction.opcode));
+        let (executable, address) = (self.executable, self.address);
+        if let Err(why) = executable.instructions[address as usize] {
+            return Err(FaultKind::Invalid(executable.program.code[address as usize], why));
         }
-        if let Some(queue) = queues.missing(&instruction) {
+        if self.ended {
+            return Ok(self.go_on(step.opcode));
+        }
+        let moves = &executable.moves[address as usize];
+        if let Some(queue) = queues.missing(moves) {
             self.note(ops);
             return Ok(Some(Stop::Waiting(queue)));
         }
-        for &(_, counter) in self.executable.counted.iter().filter(|(at, _)| *at == address) {
-            self.counts[counter] += 1;
-        }
-        if instruction.words() > 0 {
-            self.read_queues(&instruction, queues, ops);
-        }
+        self.count_events();
+        self.read_queues(moves, queues, ops);
         self.charge(step, ops);
-        match instruction.opcode {
+        match step.opcode {
             Opcode::Done | Opcode::Halt => {
                 self.note(ops);
                 self.ended = true;
-                return Ok(Some(if instruction.opcode == Opcode::Done { Stop::Done } else { Stop::Halted }));
+                return Ok(Some(if step.opcode == Opcode::Done { Stop::Done } else { Stop::Halted }));
             }
             _ => match self.execute(&step, address, self.executed - self.before) {
                 FAILED => return Err(self.failed.take().unwrap_or(FaultKind::Halted)),
                 next => self.address = next,
             },
         }
-        self.write_queue(&instruction, queues, ops)?;
+        self.write_queue(moves, queues, ops)?;
         Ok(None)
     }
 
-    fn read_queues(&mut self, instruction: &Instruction, queues: &mut Queues, ops: &mut OpStream) {
-        self.note(ops);
-        for field in instruction.reads() {
-            let Some(queue) = instruction.register(field).queue() else { continue };
+    fn read_queues(&mut self, moves: &Moves, queues: &mut Queues, ops: &mut OpStream) {
+        for (slot, queue) in QUEUE_SLOTS.into_iter().zip(moves.reads) {
+            let Some(queue) = queue else { continue };
             let (word, op) = match queue {
                 Queue::X => (queues.next_x(), OpKind::ReadX),
                 Queue::PassX => (queues.next_x(), OpKind::PassX),
@@ -227,18 +281,14 @@ impl<'a> Processor<'a> {
             if queue == Queue::PassX {
                 queues.x_out.push(word);
             }
+            self.note(ops);
             ops.push(op, 1);
-            self.registers[queue_slot(field)] = word;
+            self.registers[slot as usize] = word;
         }
     }
 
-    fn write_queue(
-        &mut self,
-        instruction: &Instruction,
-        queues: &mut Queues,
-        ops: &mut OpStream,
-    ) -> Result<(), FaultKind> {
-        let Some(queue) = instruction.written().and_then(Register::queue) else { return Ok(()) };
+    fn write_queue(&mut self, moves: &Moves, queues: &mut Queues, ops: &mut OpStream) -> Result<(), FaultKind> {
+        let Some(queue) = moves.writes else { return Ok(()) };
         let (out, op) = match queue {
             Queue::X | Queue::PassX => (&mut queues.x_out, OpKind::WriteX),
             Queue::Y => (&mut queues.y_out, OpKind::WriteY),
@@ -259,11 +309,15 @@ impl<'a> Processor<'a> {
             self.work = step.work;
         }
         self.classes[step.class as usize] += 1;
+        self.is_noted &= step.class == UNCOUNTED;
         self.executed += 1;
     }
 
     /// Puts the instructions executed so far down as ops, one a class.
     fn note(&mut self, ops: &mut OpStream) {
+        if std::mem::replace(&mut self.is_noted, true) {
+            return;
+        }
         for class in Class::ALL {
             let (counted, noted) = (self.classes[class as usize], &mut self.noted[class as usize]);
             if counted > *noted {
@@ -279,9 +333,9 @@ impl<'a> Processor<'a> {
             return Some(Stop::Halted);
         }
         self.ended = false;
-        self.registers = [0; 64];
+        self.registers = [0; 256];
         self.address = 0;
-        (self.classes, self.noted) = (Classes::default(), Classes::default());
+        (self.classes, self.noted, self.is_noted) = (Classes::default(), Classes::default(), true);
         self.before = self.executed;
         for address in self.changed.drain(..) {
             self.data[address as usize] = self.loaded[address as usize];
@@ -299,18 +353,43 @@ impl<'a> Processor<'a> {
     /// leaves in `failed` why. `executed` counts the message's instructions, this one among them.
     #[inline(always)]
     fn execute(&mut self, step: &Step, address: u32, executed: u64) -> u32 {
-        let [first, second, third] = step.slots.map(|slot| self.registers[(slot & 63) as usize]);
+        let [first, second, _] = step.slots.map(|slot| self.registers[slot as usize]);
+        let (first_float, second_float) = (f32::from_bits(first), f32::from_bits(second));
+        let (to, next) = (step.constant as u32, address + 1);
+        match step.opcode {
+            Opcode::Beq => self.branch(first == second, to, next, executed),
+            Opcode::Bne => self.branch(first != second, to, next, executed),
+            Opcode::Blt => self.branch((first as i32) < second as i32, to, next, executed),
+            Opcode::Bge => self.branch(first as i32 >= second as i32, to, next, executed),
+            Opcode::Bltu => self.branch(first < second, to, next, executed),
+            Opcode::Bgeu => self.branch(first >= second, to, next, executed),
+            Opcode::Fblt => self.branch(first_float < second_float, to, next, executed),
+            Opcode::Fble => self.branch(first_float <= second_float, to, next, executed),
+            Opcode::Jmp => self.branch(true, to, next, executed),
+            Opcode::Jr => self.branch(true, first, next, executed),
+            Opcode::Call => {
+                self.registers[step.slots[0] as usize] = next;
+                self.branch(true, to, next, executed)
+            }
+            _ if self.compute(step.opcode, step) => next,
+            _ => FAILED,
+        }
+    }
+
+    /// Does what an instruction does that always goes on to the next; false, with the reason in `failed`, if it fails.
+    #[inline(always)]
+    pub(super) fn compute(&mut self, opcode: Opcode, step: &Step) -> bool {
+        let [first, second, third] = step.slots.map(|slot| self.registers[slot as usize]);
         let (a, b, i) = (second, third, step.constant as u32);
         let (fa, fb) = (f32::from_bits(a), f32::from_bits(b));
-        let next = address + 1;
-        let value = match step.opcode {
+        let value = match opcode {
             Opcode::Mov => a,
             Opcode::Li => i,
             Opcode::Lw => match self.memory(a.wrapping_add(i)) {
                 Some(word) => word,
                 None => return self.fail_to_load(a.wrapping_add(i)),
             },
-            Opcode::Sw => return if self.store(a.wrapping_add(i), first) { next } else { FAILED },
+            Opcode::Sw => return self.store(a.wrapping_add(i), first),
             Opcode::Add => a.wrapping_add(b),
             Opcode::Addi => a.wrapping_add(i),
             Opcode::Sub => a.wrapping_sub(b),
@@ -344,24 +423,11 @@ impl<'a> Processor<'a> {
             Opcode::Feq => (fa == fb) as u32,
             Opcode::Flt => (fa < fb) as u32,
             Opcode::Fle => (fa <= fb) as u32,
-            Opcode::Beq => return self.branch(first == second, i, next, executed),
-            Opcode::Bne => return self.branch(first != second, i, next, executed),
-            Opcode::Blt => return self.branch((first as i32) < second as i32, i, next, executed),
-            Opcode::Bge => return self.branch(first as i32 >= second as i32, i, next, executed),
-            Opcode::Bltu => return self.branch(first < second, i, next, executed),
-            Opcode::Bgeu => return self.branch(first >= second, i, next, executed),
-            Opcode::Fblt => return self.branch(f32::from_bits(first) < f32::from_bits(second), i, next, executed),
-            Opcode::Fble => return self.branch(f32::from_bits(first) <= f32::from_bits(second), i, next, executed),
-            Opcode::Jmp => return self.branch(true, i, next, executed),
-            Opcode::Jr => return self.branch(true, first, next, executed),
-            Opcode::Call => {
-                self.registers[(step.slots[0] & 63) as usize] = next;
-                return self.branch(true, i, next, executed);
-            }
-            Opcode::Done | Opcode::Halt => return next,
+            // Branches are [`Processor::execute`]'s, and the ends have no effect here.
+            _ => return true,
         };
-        self.registers[(step.slots[0] & 63) as usize] = value;
-        next
+        self.registers[step.slots[0] as usize] = value;
+        true
     }
 
     /// The address behind a branch. Every loop has one that is taken, so the limit is held here.
@@ -373,7 +439,8 @@ impl<'a> Processor<'a> {
             // Beyond all programs in any case, and not to be taken for a failure.
             to.min(FAILED - 1)
         } else {
-            self.fail(FaultKind::InstructionLimit(self.instruction_limit))
+            self.fail(FaultKind::InstructionLimit(self.instruction_limit));
+            FAILED
         }
     }
 
@@ -388,20 +455,20 @@ impl<'a> Processor<'a> {
                 }
                 true
             }
-            None => self.fail(FaultKind::Store { address, words }) != FAILED,
+            None => self.fail(FaultKind::Store { address, words }),
         }
     }
 
     #[cold]
-    fn fail_to_load(&mut self, address: u32) -> u32 {
+    fn fail_to_load(&mut self, address: u32) -> bool {
         let words = (self.data.len() + self.scene.len()) as u32;
         self.fail(FaultKind::Load { address, words })
     }
 
     #[cold]
-    fn fail(&mut self, kind: FaultKind) -> u32 {
+    fn fail(&mut self, kind: FaultKind) -> bool {
         self.failed = Some(kind);
-        FAILED
+        false
     }
 }
 
