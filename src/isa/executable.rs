@@ -51,8 +51,8 @@ impl Moves {
     }
 }
 
-/// Instructions that are executed one after the other once the first of them is, unless one fails: all work for the same
-/// kernel, none is special, and only the last may be a branch.
+/// Instructions that are executed one after the other once the first of them is, unless one fails or branches: all work for the
+/// same kernel, and none is special.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     /// How many; 0 if the first one is special.
@@ -60,8 +60,6 @@ pub(super) struct Run {
     pub work: Activity,
     /// Whether events are counted at the first one. None are at the others.
     pub is_counted: bool,
-    /// Whether the last one is a branch.
-    pub branches: bool,
     /// How many of each class.
     pub classes: Tally,
 }
@@ -108,14 +106,12 @@ fn runs(steps: &[Step], counted: &[(u32, usize)]) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::with_capacity(steps.len());
     for (address, step) in steps.iter().enumerate().rev() {
         let is_counted = counted.iter().any(|&(at, _)| at as usize == address);
-        let mut run =
-            Run { length: 0, work: step.work, is_counted, branches: step.branches(), classes: Tally::default() };
+        let mut run = Run { length: 0, work: step.work, is_counted, classes: Tally::default() };
         if !step.special {
             (run.length, run.classes) = (1, Tally::one(step.class));
-            let next = runs.last().filter(|next| !step.branches() && !next.is_counted && next.work == run.work);
+            let next = runs.last().filter(|next| !step.jumps() && !next.is_counted && next.work == run.work);
             if let Some(next) = next.filter(|next| next.length < LONGEST_RUN) {
                 run.length += next.length;
-                run.branches = next.branches;
                 run.classes = run.classes.and(next.classes);
             }
         }
@@ -166,8 +162,7 @@ impl Executable {
         let mut steps: Vec<Step> = instructions.iter().enumerate().map(step).collect();
         let runs = runs(&steps, &counted);
         for (address, run) in runs.iter().enumerate() {
-            let straight = run.length as usize - usize::from(run.branches && run.length > 0);
-            steps[address].chain = Chain::of(&steps[address..][..straight]);
+            steps[address].chain = Chain::of(&steps[address..][..run.length as usize]);
         }
         let moves = |decoded: &Result<Instruction, _>| decoded.as_ref().map(Moves::new).unwrap_or_default();
         let moves = instructions.iter().map(moves).collect();
@@ -206,10 +201,9 @@ impl Step {
         constant: 0,
     };
 
-    /// Whether it may go on elsewhere than at the next address.
-    fn branches(&self) -> bool {
-        use super::table::Format;
-        matches!(self.opcode.entry().format, Format::Branch | Format::Jump | Format::Call | Format::One)
+    /// Whether it never leads to the next address.
+    fn jumps(&self) -> bool {
+        matches!(self.opcode, Opcode::Jmp | Opcode::Call | Opcode::Jr)
     }
 
     fn new(instruction: &Instruction, address: usize) -> Step {

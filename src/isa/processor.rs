@@ -21,6 +21,17 @@ pub enum Stop {
     Waiting(Queue),
 }
 
+/// Where an instruction leads.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Flow {
+    /// To the one behind it.
+    Next,
+    /// To an address.
+    To(u32),
+    /// Nowhere: it has failed, for the reason that stands in `failed`.
+    Failed,
+}
+
 /// A cell that runs a program.
 #[derive(Clone, Debug)]
 pub struct Processor<'a> {
@@ -142,13 +153,21 @@ impl<'a> Processor<'a> {
         let Some(&step) = plain else { return self.not_plain(queues, ops) };
         self.count_events();
         self.charge(step, ops);
-        match self.execute(&step, self.address, self.executed - self.before) {
-            FAILED => self.not_plain(queues, ops),
-            next => {
-                self.address = next;
-                Ok(None)
-            }
+        match self.go(&step) {
+            true => Ok(None),
+            false => self.not_plain(queues, ops),
         }
+    }
+
+    /// Executes the instruction at the address and goes on to where it leads; false, with the reason in `failed`, if it fails.
+    fn go(&mut self, step: &Step) -> bool {
+        let flow = self.execute(step.opcode, step, self.address);
+        match self.lead(flow, self.executed - self.before) {
+            Flow::Next => self.address += 1,
+            Flow::To(to) => self.address = to,
+            Flow::Failed => return false,
+        }
+        true
     }
 
     /// Executes instructions that work between registers and memory, as far as the next one is such: run by run, each of which is
@@ -173,23 +192,18 @@ impl<'a> Processor<'a> {
             classes = classes.and(run.classes);
             tallied += run.length;
             executed += u64::from(run.length);
-            let steps = &executable.steps[address as usize..][..run.length as usize - usize::from(run.branches)];
-            address += run.length - u32::from(run.branches);
-            if let Err(left) = self.compute_all(steps) {
-                address -= left as u32;
-                // What is behind the one that failed has not been executed.
-                if left > 1 || run.branches {
-                    let behind = &executable.runs[address as usize + 1];
-                    classes = classes.without(behind.classes);
-                    executed -= u64::from(behind.length);
-                }
-                break;
+            let (done, flow) = self.execute_all(&executable.steps[address as usize..][..run.length as usize], address);
+            address += done as u32;
+            // What is behind the one that leads elsewhere has not been executed.
+            if !matches!(flow, Flow::Next) && done + 1 < run.length as usize {
+                let behind = &executable.runs[address as usize + 1];
+                classes = classes.without(behind.classes);
+                executed -= u64::from(behind.length);
             }
-            if run.branches {
-                match self.execute(&executable.steps[address as usize], address, executed - self.before) {
-                    FAILED => break,
-                    next => address = next,
-                }
+            match self.lead(flow, executed - self.before) {
+                Flow::Next => {}
+                Flow::To(to) => address = to,
+                Flow::Failed => break,
             }
         }
         if tallied > 0 {
@@ -198,16 +212,31 @@ impl<'a> Processor<'a> {
         (self.address, self.executed) = (address, executed);
     }
 
-    /// Executes instructions that go on to the next, chain by chain. If one fails, tells how many have not been executed, with it.
+    /// Executes steps, the first of which is at an address, chain by chain, until one does not lead to the next. Tells how many have
+    /// led to the next, and where the one behind them leads.
     #[inline(always)]
-    fn compute_all(&mut self, mut steps: &[Step]) -> Result<(), usize> {
-        while !steps.is_empty() {
-            match self.compute_chain(steps) {
-                Ok(done) => steps = &steps[done..],
-                Err(done) => return Err(steps.len() - done),
+    fn execute_all(&mut self, steps: &[Step], address: u32) -> (usize, Flow) {
+        let mut done = 0;
+        while done < steps.len() {
+            let (more, flow) = self.execute_chain(&steps[done..], address + done as u32);
+            done += more;
+            if !matches!(flow, Flow::Next) {
+                return (done, flow);
             }
         }
-        Ok(())
+        (done, Flow::Next)
+    }
+
+    /// Where an instruction leads, the last of `executed` for the message. Every loop has a branch that is taken, so the limit is
+    /// held here.
+    #[inline(always)]
+    fn lead(&mut self, flow: Flow, executed: u64) -> Flow {
+        match flow {
+            // Beyond all programs in any case.
+            Flow::To(to) if executed <= self.instruction_limit => Flow::To(to.min(u32::MAX - 1)),
+            Flow::To(_) => self.fail(FaultKind::InstructionLimit(self.instruction_limit)),
+            _ => flow,
+        }
     }
 
     /// Charges what has been tallied.
@@ -261,10 +290,8 @@ impl<'a> Processor<'a> {
                 self.ended = true;
                 return Ok(Some(if step.opcode == Opcode::Done { Stop::Done } else { Stop::Halted }));
             }
-            _ => match self.execute(&step, address, self.executed - self.before) {
-                FAILED => return Err(self.failed.take().unwrap_or(FaultKind::Halted)),
-                next => self.address = next,
-            },
+            _ if self.go(&step) => {}
+            _ => return Err(self.failed.take().unwrap_or(FaultKind::Halted)),
         }
         self.write_queue(moves, queues, ops)?;
         Ok(None)
@@ -349,39 +376,13 @@ impl<'a> Processor<'a> {
         Fault::new(kind, self.address, &self.executable.program)
     }
 
-    /// Does what an instruction does, between registers and memory, and gives the address of the next; or [`FAILED`], and
-    /// leaves in `failed` why. `executed` counts the message's instructions, this one among them.
+    /// Does what an instruction at an address does, between registers and memory.
     #[inline(always)]
-    fn execute(&mut self, step: &Step, address: u32, executed: u64) -> u32 {
-        let [first, second, _] = step.slots.map(|slot| self.registers[slot as usize]);
-        let (first_float, second_float) = (f32::from_bits(first), f32::from_bits(second));
-        let (to, next) = (step.constant as u32, address + 1);
-        match step.opcode {
-            Opcode::Beq => self.branch(first == second, to, next, executed),
-            Opcode::Bne => self.branch(first != second, to, next, executed),
-            Opcode::Blt => self.branch((first as i32) < second as i32, to, next, executed),
-            Opcode::Bge => self.branch(first as i32 >= second as i32, to, next, executed),
-            Opcode::Bltu => self.branch(first < second, to, next, executed),
-            Opcode::Bgeu => self.branch(first >= second, to, next, executed),
-            Opcode::Fblt => self.branch(first_float < second_float, to, next, executed),
-            Opcode::Fble => self.branch(first_float <= second_float, to, next, executed),
-            Opcode::Jmp => self.branch(true, to, next, executed),
-            Opcode::Jr => self.branch(true, first, next, executed),
-            Opcode::Call => {
-                self.registers[step.slots[0] as usize] = next;
-                self.branch(true, to, next, executed)
-            }
-            _ if self.compute(step.opcode, step) => next,
-            _ => FAILED,
-        }
-    }
-
-    /// Does what an instruction does that always goes on to the next; false, with the reason in `failed`, if it fails.
-    #[inline(always)]
-    pub(super) fn compute(&mut self, opcode: Opcode, step: &Step) -> bool {
+    pub(super) fn execute(&mut self, opcode: Opcode, step: &Step, address: u32) -> Flow {
         let [first, second, third] = step.slots.map(|slot| self.registers[slot as usize]);
         let (a, b, i) = (second, third, step.constant as u32);
         let (fa, fb) = (f32::from_bits(a), f32::from_bits(b));
+        let to_if = |taken: bool| if taken { Flow::To(i) } else { Flow::Next };
         let value = match opcode {
             Opcode::Mov => a,
             Opcode::Li => i,
@@ -423,29 +424,28 @@ impl<'a> Processor<'a> {
             Opcode::Feq => (fa == fb) as u32,
             Opcode::Flt => (fa < fb) as u32,
             Opcode::Fle => (fa <= fb) as u32,
-            // Branches are [`Processor::execute`]'s, and the ends have no effect here.
-            _ => return true,
+            Opcode::Beq => return to_if(first == second),
+            Opcode::Bne => return to_if(first != second),
+            Opcode::Blt => return to_if((first as i32) < second as i32),
+            Opcode::Bge => return to_if(first as i32 >= second as i32),
+            Opcode::Bltu => return to_if(first < second),
+            Opcode::Bgeu => return to_if(first >= second),
+            Opcode::Fblt => return to_if(f32::from_bits(first) < f32::from_bits(second)),
+            Opcode::Fble => return to_if(f32::from_bits(first) <= f32::from_bits(second)),
+            Opcode::Jmp => return Flow::To(i),
+            Opcode::Jr => return Flow::To(first),
+            Opcode::Call => {
+                self.registers[step.slots[0] as usize] = address + 1;
+                return Flow::To(i);
+            }
+            Opcode::Done | Opcode::Halt => return Flow::Next,
         };
         self.registers[step.slots[0] as usize] = value;
-        true
-    }
-
-    /// The address behind a branch. Every loop has one that is taken, so the limit is held here.
-    #[inline(always)]
-    fn branch(&mut self, taken: bool, to: u32, next: u32, executed: u64) -> u32 {
-        if !taken {
-            next
-        } else if executed <= self.instruction_limit {
-            // Beyond all programs in any case, and not to be taken for a failure.
-            to.min(FAILED - 1)
-        } else {
-            self.fail(FaultKind::InstructionLimit(self.instruction_limit));
-            FAILED
-        }
+        Flow::Next
     }
 
     #[inline(always)]
-    fn store(&mut self, address: u32, value: u32) -> bool {
+    fn store(&mut self, address: u32, value: u32) -> Flow {
         let words = self.data.len() as u32;
         match self.data.get_mut(address as usize) {
             Some(word) => {
@@ -453,26 +453,23 @@ impl<'a> Processor<'a> {
                 if !self.is_changed.replace(address as usize, true) {
                     self.changed.push(address);
                 }
-                true
+                Flow::Next
             }
             None => self.fail(FaultKind::Store { address, words }),
         }
     }
 
     #[cold]
-    fn fail_to_load(&mut self, address: u32) -> bool {
+    fn fail_to_load(&mut self, address: u32) -> Flow {
         let words = (self.data.len() + self.scene.len()) as u32;
         self.fail(FaultKind::Load { address, words })
     }
 
     #[cold]
-    fn fail(&mut self, kind: FaultKind) -> bool {
+    fn fail(&mut self, kind: FaultKind) -> Flow {
         self.failed = Some(kind);
-        false
+        Flow::Failed
     }
 }
-
-/// The address that stands for none: the instruction has failed.
-const FAILED: u32 = u32::MAX;
 
 const SIGN: u32 = 1 << 31;
