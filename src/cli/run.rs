@@ -10,7 +10,7 @@ use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
-use pcs_sim::report::{bottleneck, hits, moment, why};
+use pcs_sim::report::{bottleneck, hits, moment, summary, why};
 use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, RunSpec, Setup, Shuffled, Watching, Workers, moot};
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
@@ -131,7 +131,11 @@ pub fn report(
     let why = |by_cell: bool| path.map(|path| format!("\n{}", why::text(path, by_cell))).unwrap_or_default();
     match told {
         Told::Moment(actor, _) => Ok(head + "\n" + &moment(stats, (observed, clock), actor)?),
-        Told::Why { by_cell } => Ok(head + &why(by_cell)),
+        Told::Why { by_cell } => {
+            let enough = stats.fifos.iter().any(|fifo| fifo.enough.is_some());
+            let fifos = enough.then(|| format!("\n{}", summary::fifos(stats))).unwrap_or_default();
+            Ok(head + &why(by_cell) + &fifos)
+        }
         Told::All => Ok(head + "\n" + &account::body((stats, path), losses, names, clock)),
     }
 }

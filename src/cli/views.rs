@@ -25,6 +25,7 @@ pub struct Views {
     trace: Option<(OutputFile, Format)>,
     window: Range<Cycles>,
     why: bool,
+    enough: bool,
     force: bool,
 }
 
@@ -59,19 +60,20 @@ impl Views {
             trace: args.trace.as_ref().map(trace).transpose()?,
             window: args.trace_window.clone().unwrap_or(Cycles(0)..Cycles(u64::MAX)),
             why: args.why,
+            enough: args.enough,
             force,
         })
     }
 
     /// No views.
     pub fn none() -> Views {
-        Views { plot: None, page: None, trace: None, why: false, window: Cycles(0)..Cycles(0), force: false }
+        Views { plot: None, page: None, trace: None, why: false, enough: false, window: Cycles(0)..Cycles(0), force: false }
     }
 
     /// What the views need to see of a machine.
     pub fn watching(&self) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
-        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: self.why, moment: None }
+        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: self.why, moment: None, enough: self.enough }
     }
 
     /// Whether a view shows the traced picture.

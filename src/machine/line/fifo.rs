@@ -29,6 +29,8 @@ pub(super) struct Fifo {
     max: u64,
     /// All reads before this one have been looked at for `max`.
     max_scanned: u64,
+    /// Whether `max` counts a word that is read in the cycle in which another is written: these two need a place each.
+    counts_places: bool,
 }
 
 /// Words that are looked at together for the maximum: enough for vector instructions, few enough that one that raises it
@@ -59,7 +61,46 @@ impl Fifo {
             empty: 0,
             max: 0,
             max_scanned: 0,
+            counts_places: false,
         }
+    }
+
+    /// One that holds all there is, up to so many words: to be [made deep enough](Fifo::make_room) before words are written.
+    pub fn growing(latency: u64) -> Fifo {
+        Fifo { counts_places: true, ..Fifo::new(1, latency) }
+    }
+
+    /// Makes it deep enough for no word to wait until word `until`, if the writer stands at cycle `clock`; but no deeper than
+    /// `most`, a power of two.
+    pub fn make_room(&mut self, until: u64, clock: u64, most: u64) {
+        let oldest = self.written.saturating_sub(self.capacity);
+        let (mut free, mut held) = (oldest, self.read);
+        while free < held {
+            let middle = free + (held - free) / 2;
+            // What was forgotten as it got deeper is free from cycle 0 on.
+            if self.free_from[slot(middle, &self.free_from)] <= clock { free = middle + 1 } else { held = middle }
+        }
+        let needed = (until - free).next_power_of_two().min(most);
+        if needed <= self.capacity {
+            return;
+        }
+        let moved = |from: &[u64], until: u64| {
+            let mut ring: Box<[u64]> = vec![0; needed as usize].into();
+            for word in oldest..until {
+                let place = slot(word, &ring);
+                ring[place] = from[slot(word, from)];
+            }
+            ring
+        };
+        // Who needed all places that there were cannot have needed more so far.
+        self.max_scanned = self.max_scanned.max(self.read.min(self.written.saturating_sub(self.max)));
+        (self.ready_at, self.free_from) = (moved(&self.ready_at, self.written), moved(&self.free_from, self.read));
+        self.capacity = needed;
+    }
+
+    /// The places that were needed at once: with as many, no word has to wait for one.
+    pub fn places(&self) -> u64 {
+        self.max.max(self.fill()).max(1)
     }
 
     pub fn capacity(&self) -> u64 {
@@ -236,8 +277,9 @@ impl Fifo {
             }
             let reads = &self.free_from[early..early + stretch];
             let writes = &self.ready_at[late..late + stretch];
-            // Written before read: ready_at - latency < free_from - 1, here as the sign of the difference.
-            let offset = 1u64.wrapping_sub(self.latency);
+            // Written before read: ready_at - latency < free_from - 1, here as the sign of the difference; where places are
+            // counted, no later than read.
+            let offset = (!self.counts_places as u64).wrapping_sub(self.latency);
             let above = |(write, read): (&u64, &u64)| write.wrapping_add(offset).wrapping_sub(*read) as i64;
             if writes.iter().zip(reads).map(above).fold(0, |any, sign| any | sign) >= 0 {
                 self.max_scanned += stretch as u64;
@@ -259,6 +301,7 @@ impl Fifo {
             word_cycles: self.read_times + unread - self.write_times,
             full: Cycles(self.full_cycles(cycles)),
             empty: Cycles(self.empty_cycles(cycles)),
+            enough: None,
         }
     }
 
