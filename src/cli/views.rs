@@ -67,13 +67,27 @@ impl Views {
 
     /// No views.
     pub fn none() -> Views {
-        Views { plot: None, page: None, trace: None, why: false, enough: false, window: Cycles(0)..Cycles(0), force: false }
+        Views {
+            plot: None,
+            page: None,
+            trace: None,
+            why: false,
+            enough: false,
+            window: Cycles(0)..Cycles(0),
+            force: false,
+        }
     }
 
     /// What the views need to see of a machine.
     pub fn watching(&self) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
-        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: self.why, moment: None, enough: self.enough }
+        Watching {
+            profile,
+            recording: self.trace.as_ref().map(|_| self.window.clone()),
+            path: self.why,
+            moment: None,
+            enough: self.enough,
+        }
     }
 
     /// Whether a view shows the traced picture.

@@ -24,7 +24,7 @@ pub use observed::Observed;
 pub use path::{Cause, CriticalPath, PathPart, PathUnit};
 pub use profile::{FifoBin, FifoProfile, Latency, Profile};
 pub use recording::{FifoLevels, JobSpan, Recording, StationRecord, Stretch};
-pub use snapshot::{Doing, Snapshot, What, When};
+pub use snapshot::{At, Doing, Snapshot, What, When};
 pub use so_far::SoFar;
 pub use state::{State, StateId, StateKind, StateTimes, States, Toward};
 pub use stats::{FifoStats, LinkStats, Measured};

@@ -10,16 +10,22 @@ use crate::quantities::Cycles;
 /// What somebody does in the cycle of a snapshot, and, a line each, who waits for whom, down to one that does not wait.
 pub fn text(path: &CriticalPath, snapshot: &Snapshot, from: Actor, clock: Clock) -> String {
     let mut lines = vec![format!("cycle {} ({}):", grouped(snapshot.at.0), time(clock.seconds(snapshot.at)))];
+    let links = links(path, snapshot, from).into_iter();
+    lines.extend(links.map(|(actor, doing)| line(path, actor, &doing, snapshot.at)));
+    lines.join("\n") + "\n"
+}
+
+/// What somebody does in the cycle of a snapshot, then what the one does that it waits for, and so on, down to one that does not wait.
+pub fn links(path: &CriticalPath, snapshot: &Snapshot, from: Actor) -> Vec<(Actor, Doing)> {
+    let mut links: Vec<(Actor, Doing)> = Vec::new();
     let mut next = Some(from);
     // In a run that ends nobody waits for itself; whatever it is, it is told once.
-    let mut told = Vec::new();
-    while let Some(actor) = next.filter(|actor| !told.contains(actor)) {
-        told.push(actor);
+    while let Some(actor) = next.filter(|actor| links.iter().all(|link| link.0 != *actor)) {
         let Some(doing) = snapshot.of(actor) else { break };
-        lines.push(line(path, actor, doing, snapshot.at));
+        links.push((actor, *doing));
         next = waits_for(path, doing, snapshot.at);
     }
-    lines.join("\n") + "\n"
+    links
 }
 
 /// Whom it waits for, if that one has still to do something for it.
@@ -36,7 +42,7 @@ fn waits_for(path: &CriticalPath, doing: &Doing, at: Cycles) -> Option<Actor> {
 }
 
 /// One sentence on one of them.
-fn line(path: &CriticalPath, actor: Actor, doing: &Doing, at: Cycles) -> String {
+pub fn line(path: &CriticalPath, actor: Actor, doing: &Doing, at: Cycles) -> String {
     let fifo = |fifo: usize| &path.topology.fifos[fifo];
     let what = match doing.what {
         What::Works { unit, count } => {

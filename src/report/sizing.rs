@@ -1,10 +1,11 @@
 //! What sizing the FIFOs has found: for people, as a table, as pictures.
 
+use super::account::machine_line;
 use super::plot::curves::{self, Axes};
 use super::plot::{Picture, PlotError};
 use super::summary::{aligned, grouped, table};
 use super::table::{Column, Kind, Table};
-use crate::machine::MachineSpec;
+use crate::machine::{Machine, MachineFile, MachineSpec};
 use crate::measure::Clock;
 use crate::quantities::{Cycles, Words};
 use crate::run::{Fewer, Front, Point};
@@ -172,6 +173,29 @@ fn share(speed: f64) -> String {
 /// How a point of the front is called, as part of a file's name: `99.9`. `slower` is by how many thousandths it may be slower.
 pub fn name(slower: u64) -> String {
     share(1.0 - slower as f64 / 1000.0).trim_end_matches(" %").to_owned()
+}
+
+/// What is sized, above all that is told of it.
+pub fn heading(title: &str) -> String {
+    format!("FIFOs of {title}")
+}
+
+/// All that people read of a front.
+pub fn text(front: &Front, title: &str, machine: &Machine) -> String {
+    let (heading, machine) = (heading(title), machine_line(&machine.spec));
+    format!("{heading}\n{machine}\n\n{}\n{}", to_text(front), sentences(front))
+}
+
+/// The machine file of a point of the front.
+pub fn machine_text(front: &Front, point: &Point, title: &str, file: &MachineFile) -> Result<String, ron::Error> {
+    let text = front.machine(&point.depths.words, file).to_ron()?;
+    Ok(format!(
+        "// The fewest words for {} % of the speed with unlimited FIFOs, found by `pcs-sim size-fifos` for\n\
+         // {title}: {} words, {} cycles.\n{text}",
+        name(point.slower),
+        grouped(point.depths.total()),
+        grouped(point.depths.cycles.0),
+    ))
 }
 
 /// The front for people: a column for each of its machines, a row for each FIFO.

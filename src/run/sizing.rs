@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use super::RunError;
 use super::timed::UNLIMITED;
 use crate::cancel::Cancel;
+use crate::error::InputError;
 use crate::machine::{Array, Cycles, FifoName, MachineFile, MachineSpec, Stuck, Unfinished, Words};
 use crate::measure::{Actor, Measured, StateTimes};
 use crate::quantities::common_divisor;
@@ -38,6 +39,28 @@ pub struct Recorded<'a> {
 /// How fast machines are that are worth a look, each as the cycles that they may take more than with unlimited FIFOs, in
 /// thousandths. At 1 % more the speed is 99 % at the least, and so on.
 pub const SLOWER: [u64; 5] = [0, 1, 10, 50, 100];
+
+/// Speeds in percent of that with unlimited FIFOs as the thousandths by which a run may be slower: each once, the fastest first. Those
+/// of [`SLOWER`], if none is given.
+///
+/// # Errors
+///
+/// If a speed is none from 50 to 100 %, or has more than a decimal.
+pub fn slower(percent: &[f64]) -> Result<Vec<u64>, InputError> {
+    if percent.is_empty() {
+        return Ok(SLOWER.to_vec());
+    }
+    let slower = |&percent: &f64| {
+        let thousandths = (1000.0 - 10.0 * percent).round();
+        let possible = (50.0..=100.0).contains(&percent) && (1000.0 - thousandths - 10.0 * percent).abs() < 1e-9;
+        possible.then_some(thousandths as u64).ok_or_else(|| {
+            let error = InputError::new(format!("a speed of {percent} % cannot be asked for"));
+            error.help("speeds are from 50 to 100 %, with one decimal at the most")
+        })
+    };
+    let all: BTreeSet<u64> = percent.iter().map(slower).collect::<Result<_, _>>()?;
+    Ok(all.into_iter().collect())
+}
 
 /// The fewest words that were found for each speed.
 #[derive(Clone, Debug, PartialEq, Eq)]

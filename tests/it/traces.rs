@@ -194,7 +194,8 @@ fn read_perfetto(bytes: &[u8]) -> Read {
                     assert_eq!(named(&interned.debug_annotation_names, text.name_iid), format!("who {number}"));
                 }
                 let chain = texts.into_iter().map(|text| text.string_value.clone()).collect();
-                let arguments = arguments.into_iter().map(|a| (named(&interned.debug_annotation_names, a.name_iid), a.uint_value));
+                let arguments =
+                    arguments.into_iter().map(|a| (named(&interned.debug_annotation_names, a.name_iid), a.uint_value));
                 let flow = Some(event.flow_ids.max(event.terminating_flow_ids)).filter(|&flow| flow > 0);
                 assert_eq!(event.terminating_flow_ids > 0, name.starts_with("HIT"));
                 if event.name.is_empty() {
@@ -203,7 +204,16 @@ fn read_perfetto(bytes: &[u8]) -> Read {
                 }
                 let arguments = arguments.collect();
                 stack.push(read.slices.len());
-                read.slices.push(Slice { track, name, depth: stack.len() - 1, from: at, until: 0, arguments, chain, flow });
+                read.slices.push(Slice {
+                    track,
+                    name,
+                    depth: stack.len() - 1,
+                    from: at,
+                    until: 0,
+                    arguments,
+                    chain,
+                    flow,
+                });
             }
             2 => read.slices[stack.pop().expect("a slice ends that has begun")].until = at,
             4 => read.counters.entry(track).or_default().push((at, event.counter_value)),

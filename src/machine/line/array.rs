@@ -17,7 +17,9 @@ use super::states::{blocked, states, waiting};
 use super::stuck::{self, Stuck};
 use super::unlimited::Coming;
 use crate::machine::{FifoName, MachineSpec};
-use crate::measure::{Actor, FifoInfo, FifoStats, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology, When};
+use crate::measure::{
+    Actor, FifoInfo, FifoStats, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology, When,
+};
 use crate::quantities::{Cycles, Words};
 use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 

@@ -12,8 +12,8 @@ use super::time_scale::TimeScale;
 use crate::measure::{
     Actor, FifoInfo, FifoLevels, JobSpan, State, StateId, StateKind, StationRecord, Stretch, Topology, Waits,
 };
-use crate::report::moment;
 use crate::quantities::Cycles;
+use crate::report::moment;
 
 /// The parts of Perfetto's messages that a trace needs, with their numbers.
 mod messages {
