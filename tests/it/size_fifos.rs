@@ -44,7 +44,7 @@ proptest! {
         let with = |words: &[Words]| ticked(&deep(&front, words, &spec));
         // With the unlimited depths nothing changes, and with one word fewer something does.
         let seen = |words: &[Words]| with(words).map(|run| {
-            let fifos: Vec<_> = run.fifos.iter().map(|(name, _, held)| (name.clone(), held.max, held.word_cycles)).collect();
+            let fifos: Vec<_> = run.fifos.iter().map(|(name, _, held)| (name.clone(), held.max, held.word_cycles, held.empty)).collect();
             (run.cycles, run.stations, fifos)
         });
         // What happens after the host's last read is in no statistics.
@@ -152,7 +152,7 @@ fn what_is_enough_is_told_beside_any_run() {
     let machine = "--fifo-words 9 --latency-cycles 3 --link-mb-s 30";
     for run in [
         "--mode broadcast --cells 3 --scene teapot --size-factor 3 --size 24x18".to_owned(),
-        "image room -o a.png --size 12x9 --mode hybrid --cells 4 --in-flight 6 --stop-words 2 --force".to_owned(),
+        "image room -o a.png --size 12x9 --mode hybrid --cells 4 --in-flight 6 --stop-words 2".to_owned(),
     ] {
         let told = folder.run(&format!("{run} {machine} --ops a.ops --stats a.json --force --enough")).success();
         assert!(told.contains("  enough  "), "{told}");

@@ -342,7 +342,7 @@ impl Array {
     /// Brings what is known of a link's FIFOs up to date, after a stretch of reads or of writes.
     fn follow_link(&mut self, index: usize) {
         let link = &mut self.links[index];
-        link.track_max();
+        link.follow();
         if let Some(observers) = &mut self.observers {
             observers.follow(index, link);
         }
@@ -352,7 +352,7 @@ impl Array {
     fn collect_returns(&mut self) {
         let inbox = &mut self.links[self.cells.len()].y;
         while let Some(ready) = inbox.ready().filter(|ready| *ready < self.limit) {
-            inbox.read_one(ready, ready);
+            inbox.read_one(ready);
             if inbox.words_read().is_multiple_of(self.vocabulary.answer_words) {
                 self.returned.push(ready);
                 if let Some(observers) = &mut self.observers {
