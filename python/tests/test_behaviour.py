@@ -150,7 +150,8 @@ def test_every_flag_is_a_parameter(folder: Path) -> None:
     """Every parameter is a flag of the command, and every flag that is about the run a parameter."""
     known = pcs_sim.parameters().to_dict()
     results = set(
-        "json quiet config stats force watch plot page trace trace-window why enough image hits ops ops-form threads".split()
+        "json quiet config stats force watch plot page trace trace-window why enough image hits ops "
+        "ops-form threads".split()
     )
     others = {"help", "version", "output", "predict-only"} | results
     for call in ["run", "image", "model", "replay", "farm"]:

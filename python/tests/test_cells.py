@@ -71,9 +71,12 @@ def test_an_instruction_at_a_time(folder: Path) -> None:
 
 
 def test_breakpoints(folder: Path) -> None:
-    (folder / "count.pcs").write_text("        addi r1, r0, 3\nagain:  addi r1, r1, -1\n        bne r1, r0, again\n        halt\n")
+    (folder / "count.pcs").write_text(
+        "        addi r1, r0, 3\nagain:  addi r1, r1, -1\n        bne r1, r0, again\n        halt\n"
+    )
     cell = pcs_sim.assemble("count.pcs").start()
-    for place in ["again", 1, "2"]:
+    places: list[int | str] = ["again", 1, "2"]
+    for place in places:
         cell.break_at(place)
     seen = []
     while (state := cell.run())["stopped"] == "breakpoint":
@@ -81,8 +84,9 @@ def test_breakpoints(folder: Path) -> None:
     assert seen == [(1, 3), (1, 2), (1, 1)]
     assert state["stopped"] == "halted"
     assert cell.run()["stopped"] == "halted"
-    for place in ["nowhere", 99, "99"]:
-        with pytest.raises(pcs_sim.InputError, match="no label|ends before|no instruction"):
+    wrong: list[int | str] = ["nowhere", 99, "99"]
+    for place in wrong:
+        with pytest.raises(pcs_sim.InputError, match=r"no label|ends before|no instruction"):
             cell.break_at(place)
 
 

@@ -244,7 +244,7 @@ def test_what_a_replay_does_not_have() -> None:
 
 
 def test_why(two: Path) -> None:
-    parameters = {"scene": "room", "size": "16x12", "mode": "broadcast", "cells": 3, "fifo_words": 16}
+    parameters: dict[str, Any] = {"scene": "room", "size": "16x12", "mode": "broadcast", "cells": 3, "fifo_words": 16}
     why = pcs_sim.why(**parameters, enough=True)
     why.run.save(stats="stats.json", page="page.html", plot="plots")
     results = "--enough --stats stats.json --page page.html --plot plots"
@@ -273,8 +273,9 @@ def test_why(two: Path) -> None:
 
 
 def test_why_in_one_moment(two: Path) -> None:
-    parameters = {"scene": "room", "size": "16x12", "mode": "broadcast", "cells": 3, "fifo_words": 16}
-    for asked in [{"cell": 0, "ray": 100}, {"cell": "host", "at": "0.2ms"}, {"cell": 2, "at": 5000}]:
+    parameters: dict[str, Any] = {"scene": "room", "size": "16x12", "mode": "broadcast", "cells": 3, "fifo_words": 16}
+    moments: list[dict[str, Any]] = [{"cell": 0, "ray": 100}, {"cell": "host", "at": "0.2ms"}, {"cell": 2, "at": 5000}]
+    for asked in moments:
         why = pcs_sim.why(**parameters, **asked)
         assert command(two / "theirs", "why", *flags({**parameters, **asked})).out == str(why)
         assert why.waits is not None
@@ -286,7 +287,7 @@ def test_why_in_one_moment(two: Path) -> None:
 
 @pytest.mark.parametrize("speed", [None, 99, [99, 97.5]])
 def test_sizes(two: Path, speed: Any) -> None:
-    parameters = {"scene": "room", "size": "16x12", "mode": "broadcast", "cells": 3}
+    parameters: dict[str, Any] = {"scene": "room", "size": "16x12", "mode": "broadcast", "cells": 3}
     sizes = pcs_sim.size_fifos(**parameters, speed=speed)
     written = sizes.save("t.csv", plot=True, machines=True)
     asked = [] if speed is None else [f"--speed={one}" for one in (speed if isinstance(speed, list) else [speed])]

@@ -17,7 +17,7 @@ from ._parameters import (
     ModelParameters,
     RunParameters,
 )
-from ._types import CellState, Counts, Timelines, Wait
+from ._types import CellState, Counts, Doing, Timelines, Wait
 
 _Path = str | PathLike[str]
 _Point = tuple[float, float, float]
