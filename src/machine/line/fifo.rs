@@ -97,8 +97,9 @@ impl Fifo {
         if needed <= self.capacity {
             return;
         }
-        // Who needed all places that there were cannot have needed more so far.
         (self.passed, self.peak) = (self.passed(), self.peak());
+        // No word that is written has needed more places than there were; the next ones may.
+        self.peak.words = self.peak.words.min(oldest);
         let moved = |from: &[u64], until: u64| {
             let mut ring: Box<[u64]> = vec![0; needed.max(LEAST_RING) as usize].into();
             for word in oldest..until {
