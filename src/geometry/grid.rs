@@ -16,8 +16,9 @@ use crate::cancel::{Cancel, Cancelled};
 /// The most voxels of a grid.
 pub const MOST_VOXELS: f64 = (1u64 << 29) as f64;
 
-/// The most references to polygons in all voxels of a grid.
-pub const MOST_REFERENCES: f64 = (1u64 << 30) as f64;
+/// The most references to polygons in all voxels of a grid: a GiB. With so many voxels a polygon, polygons that lie in most voxels
+/// would need a memory that grows with the square of their number.
+pub const MOST_REFERENCES: f64 = (1u64 << 28) as f64;
 
 /// A grid that would not fit into the simulator's memory.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
