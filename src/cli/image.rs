@@ -9,9 +9,9 @@ use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::image;
+use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
-use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{
@@ -91,6 +91,7 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
         ("--page", args.views.page.is_some()),
         ("--trace", args.views.trace.is_some()),
         ("--why", args.views.why),
+        ("--enough", args.views.enough),
     ];
     let untimed = spec.image.as_ref().is_some_and(|image| image.timing == Switch::Off);
     match files.iter().find(|(_, typed)| *typed && untimed) {
@@ -143,7 +144,7 @@ fn render(
     let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
         rules: image.rules(setup.spec.order),
-        watching: files.views.watching(),
+        watching: files.views.watching(Shape::Line),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
     let form = args.tracing.ops_form.into();
@@ -196,7 +197,7 @@ fn write_outputs(
                 .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
         }
         let seen = views::Seen {
-            caption: &Caption { title: account::image_title(setup, rendered), machine: account::machine_line(spec) },
+            caption: &account::caption(account::image_title(setup, rendered), setup),
             clock: spec.clock(),
             stats: &timing.stats,
             losses,

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
+use pcs_sim::measure::Shape;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{cube as told, hits};
 use pcs_sim::run::{CubeOutcome, CubeRunOptions, CubeSetup, CubeSpec, OutputFile, SceneOptions, moot};
@@ -35,7 +36,7 @@ pub fn ipsc2(args: &Ipsc2Args, typed: &Typed) -> Result<(), Failure> {
     };
     setup.notes().for_each(super::note);
     let spinner = progress::waiting("running the nodes");
-    let outcome = setup.run(&files.views.watching(), &Cancel::default());
+    let outcome = setup.run(&files.views.watching(Shape::Cube), &Cancel::default());
     spinner.finish_and_clear();
     let outcome = outcome?;
     print(&told::text(&setup, &outcome))?;

@@ -96,7 +96,7 @@ pub fn text(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
 
 /// What runs, and on what machine.
 pub fn caption(setup: &CubeSetup) -> Caption {
-    Caption { title: title(setup), machine: machine_line(&setup.spec) }
+    Caption { title: title(setup), machine: machine_line(&setup.spec), partition: None }
 }
 
 fn title(setup: &CubeSetup) -> String {

@@ -91,6 +91,10 @@ impl LaidOut for CubePoint {
         self.spec.lay_out(false, workers, |_| Ok::<_, Infallible>(())).map_err(reason)
     }
 
+    fn told(scene: &CubeScene) -> (&str, &[String]) {
+        (&scene.name, &scene.notes)
+    }
+
     fn run(&self, scene: &CubeScene, cancel: &Cancel) -> Result<Vec<String>, String> {
         let outcome = self.spec.run(scene, &self.machine, &Watching::default(), cancel).map_err(reason)?;
         Ok(self.results(scene, &outcome))

@@ -76,6 +76,10 @@ impl LaidOut for FarmPoint {
         self.spec.lay_out(workers, |_| Ok::<_, Infallible>(())).map_err(reason)
     }
 
+    fn told(scene: &FarmScene) -> (&str, &[String]) {
+        (&scene.name, &scene.notes)
+    }
+
     fn run(&self, scene: &FarmScene, cancel: &Cancel) -> Result<Vec<String>, String> {
         let items = self.spec.cut(scene, &self.machine).map_err(reason)?;
         let made = (scene, &self.machine, &items);

@@ -23,6 +23,8 @@ pub trait LaidOut: Sized + Sync {
     fn notes(&self) -> &[String];
     /// Its scene, and what there is to be done.
     fn lay_out(&self, workers: &Workers) -> Result<Self::Scene, String>;
+    /// The scene's name, and what reading it changed.
+    fn told(scene: &Self::Scene) -> (&str, &[String]);
     /// Runs it: a cell for each of its kind's columns.
     fn run(&self, scene: &Self::Scene, cancel: &Cancel) -> Result<Vec<String>, String>;
 }

@@ -17,7 +17,10 @@ from ._native import (
     Program,
     Run,
     Scene,
+    Sizes,
+    Stepping,
     Table,
+    Why,
     __version__,
     assemble,
     farm,
@@ -28,7 +31,9 @@ from ._native import (
     replay,
     run,
     scenes,
+    size_fifos,
     sweep,
+    why,
 )
 
 __all__ = [
@@ -42,7 +47,10 @@ __all__ = [
     "Program",
     "Run",
     "Scene",
+    "Sizes",
+    "Stepping",
     "Table",
+    "Why",
     "__version__",
     "assemble",
     "farm",
@@ -53,5 +61,7 @@ __all__ = [
     "replay",
     "run",
     "scenes",
+    "size_fifos",
     "sweep",
+    "why",
 ]
