@@ -99,6 +99,10 @@ fn open_outputs(args: &Ipsc2Args, scene: &Path) -> Result<Outputs, InputError> {
         let error = InputError::new("--why is about cells in a row, whose times do not depend on who comes first");
         return Err(error.help("leave it out; the losses tell what the nodes' time goes to"));
     }
+    if args.views.enough {
+        let error = InputError::new("--enough is about cells in a row, and the depths of their FIFOs");
+        return Err(error.help("leave it out; --flow and --queue-rays are about the queues of nodes"));
+    }
     let inputs = [Some(scene), args.cube.machine.as_deref(), args.config.as_deref()];
     outputs::check_distinct(&named(args), &inputs)?;
     let image = |path: &PathBuf| Ok((outputs::create(path, args.force)?, Format::of(path)?));
