@@ -158,10 +158,10 @@ fn main() {
             println!("{name:<22} {fifo_words:>10} {alone:>16.0} {probed:>12.0} {explained:>12.0}");
         }
     }
-    if only.is_none_or(|only| only == "farm") {
+    if only.as_ref().is_none_or(|only| only == "farm") {
         println!("farm of 8 workers, 640 x 512 pixels, and of one: {:.3} s", median_farm());
     }
-    if only.is_none_or(|only| only == "cube") {
+    if only.as_ref().is_none_or(|only| only == "cube") {
         cube();
     }
 }

@@ -431,12 +431,11 @@ impl Cube<'_> {
             let (.., place) = self.nodes[task].aside.remove(at);
             return self.place(task, place);
         }
-        let did = if self.rules.pixels_first {
-            self.begin(task) || self.work(task)
-        } else {
-            self.work(task) || self.begin(task)
-        };
-        if did {
+        let mut ways: [fn(&mut Self, usize) -> bool; 2] = [Self::work, Self::begin];
+        if self.rules.pixels_first {
+            ways.reverse();
+        }
+        if ways.iter().any(|way| way(self, task)) {
             return;
         }
         if std::mem::take(&mut self.nodes[task].stop) {
@@ -530,8 +529,7 @@ impl Cube<'_> {
     }
 
     fn place(&mut self, task: usize, mut place: Place) {
-        loop {
-            let Some((ray, leg)) = self.follower(place) else { break };
+        while let Some((ray, leg)) = self.follower(place) {
             let to = self.node_of[self.graph.legs[leg as usize].region as usize] as usize;
             let kind = |ray: u32| self.graph.rays[ray as usize].kind;
             if to == task && ray != place.ray && kind(ray) == RayKind::Shadow && kind(place.ray) == RayKind::Shadow {
@@ -573,12 +571,10 @@ impl Cube<'_> {
             self.nodes[task].todo.push_front(Todo::Place(place));
             return self.send(task, to, Text::Ray(ray, leg));
         }
-        if !place.is_new {
-            if let Flow::Classes(_) = self.rules.flow {
-                self.nodes[task].free += 1;
-                for node in &mut self.nodes {
-                    node.woken |= node.waits && node.aside.iter().any(|aside| aside.2 == task);
-                }
+        if !place.is_new && matches!(self.rules.flow, Flow::Classes(_)) {
+            self.nodes[task].free += 1;
+            for node in &mut self.nodes {
+                node.woken |= node.waits && node.aside.iter().any(|aside| aside.2 == task);
             }
         }
         self.end(task, place);
