@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, ValueEnum};
 use pcs_sim::machine::{Cycles, MachineOptions};
+use pcs_sim::report::plot::Format;
 use pcs_sim::run::{
     CellsOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions, ProgramOptions, RayOptions, RunOptions,
     SceneOptions, ShapeOptions,
@@ -239,10 +240,20 @@ pub struct ReplayArgs {
     pub views: ViewArgs,
 }
 
+/// What pictures are written as.
+#[derive(Clone, Debug, Args)]
+pub struct PlotFormats {
+    /// What the pictures are written as.
+    #[arg(long, value_name = "FORMAT,...", value_enum, value_delimiter = ',', default_values_t = [Format::Svg, Format::Png])]
+    pub plot_format: Vec<Format>,
+}
+
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = VIEWS)]
 pub struct ViewArgs {
-    /// Draw the run as SVG and PNG: FIFO levels and histograms, cell states, rays done, latencies.
+    #[command(flatten)]
+    pub formats: PlotFormats,
+    /// Draw the run as SVG and PNG: FIFO levels and histograms, cell states, rays on their way and done, latencies.
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     /// Write a page (HTML) to look at the run in a browser: the array, and charts to zoom into.
@@ -252,9 +263,9 @@ pub struct ViewArgs {
     /// GTKWave beside it (.gtkw).
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// The cycles to trace, from A to before B; either may be left out [default: from 0 on, as many as viewers open with
-    /// ease].
-    #[arg(long, value_name = "A..B", requires = "trace", value_parser = window)]
+    /// The cycles to trace, and those that a page and plots show one by one, from A to before B; either may be left out
+    /// [default: from 0 on, as many as viewers open with ease].
+    #[arg(long, value_name = "A..B", value_parser = window)]
     pub trace_window: Option<Range<Cycles>>,
     /// Tell why the run took as long: its critical path, and what faster parts would save. In --stats, --plot and --page too.
     #[arg(long)]
@@ -273,11 +284,14 @@ pub struct SweepArgs {
     /// Tell how many points the sweep has, and run none.
     #[arg(long, conflicts_with_all = ["table", "plot", "force", "watch", "accept_failures", "threads"])]
     pub count: bool,
-    /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode.
+    /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode, and all else that
+    /// `pcs-sim plot` takes.
     ///
-    /// The plot lies beside the table, as SVG and PNG. May be given several times, x= first.
-    #[arg(long, num_args = 2..=3, value_names = ["x=COLUMN", "y=COLUMN", "by=COLUMN"])]
+    /// The plot lies beside the table. May be given several times, x= first.
+    #[arg(long, num_args = 2.., value_name = "WORD=VALUE")]
     pub plot: Vec<String>,
+    #[command(flatten)]
+    pub formats: PlotFormats,
     /// Replace plots that exist, and the table and journal of another sweep.
     #[arg(long)]
     pub force: bool,
@@ -325,18 +339,25 @@ pub struct ModelArgs {
 
 #[derive(Debug, Args)]
 pub struct PlotArgs {
-    /// A table: CSV with a heading, such as a sweep's.
-    #[arg(value_name = "TABLE.csv")]
+    /// A table: CSV with a heading, or Parquet, such as a sweep's.
+    #[arg(value_name = "TABLE")]
     pub table: PathBuf,
-    /// The columns to draw, with a line for each value of the third. COLUMN=VALUE takes just the rows with that value.
-    #[arg(required = true, value_names = ["x=COLUMN", "y=COLUMN", "by=COLUMN", "COLUMN=VALUE"], num_args = 2..)]
+    /// What to draw: x=COLUMN y=COLUMN, a line for each value of by=COLUMN, a panel for each of facet=COLUMN; COLUMN=VALUE takes
+    /// just the rows with that value.
+    ///
+    /// log=y (x, xy, none) makes axes logarithmic or not; relative=first divides each line by its first point, relative=LINE all
+    /// by that line; cm=16x10 is the size. No point is an average: where rows that differ come to the same place, one column
+    /// that tells them apart gets lines of its own, or it is said what to choose.
+    #[arg(required = true, value_name = "WORD=VALUE", num_args = 2..)]
     pub columns: Vec<String>,
-    /// The picture's name: NAME.svg and NAME.png.
+    /// The picture's name, without the ending.
     #[arg(short, long, value_name = "NAME")]
     pub output: PathBuf,
-    /// What the picture shows, in a line above it.
-    #[arg(long, value_name = "TEXT", default_value = "")]
-    pub title: String,
+    /// What the picture shows, in a line above it [default: the parameters in the table].
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+    #[command(flatten)]
+    pub formats: PlotFormats,
     /// Replace pictures that exist.
     #[arg(long)]
     pub force: bool,

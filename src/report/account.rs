@@ -3,6 +3,7 @@
 use super::bottleneck;
 use super::kinds::{self, RaysByKind};
 use super::losses::Losses;
+use super::plot::Caption;
 use super::prediction::{self, Row};
 use super::stats::{self, Configuration};
 use super::summary::{self, grouped};
@@ -55,6 +56,18 @@ pub fn image_title(setup: &Setup, rendered: &Rendered) -> String {
 pub fn replay_title(replay: &Replay) -> String {
     let Replay { spec, trace, .. } = replay;
     format!("replay of {} on {} cells: {} rays", spec.ops.display(), trace.cells(), grouped(trace.jobs()))
+}
+
+/// What pictures of a run with that title tell of it.
+pub fn caption(title: String, setup: &Setup) -> Caption {
+    let Setup { spec: RunSpec { program, .. }, workload, machine, .. } = setup;
+    let partition = (workload.groups() > 1).then(|| program.partition.to_string());
+    Caption { title, partition, machine: machine_line(&machine.spec) }
+}
+
+/// What pictures of a replay tell of it.
+pub fn replay_caption(replay: &Replay) -> Caption {
+    Caption { title: replay_title(replay), partition: None, machine: machine_line(&replay.machine.spec) }
 }
 
 /// What people read of a run of primary rays.

@@ -44,7 +44,7 @@ pub fn compared(setup: &FarmSetup, outcomes: &[FarmOutcome]) -> String {
 
 /// What runs, and on what machine.
 pub fn caption(setup: &FarmSetup, outcome: &FarmOutcome) -> Caption {
-    Caption { title: title(setup, outcome), machine: machine_line(&setup.spec.machine) }
+    Caption { title: title(setup, outcome), partition: None, machine: machine_line(&setup.spec.machine) }
 }
 
 /// What runs, in one line.

@@ -1,6 +1,6 @@
 //! What sizing the FIFOs has found: for people, as a table, as pictures.
 
-use super::plot::curves::{self, Axes};
+use super::plot::curves::{self, Axes, Look};
 use super::plot::{Picture, PlotError};
 use super::summary::{aligned, grouped, prose, table};
 use super::table::{Column, Kind, Table};
@@ -86,7 +86,7 @@ impl SizesTable {
         let draw = |name: &str, table: &Table<'_>, axes: [&str; 2], by: Option<&str>| {
             let axes =
                 Axes::new(table.columns, axes[0], axes[1], by).map_err(|error| PlotError::new(error.to_string()))?;
-            Ok(Picture { name: name.to_owned(), rendered: curves::render(table, &axes, title)? })
+            Ok(Picture { name: name.to_owned(), rendered: curves::render(table, &axes, &Look::default(), title)? })
         };
         Ok([
             draw(of_speed, &front, ["words", "speed"], None)?,

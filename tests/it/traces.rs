@@ -45,7 +45,7 @@ impl Run {
 
     /// The trace's bytes and its notes.
     fn trace(&self, format: Format) -> (Vec<u8>, Vec<String>) {
-        let caption = &Caption { title: "a run".to_owned(), machine: "a machine".to_owned() };
+        let caption = &Caption { title: "a run".to_owned(), partition: None, machine: "a machine".to_owned() };
         let cell_names = &NAMES.map(str::to_owned);
         let trace = Trace { caption, clock: self.spec.clock(), cell_names, recording: &self.recording };
         let mut bytes = Vec::new();

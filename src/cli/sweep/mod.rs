@@ -45,7 +45,7 @@ fn run(args: &SweepArgs, sweep: &Sweep, table: &Path) -> Result<(), Failure> {
     bar.finish_and_clear();
     tell(&notes);
     let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();
-    plots.write(sweep, &record.table(), &mut written)?;
+    plots.write(&record.table(), &mut written)?;
     print(&format!("{}{}", account(&record, before), outputs::list(&written)))?;
     match record.failures().count() {
         failed if failed > 0 && !args.accept_failures => {

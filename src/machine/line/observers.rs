@@ -26,7 +26,7 @@ impl Observers {
     /// The next ops are known.
     pub fn fed(&mut self, batch: &OpBatch) {
         self.probe.iter_mut().for_each(|probe| probe.fed(&batch.host));
-        self.recorder.iter_mut().for_each(|recorder| recorder.fed(&batch.host));
+        self.recorder.iter_mut().for_each(|recorder| recorder.fed(batch));
         self.causes.iter_mut().for_each(|causes| causes.fed(batch));
         self.departures.iter_mut().for_each(|departures| departures.fed(&batch.host));
     }
