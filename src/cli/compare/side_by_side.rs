@@ -74,7 +74,7 @@ fn again(path: &Path, stats: Value, workers: &Workers) -> Result<Again, Failure>
 }
 
 fn watching() -> Watching {
-    Watching { profile: true, recording: Some(Cycles(0)..Cycles(u64::MAX)), ..Watching::default() }
+    Watching { profile: true, ..Watching::default() }
 }
 
 fn rays(setup: &Setup, workers: &Workers) -> Result<Again, Failure> {
@@ -132,7 +132,8 @@ impl Again {
                 stats: &self.stats,
                 losses: None,
                 profile: &profile,
-                recording: self.observed.recording.as_ref(),
+                // Rays on their way have a window of their own, and it is another in each run.
+                recording: None,
                 path: None,
                 cell_names: &self.cell_names,
                 configuration: &self.configuration,
