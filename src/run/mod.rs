@@ -6,11 +6,13 @@
 mod ahead;
 mod closed_loop;
 mod farm;
+mod in_step;
 mod layers;
 mod modelled;
 pub mod moot;
 mod options;
 mod outputs;
+mod recording_memory;
 mod render;
 mod replayed;
 mod setup;
@@ -23,6 +25,7 @@ mod trees;
 mod workers;
 
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
+pub use in_step::InStep;
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};
 pub use options::{
@@ -30,7 +33,8 @@ pub use options::{
     RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
 };
 pub use outputs::{OutputFile, OutputFolder, Outputs};
-pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
+pub use recording_memory::RecordingMemory;
+pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render, render_lines};
 pub use replayed::Replay;
 pub use setup::Setup;
 pub use shuffled::{Reordered, Shuffled};

@@ -10,7 +10,7 @@ mod point;
 mod range;
 mod record;
 
-pub use engine::Note;
+pub use engine::{Account, Note, Unkept};
 pub use file::Sweep;
 pub use parameters::{Parameter, Points};
 pub use record::{Record, Unrecorded};
