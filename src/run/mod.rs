@@ -32,6 +32,7 @@ pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, OrderOptions, ProgramOptions,
     RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
 };
+pub(crate) use outputs::make_readable;
 pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use recording_memory::RecordingMemory;
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render, render_lines};
