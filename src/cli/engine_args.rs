@@ -26,16 +26,16 @@ pub struct EngineArgs {
     pub detach: bool,
     /// Slurm: the account that the jobs are charged to.
     #[arg(long, value_name = "NAME")]
-    pub account: Option<String>,
+    pub slurm_account: Option<String>,
     /// Slurm: the partition of nodes.
     #[arg(long, value_name = "NAME")]
-    pub partition: Option<String>,
+    pub slurm_partition: Option<String>,
     /// Slurm: the memory of each shard, such as 4G.
     #[arg(long, value_name = "SIZE")]
-    pub memory: Option<String>,
+    pub slurm_memory: Option<String>,
     /// Slurm: the time that each shard may take, such as 1:30:00.
     #[arg(long, value_name = "TIME")]
-    pub time: Option<String>,
+    pub slurm_time: Option<String>,
     /// Slurm: any other argument of sbatch, such as --sbatch-arg=--qos=low. May be given several times.
     #[arg(long, value_name = "ARG", allow_hyphen_values = true)]
     pub sbatch_arg: Vec<String>,
@@ -130,10 +130,10 @@ impl EngineArgs {
             ("--detach", self.detach),
         ];
         let of_slurm = [
-            ("--account", self.account.is_some()),
-            ("--partition", self.partition.is_some()),
-            ("--memory", self.memory.is_some()),
-            ("--time", self.time.is_some()),
+            ("--slurm-account", self.slurm_account.is_some()),
+            ("--slurm-partition", self.slurm_partition.is_some()),
+            ("--slurm-memory", self.slurm_memory.is_some()),
+            ("--slurm-time", self.slurm_time.is_some()),
             ("--sbatch-arg", !self.sbatch_arg.is_empty()),
             ("--sbatch-file", self.sbatch_file.is_some()),
         ];
@@ -157,10 +157,10 @@ impl EngineArgs {
 
     fn sbatch_lines(&self) -> Result<Vec<String>, InputError> {
         let named = [
-            ("account", &self.account),
-            ("partition", &self.partition),
-            ("mem", &self.memory),
-            ("time", &self.time),
+            ("account", &self.slurm_account),
+            ("partition", &self.slurm_partition),
+            ("mem", &self.slurm_memory),
+            ("time", &self.slurm_time),
         ];
         let named = named.into_iter().filter_map(|(name, value)| Some(format!("--{name}={}", value.as_ref()?)));
         let args: Vec<String> = named.chain(self.sbatch_arg.iter().cloned()).collect();
