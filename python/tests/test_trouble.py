@@ -159,6 +159,7 @@ ELSEWHERE: list[tuple[Callable[[], object], str]] = [
     (lambda: pcs_sim.Scene(np.eye(3), [[0, 1, 2]], eye=(1, 1, 1), at=(0, 0, 0), angle=180), "camera's angle"),
     (lambda: pcs_sim.run(pcs_sim.Scene(np.eye(3), [[0, 1, 2]]), size_factor=2), "size_factor is for scenes"),
     (lambda: pcs_sim.sweep({"fifo_wrods": [8]}), r"did you mean `fifo_words`\?"),
+    (lambda: pcs_sim.sweep({"cells": [3]}, recording_memory="much"), "invalid value 'much' for recording_memory"),
     (lambda: pcs_sim.sweep({"fifo_words": "many"}), "fifo_words: .*expected a whole number"),
     (lambda: pcs_sim.sweep({"fifo_words": {"from": 1}}), "fifo_words: missing field"),
     (lambda: pcs_sim.sweep({"fifo_words": []}), "a list needs at least one value"),

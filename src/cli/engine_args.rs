@@ -124,11 +124,8 @@ impl EngineArgs {
     }
 
     fn check(&self) -> Result<(), InputError> {
-        let of_shards = [
-            ("--shards", self.shards.is_some()),
-            ("--at-once", self.at_once.is_some()),
-            ("--detach", self.detach),
-        ];
+        let of_shards =
+            [("--shards", self.shards.is_some()), ("--at-once", self.at_once.is_some()), ("--detach", self.detach)];
         let of_slurm = [
             ("--slurm-account", self.slurm_account.is_some()),
             ("--slurm-partition", self.slurm_partition.is_some()),

@@ -15,8 +15,7 @@ use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{
-    self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Shuffled, Switch, Timed, Timing, moot,
-    noting,
+    self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Shuffled, Switch, Timed, Timing, moot, noting,
 };
 use pcs_sim::seam::activity_trace::TraceWriter;
 

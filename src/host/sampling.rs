@@ -72,7 +72,8 @@ impl Pass {
 
     /// The same, of some of its pixels alone.
     pub fn within(self, pixels: Range<usize>) -> Pass {
-        let places: Vec<usize> = (0..self.pixels.len()).filter(|&at| pixels.contains(&self.pixels.number(at))).collect();
+        let places: Vec<usize> =
+            (0..self.pixels.len()).filter(|&at| pixels.contains(&self.pixels.number(at))).collect();
         let numbers = places.iter().map(|&at| self.pixels.number(at) as u32).collect();
         Pass {
             pixels: Sequence::of_numbers(numbers),

@@ -5,11 +5,11 @@ use std::convert::Infallible;
 
 use rayon::prelude::*;
 
+use super::Workers;
 use super::layers::{Layers, PlannedRun, costs_on};
 use super::recording_memory::RecordingMemory;
 use super::timed::{RunError, UNLIMITED, Watching};
 use super::trace::trace;
-use super::Workers;
 use crate::geometry::Ray;
 use crate::machine::{Array, Cycles, Machine};
 use crate::measure::Measured;

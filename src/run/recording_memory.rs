@@ -50,10 +50,8 @@ impl FromStr for RecordingMemory {
     /// `512MB`, `1.5 GB`.
     fn from_str(text: &str) -> Result<RecordingMemory, String> {
         let expected = || "expected a number of bytes with its unit, such as 500MB or 8GB".to_owned();
-        let (number, bytes) = UNITS
-            .iter()
-            .find_map(|(unit, bytes)| Some((text.strip_suffix(unit)?, *bytes)))
-            .ok_or_else(expected)?;
+        let (number, bytes) =
+            UNITS.iter().find_map(|(unit, bytes)| Some((text.strip_suffix(unit)?, *bytes))).ok_or_else(expected)?;
         let number: f64 = number.trim().parse().map_err(|_| expected())?;
         let bytes = number * bytes as f64;
         if (0.0..1e18).contains(&bytes) { Ok(RecordingMemory(bytes as u64)) } else { Err(expected()) }

@@ -182,7 +182,9 @@ pub fn render_lines<E>(
         let mut beside = Canvas::new(picture);
         for line in [own.start.saturating_sub(width)..own.start, own.end..(own.end + width).min(count)] {
             let pass = all.clone().within(line.clone());
-            beside.take_pass(picture, &pass, workers.threads, &mut None, &mut |_| workers.cancel.check().map_err(RunError::from))?;
+            beside.take_pass(picture, &pass, workers.threads, &mut None, &mut |_| {
+                workers.cancel.check().map_err(RunError::from)
+            })?;
             canvas.objects[line.clone()].copy_from_slice(&beside.objects[line]);
         }
         let second = Pass::second(&all, picture.sampling, &canvas.objects).within(own);

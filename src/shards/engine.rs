@@ -84,7 +84,9 @@ impl Engine {
     pub fn check(&self) -> Result<(), InputError> {
         let (program, help) = match self {
             Engine::Slurm { .. } => ("sbatch", "--engine slurm is for machines from which jobs are submitted to Slurm"),
-            Engine::Parallel { .. } => ("parallel", "--engine parallel wants GNU parallel, which systems have packages of"),
+            Engine::Parallel { .. } => {
+                ("parallel", "--engine parallel wants GNU parallel, which systems have packages of")
+            }
         };
         let runs = call(program, &["--version"]).is_ok_and(|output| output.status.success());
         let error = || InputError::new(format!("there is no {program} here")).help(help);

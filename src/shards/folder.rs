@@ -174,7 +174,9 @@ impl Folder {
 fn read<T: DeserializeOwned>(place: &Path) -> Result<Option<T>, InputError> {
     let bytes = match std::fs::read(place) {
         Ok(bytes) => bytes,
-        Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => return Ok(None),
+        Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
+            return Ok(None);
+        }
         Err(error) => return Err(InputError::unreadable(place, &error)),
     };
     let parsed = serde_json::from_slice(&bytes);

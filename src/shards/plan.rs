@@ -72,8 +72,10 @@ impl Plan {
         match self.version == VERSION {
             true => Ok(()),
             false => {
-                let error =
-                    InputError::new(format!("the shards were planned by pcs-sim {}, and this is {VERSION}", self.version));
+                let error = InputError::new(format!(
+                    "the shards were planned by pcs-sim {}, and this is {VERSION}",
+                    self.version
+                ));
                 Err(error.help("all machines must run the same program"))
             }
         }
@@ -175,7 +177,8 @@ impl Plan {
 /// A name that is the same wherever a process works.
 pub(super) fn absolute(path: &Path) -> Result<PathBuf, InputError> {
     let folder = std::env::current_dir().and_then(|folder| folder.canonicalize());
-    let folder = folder.map_err(|error| InputError::new(format!("the folder of this process cannot be told: {error}")))?;
+    let folder =
+        folder.map_err(|error| InputError::new(format!("the folder of this process cannot be told: {error}")))?;
     let plain = folder.join(path.strip_prefix(".").unwrap_or(path));
     Ok(if path == Path::new(".") { folder } else { plain })
 }

@@ -18,7 +18,9 @@ use super::plan::{Plan, Work};
 use crate::cancel::Cancelled;
 use crate::error::InputError;
 use crate::program::{Counts, NotLaidOut};
-use crate::run::{self, ByKind, KindCounts, Layers, PlannedRun, RecordingMemory, Rendered, RunError, RunSpec, Setup, Workers};
+use crate::run::{
+    self, ByKind, KindCounts, Layers, PlannedRun, RecordingMemory, Rendered, RunError, RunSpec, Setup, Workers,
+};
 use crate::sweep::{Account, Sweep};
 
 /// What a shard has found.
@@ -103,7 +105,8 @@ fn done(folder: &Folder, plan: &Plan, number: usize, workers: &Workers) -> Resul
     plan.check()?;
     match (&plan.work, folder.part(number)?) {
         (Work::Sweep { .. }, Part::Points(points)) => {
-            let memory = plan.recording_memory.map_or_else(|| RecordingMemory::fitting(workers.threads), RecordingMemory);
+            let memory =
+                plan.recording_memory.map_or_else(|| RecordingMemory::fitting(workers.threads), RecordingMemory);
             points_done(folder, &points, number, workers, memory)
         }
         (Work::Image { spec, .. }, Part::Lines(lines)) => {
@@ -165,7 +168,8 @@ fn lines_done(spec: &RunSpec, lines: Range<u32>, plan: &Plan, workers: &Workers)
     let picture = setup.picture();
     let Rendered { pixels, counts, kinds, .. } =
         run::render_lines(&picture, lines.clone(), workers, |_| Ok::<_, Infallible>(()))?;
-    let bytes: Vec<u8> = own(&pixels, &lines, spec).iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes).collect();
+    let bytes: Vec<u8> =
+        own(&pixels, &lines, spec).iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes).collect();
     Ok(Lines { plan: plan.key.clone(), lines, counts, kinds, pixels: STANDARD.encode(bytes) })
 }
 

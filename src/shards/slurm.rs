@@ -103,7 +103,8 @@ fn submit(args: &[&str]) -> Result<String, InputError> {
         true => Ok(number.to_owned()),
         false => {
             let error = InputError::new(format!("sbatch did not take the job: {}", said(&output)));
-            Err(error.help("the script is run.sh in the folder of shards; --slurm-partition, --sbatch-arg ... add to it"))
+            Err(error
+                .help("the script is run.sh in the folder of shards; --slurm-partition, --sbatch-arg ... add to it"))
         }
     }
 }

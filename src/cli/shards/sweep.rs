@@ -137,7 +137,11 @@ pub fn collect(folder: &Folder, plan: &Plan, table: &Path, _lock: Lock) -> Resul
 impl Missing {
     /// What is told of points that are missing.
     pub fn told(&self, all: usize) -> String {
-        format!("{} of {} missing: the column `error` says why; the same sweep command runs them again", self.0, points(all))
+        format!(
+            "{} of {} missing: the column `error` says why; the same sweep command runs them again",
+            self.0,
+            points(all)
+        )
     }
 }
 

@@ -120,7 +120,8 @@ pub fn account(record: &Record, before: usize, unkept: &Unkept) -> String {
     if recordings > 0 {
         let (larger, timed) = (plural(recordings, "recording"), points(timed));
         let times = plural(rounds, "time");
-        text += &format!("{larger} larger than --recording-memory: {timed} timed while the rays were traced, {times}\n");
+        text +=
+            &format!("{larger} larger than --recording-memory: {timed} timed while the rays were traced, {times}\n");
     }
     let mut reasons: Vec<(&str, usize)> = Vec::new();
     for reason in record.failures() {
