@@ -1,5 +1,6 @@
 //! How work is cut into shards.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
@@ -22,7 +23,7 @@ pub enum Part {
 /// once.
 pub fn parts_of(sweep: &Sweep, points: &[(usize, &str)], count: usize) -> Vec<Part> {
     let numbers: Vec<usize> = points.iter().map(|(index, _)| *index).collect();
-    let keys: std::collections::HashMap<usize, &str> = points.iter().copied().collect();
+    let keys: HashMap<usize, &str> = points.iter().copied().collect();
     let part = |numbers: Vec<usize>| {
         let keyed = numbers.into_iter().filter_map(|index| Some((index, (*keys.get(&index)?).to_owned())));
         Part::Points(keyed.collect())

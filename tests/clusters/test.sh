@@ -148,6 +148,7 @@ done
 
 step "Slurm: what is missing is told, and run again"
 wait "$trouble" || fail "see trouble.out"
+[ "$(scontrol --oneliner show jobs | grep -c Restarts=1)" -ge 1 ] || fail "Slurm began nothing again"
 late=$(grep -c "its shard took longer than the time that it had" trouble.csv)
 [ "$late" = 10 ] || fail "$late points are told to be late, not 10: $(cat trouble.out)"
 [ "$(grep -c ',$' trouble.csv)" = 190 ] || fail "other points are missing: $(cat trouble.out)"

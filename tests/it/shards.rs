@@ -73,7 +73,7 @@ fn shards_in_any_order_and_twice_make_the_same_table() {
     let folder = cluster();
     let told = run(&folder, "sweep s.ron -o local.csv --accept-failures").success();
     assert!(told.contains(" failed"), "{told}");
-    for (shards, order) in [(1, 1), (5, 3), (1000, 7)] {
+    for shards in [1, 5, 1000] {
         let name = format!("t{shards}");
         let told =
             run(&folder, &format!("sweep s.ron -o {name}.csv --engine slurm --shards {shards} --detach")).success();
@@ -81,9 +81,8 @@ fn shards_in_any_order_and_twice_make_the_same_table() {
         let name = format!("{name}.shards");
         let count = count(&folder, &name);
         assert!((1..=96).contains(&count) && count >= shards.min(96), "{count} of {shards}");
-        for turn in 0..count + 3 {
-            run_shard(&folder, &name, turn * order % count);
-        }
+        let backwards = (0..count).rev().chain([0, count / 2]);
+        backwards.for_each(|number| run_shard(&folder, &name, number));
         let told = run(&folder, &format!("sweep collect {name}")).success();
         assert!(told.contains("96 points: "), "{told}");
         for ending in ["csv", "parquet"] {
@@ -234,7 +233,7 @@ fn what_is_cancelled_goes_on() {
     assert!(error.contains("small.ron"), "{error}");
     folder.file("small.ron", r#"(scene: "room", size: 4, fifo_words: [8, 16])"#);
     let error = run(&folder, "sweep small.ron -o t.csv --engine slurm --force").refused();
-    assert!(error.contains("under way for something else"), "{error}");
+    assert!(error.contains("is under way here"), "{error}");
     let told = run(&folder, "sweep cancel t.shards").success();
     assert!(told.contains("cancelled with 1 of "), "{told}");
     assert_eq!(folder.read("cancelled"), "7 7\n");

@@ -108,6 +108,11 @@ fn locked(folder: &Folder) -> Result<Lock, InputError> {
     folder.lock()?.ok_or_else(|| is_joined_elsewhere(folder))
 }
 
+/// Fails if shards of the table are under way: what they work on is not to be begun anew.
+pub fn check_idle(table: &Path) -> Result<(), InputError> {
+    under_way(&Folder::beside(table)?, |_| false).map(drop)
+}
+
 /// A job that is under way in a folder, if it is of such work.
 ///
 /// Fails if another is.
@@ -116,8 +121,8 @@ fn under_way(folder: &Folder, is_same: impl Fn(&Plan) -> bool) -> Result<Option<
     match folder.plan()?.filter(is_same) {
         Some(plan) => Ok(Some((plan, job))),
         None => {
-            let error = InputError::in_file(folder.path(), format!("{} is under way for something else", job.name()));
-            Err(error.help("wait for it, or end it with `pcs-sim sweep cancel`"))
+            let error = InputError::in_file(folder.path(), format!("{} is under way here", job.name()));
+            Err(error.help("wait for it, or end it with `pcs-sim sweep cancel FOLDER`; then begin something else"))
         }
     }
 }

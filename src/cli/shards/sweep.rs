@@ -1,9 +1,9 @@
 //! A sweep in shards.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use pcs_sim::shards::{Engine, Folder, Lock, Part, Plan, State, Work, states};
+use pcs_sim::shards::{Engine, Folder, Job, Lock, Part, Plan, State, Work, states};
 use pcs_sim::sweep::{Account, Record, Sweep};
 
 use super::super::args::SweepArgs;
@@ -67,7 +67,7 @@ fn start(
     (sweep, table): (&Sweep, &Path),
     record: &Record,
     folder: &Folder,
-) -> Result<Option<(Plan, pcs_sim::shards::Job)>, Failure> {
+) -> Result<Option<(Plan, Job)>, Failure> {
     let todo: Vec<(usize, &str)> = record.todo().collect();
     if todo.is_empty() {
         return Ok(None);
@@ -86,7 +86,7 @@ fn is_of(plan: &Plan, folder: &Folder, record: &Record) -> bool {
         Ok(Part::Points(points)) => Some(points),
         _ => None,
     });
-    let planned: std::collections::HashSet<String> = parts.flatten().map(|(_, point)| point).collect();
+    let planned: HashSet<String> = parts.flatten().map(|(_, point)| point).collect();
     matches!(plan.work, Work::Sweep { .. }) && record.todo().all(|(_, point)| planned.contains(point))
 }
 

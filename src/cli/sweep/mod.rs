@@ -38,6 +38,9 @@ fn run(args: &SweepArgs, sweep: &Sweep, (file, table): (&Path, &Path)) -> Result
     let results = ["csv", "parquet", "journal"].map(|ending| table.with_extension(ending));
     let inputs: Vec<Option<&Path>> = sweep.files().map(|file| file.path.as_path()).chain([file]).map(Some).collect();
     outputs::check_distinct(&results.each_ref().map(Some), &inputs)?;
+    if engine.is_some() && args.force {
+        shards::check_idle(table)?;
+    }
     let plots = Plots::open(args, table, &sweep.columns())?;
     let mut record = Record::open(sweep, table, args.force)?;
     let before = record.done();
