@@ -138,16 +138,16 @@ impl Made {
 
     /// What it was, in words and as data.
     pub fn described(&self) -> Described {
-        let (title, machine, names, configuration) = match self {
+        let (title, setup, names, configuration) = match self {
             Made::Rays { setup, .. } => (
                 account::title(setup),
-                &setup.machine,
+                setup,
                 account::cell_names(&setup.workload),
                 Configuration::new(&setup.spec, &setup.workload),
             ),
             Made::Image { setup, rendered, .. } => (
                 account::image_title(setup, rendered),
-                &setup.machine,
+                setup,
                 account::cell_names(&setup.workload),
                 Configuration::new(&setup.spec, &setup.workload),
             ),
@@ -157,18 +157,14 @@ impl Made {
             }
             Made::Replay { replay, .. } => {
                 let replay = locked(replay);
-                let caption = Caption {
-                    title: account::replay_title(&replay),
-                    machine: account::machine_line(&replay.machine.spec),
-                };
                 return Described {
-                    caption,
+                    caption: account::replay_caption(&replay),
                     names: Vec::new(),
                     configuration: Configuration::Replay(Box::new(replay.spec.clone())),
                 };
             }
         };
-        Described { caption: Caption { title, machine: account::machine_line(&machine.spec) }, names, configuration }
+        Described { caption: account::caption(title, setup), names, configuration }
     }
 
     /// Runs it once more, watched.
@@ -251,7 +247,7 @@ impl Made {
     }
 
     /// The page.
-    pub fn html(&self, stats: &Measured, profile: &Profile) -> Result<String, Trouble> {
+    pub fn html(&self, stats: &Measured, seen: &Observed) -> Result<String, Trouble> {
         let Described { caption, names, configuration } = &self.described();
         let (clock, image) = (self.clock(), self.png()?);
         let losses = self.losses();
@@ -260,7 +256,8 @@ impl Made {
             clock,
             stats,
             losses,
-            profile,
+            profile: profile_of(seen)?,
+            recording: seen.recording.as_ref(),
             path: None,
             cell_names: names,
             configuration,
@@ -270,9 +267,11 @@ impl Made {
     }
 
     /// The pictures.
-    pub fn drawn(&self, profile: &Profile) -> Result<Vec<plot::Picture>, Trouble> {
+    pub fn drawn(&self, seen: &Observed) -> Result<Vec<plot::Picture>, Trouble> {
         let Described { caption, names, .. } = &self.described();
-        plot::pictures(profile, None, self.clock(), caption, names).map_err(output)
+        let (profile, recording) = (profile_of(seen)?, seen.recording.as_ref());
+        let run = plot::Run { caption, clock: self.clock(), profile, recording, path: None, cell_names: names };
+        plot::pictures(&run).map_err(output)
     }
 
     /// Writes the picture under a name that says as what.
@@ -290,6 +289,11 @@ impl Made {
         self.write_picture(&mut file, as_pfm)?;
         outputs::finish(file)
     }
+}
+
+/// What was seen of a run over time.
+pub fn profile_of(seen: &Observed) -> Result<&Profile, Trouble> {
+    seen.profile.as_ref().ok_or_else(|| output("the run was not seen over time"))
 }
 
 /// Writes pictures into a folder.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::machine::Capitan;
+use pcs_sim::measure::Shape;
 use pcs_sim::report::farm as told;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::run::{FarmOutcome, FarmSetup, FarmSpec, OutputFile, moot};
@@ -66,7 +67,7 @@ fn open_outputs(args: &FarmArgs, spec: &FarmSpec, fewest: usize) -> Result<(Opti
 
 fn run(setup: &FarmSetup, tasks: usize, views: &Views) -> Result<FarmOutcome, Failure> {
     let spinner = progress::waiting("running the tasks");
-    let outcome = setup.run(tasks, &views.watching(), &Cancel::default());
+    let outcome = setup.run(tasks, &views.watching(Shape::Farm), &Cancel::default());
     spinner.finish_and_clear();
     Ok(outcome?)
 }

@@ -9,9 +9,9 @@ use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::image;
+use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
-use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{
@@ -161,7 +161,7 @@ fn render(
     let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
         rules: image.rules(setup.spec.order),
-        watching: files.views.watching(),
+        watching: files.views.watching(Shape::Line),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
     let form = args.tracing.ops_form.into();
@@ -213,7 +213,7 @@ fn write_outputs(
                 .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
         }
         let seen = views::Seen {
-            caption: &Caption { title: account::image_title(setup, rendered), machine: account::machine_line(spec) },
+            caption: &account::caption(account::image_title(setup, rendered), setup),
             clock: spec.clock(),
             stats: &timing.stats,
             losses,

@@ -32,6 +32,7 @@ mod why;
 mod why_args;
 
 use std::convert::Infallible;
+use std::ffi::{OsStr, OsString};
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -99,6 +100,8 @@ enum Failure {
     Fault(Box<Fault>),
     /// A result could not be written: exit status 1.
     Output(String),
+    /// What is compared differs, as has been told: exit status 1.
+    Differ,
 }
 
 impl From<InputError> for Failure {
@@ -144,8 +147,9 @@ impl From<MeasureError> for Failure {
 
 /// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed, 130 for one that was stopped.
 pub fn main() -> ExitCode {
-    let parsed =
-        manual::command().try_get_matches().and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let parsed = manual::command()
+        .try_get_matches_from(joined(std::env::args_os()))
+        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -164,6 +168,22 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => report(&failure),
     }
+}
+
+/// What was typed, with streams that tell their format (`--image -.png`) joined to their flags: by themselves they look like flags.
+fn joined(typed: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = Vec::new();
+    let starts = |argument: &OsStr, with: &str| argument.as_encoded_bytes().starts_with(with.as_bytes());
+    for argument in typed {
+        match arguments.last_mut().filter(|flag| starts(flag, "-") && starts(&argument, "-.")) {
+            Some(flag) => {
+                flag.push(if starts(flag, "--") { "=" } else { "" });
+                flag.push(argument);
+            }
+            None => arguments.push(argument),
+        }
+    }
+    arguments
 }
 
 fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
@@ -208,6 +228,7 @@ fn report(failure: &Failure) -> ExitCode {
             eprintln!("error: {message}");
             ExitCode::from(1)
         }
+        Failure::Differ => ExitCode::from(1),
     }
 }
 

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::host::image;
-use pcs_sim::measure::{Actor, Clock, Measured, Observed, When};
+use pcs_sim::measure::{Actor, Clock, Measured, Observed, Shape, When};
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
-use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits, moment, why};
 use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, RunSpec, Setup, Shuffled, Watching, Workers, moot};
@@ -106,7 +105,7 @@ fn simulate(
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
-    let watched = (spec, &Watching { moment, ..views.watching() });
+    let watched = (spec, &Watching { moment, ..views.watching(Shape::Line) });
     let mut shuffled = Shuffled::new(cells);
     let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
         shuffled.take(&batch.ops);
@@ -185,7 +184,7 @@ fn write_views(
     written: &mut Vec<PathBuf>,
 ) -> Result<(), Failure> {
     let spec = &setup.machine.spec;
-    let caption = &Caption { title: account::title(setup), machine: account::machine_line(spec) };
+    let caption = &account::caption(account::title(setup), setup);
     let cell_names = &cell_names(&setup.workload);
     let image = page_image(setup, outcome, &views)?;
     let seen = Seen {

@@ -1,9 +1,12 @@
 //! `pcs-sim scenes`: what can be traced without a file.
 
-use pcs_sim::report::summary::{aligned, grouped, table};
+use pcs_sim::report::summary::{WIDTH, aligned, grouped, table, wrapped};
 use pcs_sim::scene::builtin;
 
 use super::{Failure, print};
+
+/// Columns of a scene's name.
+const NAME: usize = 11;
 
 /// Lists the built-in scenes with their sizes.
 pub fn scenes() -> Result<(), Failure> {
@@ -19,7 +22,8 @@ pub fn scenes() -> Result<(), Failure> {
             grouped(scene.faces(size, None)),
             scene.default_resolution.map_or("-".to_owned(), |slices| slices.to_string()),
         ]);
-        about.push_str(&format!("{:<10} {}\n", scene.name, scene.about));
+        let lines = wrapped(scene.about, WIDTH - NAME).replace('\n', &format!("\n{:NAME$}", ""));
+        about.push_str(&format!("{:<NAME$}{lines}\n", scene.name));
     }
     print(&format!("{}\n{about}\nSpheres and cones are cut into as many slices as --resolution says.\n", aligned(rows)))
 }

@@ -9,7 +9,7 @@ use pcs_sim::error::InputError;
 use pcs_sim::machine::{Machine, MachineFile, Words};
 use pcs_sim::report::account;
 use pcs_sim::report::sizing::{self, SizesTable};
-use pcs_sim::report::summary::grouped;
+use pcs_sim::report::summary::{grouped, prose};
 use pcs_sim::report::table::{self, Table};
 use pcs_sim::run::{
     self, Front, Layers, OutputFile, PlannedRun, Point, Recorded, Replay, RunSpec, SLOWER, Searching, Traced, Workers,
@@ -72,7 +72,8 @@ pub fn size_fifos(args: &SizeArgs, typed: &Typed) -> Result<(), Failure> {
     let front = run::size_fifos(Recorded { batches, costs, spec, least_z_words }, &speeds, &workers.cancel, note)?;
     bar.finish_and_clear();
     let (machine, table) = (account::machine_line(spec), sizing::to_text(&front));
-    print(&format!("FIFOs of {title}\n{machine}\n\n{table}\n{}", sizing::sentences(&front)))?;
+    let head = prose(&format!("FIFOs of {title}\n{machine}"));
+    print(&format!("{head}\n\n{table}\n{}", sizing::sentences(&front)))?;
     print(&outputs::list(&files.write(&front, &recording)?))
 }
 

@@ -20,6 +20,7 @@
 //! `done`, as a filter on a stream, takes all words for one message.
 
 mod assembler;
+mod chains;
 mod cycles;
 pub mod encoding;
 mod executable;

@@ -3,6 +3,7 @@
 use super::bottleneck;
 use super::kinds::{self, RaysByKind};
 use super::losses::Losses;
+use super::plot::Caption;
 use super::prediction::{self, Row};
 use super::stats::{self, Configuration};
 use super::summary::{self, grouped};
@@ -57,6 +58,18 @@ pub fn replay_title(replay: &Replay) -> String {
     format!("replay of {} on {} cells: {} rays", spec.ops.display(), trace.cells(), grouped(trace.jobs()))
 }
 
+/// What pictures of a run with that title tell of it.
+pub fn caption(title: String, setup: &Setup) -> Caption {
+    let Setup { spec: RunSpec { program, .. }, workload, machine, .. } = setup;
+    let partition = (workload.groups() > 1).then(|| program.partition.to_string());
+    Caption { title, partition, machine: machine_line(&machine.spec) }
+}
+
+/// What pictures of a replay tell of it.
+pub fn replay_caption(replay: &Replay) -> Caption {
+    Caption { title: replay_title(replay), partition: None, machine: machine_line(&replay.machine.spec) }
+}
+
 /// What people read of a run of primary rays.
 pub fn text(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
     let (names, clock) = (cell_names(&setup.workload), setup.machine.spec.clock());
@@ -83,7 +96,7 @@ pub fn head(setup: &Setup, outcome: &Outcome) -> String {
         ),
     ];
     lines.push(memory_line(workload) + "\n");
-    lines.join("\n")
+    summary::prose(&lines.join("\n"))
 }
 
 /// Where the cycles of the cells went, what the FIFOs held, what limits the machine, and why it took as long if that is known.
@@ -94,27 +107,27 @@ pub fn body(
     clock: Clock,
 ) -> String {
     let why = path.map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
-    format!("{}\n{}\n{}\n{why}", summary::cells(stats, names), summary::fifos(stats), verdict(stats, losses, clock),)
+    let verdict = summary::prose(&verdict(stats, losses, clock));
+    format!("{}\n{}\n{verdict}\n{why}", summary::cells(stats, names), summary::fifos(stats))
 }
 
 /// What people read of a whole image.
 pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String {
-    let title = image_title(setup, rendered);
+    let title = summary::prose(&image_title(setup, rendered));
     let Some(timing) = &rendered.timing else {
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
     };
     let (spec, stats) = (&setup.machine.spec, &timing.stats);
     let path = timing.observed.path.as_ref();
     let why = path.map(|path| format!("\n{}{}", why::text(path, false), why::OF_AN_IMAGE)).unwrap_or_default();
+    let lines = [machine_line(spec), summary::speed(stats, spec.clock()), memory_line(&setup.workload)];
     [
         title,
-        machine_line(spec),
-        summary::speed(stats, spec.clock()),
-        memory_line(&setup.workload),
+        summary::prose(&lines.join("\n")),
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n{why}", verdict(stats, losses, spec.clock())),
+        format!("{}\n{why}", summary::prose(&verdict(stats, losses, spec.clock()))),
     ]
     .join("\n")
 }
@@ -127,7 +140,12 @@ pub fn replay_text(replay: &Replay, seen: (&Measured, Option<&CriticalPath>), lo
 /// What was replayed, and how fast.
 pub fn replay_head(replay: &Replay, stats: &Measured) -> String {
     let spec = &replay.machine.spec;
-    format!("{}\n{}\n{}\n", replay_title(replay), machine_line(spec), summary::speed(stats, spec.clock()))
+    summary::prose(&format!(
+        "{}\n{}\n{}\n",
+        replay_title(replay),
+        machine_line(spec),
+        summary::speed(stats, spec.clock())
+    ))
 }
 
 /// What people read of a prediction: `rows` are its quantities, with those of the run or without.
@@ -146,12 +164,12 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
         grouped(*rays as u64),
         in_order(spec.order),
     );
-    format!(
-        "{title}\n{}\n\n{}\n{}",
-        machine_line(&machine.spec),
-        prediction::to_table(rows),
-        prediction::sentences(predicted, best, array),
-    )
+    let head = format!("{title}\n{}", machine_line(&machine.spec));
+    let mut sentences = prediction::sentences(predicted, best, array);
+    if spec.order != Order::Raster {
+        sentences += "The model knows no order of the rays: what it expects bounds them all.\n";
+    }
+    format!("{}\n\n{}\n{}", summary::prose(&head), prediction::to_table(rows), summary::prose(&sentences))
 }
 
 /// The statistics of a run of primary rays, as JSON.

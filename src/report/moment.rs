@@ -1,6 +1,6 @@
 //! One moment of a run in words: what somebody does then, and whom it waits for.
 
-use super::summary::{grouped, time};
+use super::summary::{grouped, prose, time};
 use super::why::label;
 use crate::measure::{Actor, Clock, CriticalPath, Doing, Snapshot, What};
 use crate::quantities::Cycles;
@@ -17,7 +17,7 @@ pub fn text(path: &CriticalPath, snapshot: &Snapshot, from: Actor, clock: Clock)
         lines.push(line(path, actor, doing, snapshot.at));
         next = waits_for(path, doing, snapshot.at);
     }
-    lines.join("\n") + "\n"
+    prose(&(lines.join("\n") + "\n"))
 }
 
 /// Whom it waits for, if that one has still to do something for it.

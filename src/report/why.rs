@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::summary::{Rows, aligned_with, grouped, percent, table};
+use super::summary::{Rows, aligned_with, grouped, percent, prose, table, wrapped};
 use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit};
 use crate::quantities::Cycles;
 
@@ -197,24 +197,34 @@ pub fn place_rows(path: &CriticalPath) -> Rows {
 
 /// What the figures mean.
 const MEANING: &str = "\
-Each cycle of the run has one cause on this chain, which ends with the last hit. A time that is 10 % less saves so much as
-long as the chain stays a longest one, and never more; one that is 10 % more costs no less.
+Each cycle of the run has one cause on this chain, which ends with the last hit.
+A time that is 10 % less saves so much as long as the chain stays a longest one,
+and never more; one that is 10 % more costs no less.
 ";
 
 /// What an image's path does not tell, in a line.
 pub const OF_AN_IMAGE: &str = "
-The host's order depends on the clock: this holds for the rays in the order in which it sent them, as a replay of the ops keeps it.
+The host's order depends on the clock: this holds for the rays in the order in
+which it sent them, as a replay of the ops keeps it.
 ";
 
 /// All that people read of a path.
 pub fn text(path: &CriticalPath, by_cell: bool) -> String {
     format!(
-        "why {} cycles: {}\n{MEANING}\n{}\n{}",
-        grouped(path.cycles.0),
-        sentence(path),
+        "{}\n{MEANING}\n{}\n{}",
+        prose(&format!("why {} cycles: {}", grouped(path.cycles.0), sentence(path))),
         figures(time_rows(path, by_cell), &[]),
-        figures(place_rows(path), &[3]),
+        figures(in_lines(place_rows(path)), &[3]),
     )
+}
+
+/// The columns that the causes of a place have.
+const CAUSES_WIDTH: usize = 42;
+
+/// The same rows, their causes in as many lines as they need.
+fn in_lines(mut rows: Rows) -> Rows {
+    rows.rows.iter_mut().filter_map(|row| row.last_mut()).for_each(|causes| *causes = wrapped(causes, CAUSES_WIDTH));
+    rows
 }
 
 /// A table as text, with columns of text to the left.

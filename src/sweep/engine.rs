@@ -15,6 +15,7 @@ use super::point::{self, Outcome};
 use crate::cancel::Cancelled;
 use crate::machine::Machine;
 use crate::run::{InStep, Key, Keys, Layers, PlannedRun, RecordingMemory, Workers};
+use crate::scene::Scene;
 
 /// What had to be rounded, in some points of a sweep.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -152,7 +153,8 @@ impl Sweep {
             let run = |point: &FarmPoint| {
                 let results = point.run(scene.as_ref().map_err(String::clone)?, &workers.cancel)?;
                 let effective = effective::cells(&OF_FARMS, &self.parameters, &point.machine);
-                Ok(([effective, results].concat(), point.machine.notes.clone()))
+                let of_scene = scene.iter().flat_map(|scene| of_scene(&scene.name, &scene.notes));
+                Ok(([effective, results].concat(), point.machine.notes.iter().cloned().chain(of_scene).collect()))
             };
             same_work.par_iter().for_each(|(index, point)| done(*index, run(point)));
         }
@@ -172,10 +174,11 @@ impl Sweep {
         done: impl Fn(usize, Given) + Sync,
     ) -> Result<Unkept, Cancelled> {
         let possible = possible(points, self.planned(points), |index, reason| done(index, Err(reason)));
-        let done = |index, planned: &PlannedRun, outcome: Result<Outcome, String>| {
+        let done = |index, planned: &PlannedRun, outcome: Result<Outcome, String>, scene: Option<&Scene>| {
             let effective = || effective::cells(&OF_ARRAYS, &self.parameters, &planned.machine);
-            let given = |outcome: Outcome| ([effective(), outcome.results()].concat(), planned.machine.notes.clone());
-            done(index, outcome.map(given));
+            let of_scene = scene.into_iter().flat_map(|scene| of_scene(&planned.spec.scene, &scene.notes));
+            let notes = planned.machine.notes.iter().cloned().chain(of_scene).collect();
+            done(index, outcome.map(|outcome| ([effective(), outcome.results()].concat(), notes)));
         };
         let (mut layers, mut unkept) = (Layers::default(), Unkept::default());
         for same_ops in by_layers(possible.iter().collect()) {
@@ -218,6 +221,11 @@ fn numbers<P>(group: &Vec<&(usize, P)>) -> Vec<usize> {
     group.iter().map(|(index, _)| *index).collect()
 }
 
+/// What was changed in a scene when it was read, which a sweep may have several of.
+fn of_scene<'a>(scene: &'a str, notes: &'a [String]) -> impl Iterator<Item = String> + 'a {
+    notes.iter().map(move |note| format!("{scene}: {note}"))
+}
+
 /// Does something on so many threads as there are workers.
 fn on_threads<T: Send>(workers: &Workers, work: impl FnOnce() -> T + Send) -> T {
     match rayon::ThreadPoolBuilder::new().num_threads(workers.threads).build() {
@@ -234,22 +242,26 @@ fn run_same_ops(
     points: &[&Point],
     layers: &mut Layers,
     (workers, memory, unkept): (&Workers, RecordingMemory, &mut Unkept),
-    done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>) + Sync),
+    done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>, Option<&Scene>) + Sync),
 ) {
     let (first, others) = match points {
         [first, others @ ..] => (&first.1, others),
         [] => return,
     };
+    // They share their scene, too.
+    let scene = layers.scene(first).ok();
+    let scene = scene.as_deref();
     if others.is_empty() || first.spec.image.is_some() {
-        return points.iter().for_each(|(index, planned)| done(*index, planned, point::run(planned, layers, workers)));
+        let run = |(index, planned): &&Point| done(*index, planned, point::run(planned, layers, workers), scene);
+        return points.iter().for_each(run);
     }
     let traced = match layers.traced_within(first, workers, memory) {
-        Ok(None) => return run_in_step(points, layers, (workers, memory, unkept), done),
+        Ok(None) => return run_in_step(points, layers, (workers, memory, unkept), scene, done),
         Ok(Some(traced)) => Ok(traced),
         Err(error) => Err(point::reason(error)),
     };
     let time = |planned| point::time(planned, traced.as_ref().map_err(String::clone)?, &workers.cancel);
-    points.par_iter().for_each(|(index, planned)| done(*index, planned, time(planned)));
+    points.par_iter().for_each(|(index, planned)| done(*index, planned, time(planned), scene));
 }
 
 /// Runs points whose recording finds no room.
@@ -257,7 +269,8 @@ fn run_in_step(
     points: &[&Point],
     layers: &mut Layers,
     (workers, memory, unkept): (&Workers, RecordingMemory, &mut Unkept),
-    done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>) + Sync),
+    scene: Option<&Scene>,
+    done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>, Option<&Scene>) + Sync),
 ) {
     let machines: Vec<&Machine> = points.iter().map(|(_, planned)| &planned.machine).collect();
     match layers.timed_in_step(&points[0].1, &machines, workers, memory) {
@@ -267,12 +280,12 @@ fn run_in_step(
             unkept.rounds += rounds;
             for ((index, planned), stats) in points.iter().zip(times) {
                 let outcome = stats.map(|stats| Outcome::new(planned, &workload, stats, counts));
-                done(*index, planned, outcome.map_err(point::reason));
+                done(*index, planned, outcome.map_err(point::reason), scene);
             }
         }
         Err(error) => {
             let reason = point::reason(error);
-            points.iter().for_each(|(index, planned)| done(*index, planned, Err(reason.clone())));
+            points.iter().for_each(|(index, planned)| done(*index, planned, Err(reason.clone()), scene));
         }
     }
 }

@@ -44,7 +44,7 @@ proptest! {
         let with = |words: &[Words]| ticked(&deep(&front, words, &spec));
         // With the unlimited depths nothing changes, and with one word fewer something does.
         let seen = |words: &[Words]| with(words).map(|run| {
-            let fifos: Vec<_> = run.fifos.iter().map(|(name, _, held)| (name.clone(), held.max, held.word_cycles)).collect();
+            let fifos: Vec<_> = run.fifos.iter().map(|(name, _, held)| (name.clone(), held.max, held.word_cycles, held.empty)).collect();
             (run.cycles, run.stations, fifos)
         });
         // What happens after the host's last read is in no statistics.

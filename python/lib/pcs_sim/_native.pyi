@@ -90,7 +90,7 @@ class Picture:
     def png(self) -> bytes:
         """As PNG."""
     def save(self, path: _Path, *, force: bool = False) -> None:
-        """Writes the picture: a name that ends in .svg or .png says as what."""
+        """Writes the picture: a name that ends in .svg, .png or .pdf says as what."""
     def _repr_png_(self) -> bytes: ...
 
 @final

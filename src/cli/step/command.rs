@@ -6,14 +6,16 @@ use pcs_sim::isa::Program;
 pub const HELP: &str = "\
 step [N]          execute an instruction, or N
 run               go on to a breakpoint, or until the cell stands still
-break [PLACE]     set a breakpoint, or take it away: LABEL, LINE of the program's own file, @ADDRESS; alone: list them
+break [PLACE]     set a breakpoint, or take it away: LABEL, LINE of the
+                  program's own file, @ADDRESS; alone: list them
 list              the next instructions and their lines of source
 registers         all registers that are not 0
 queues            the words that come, and those written
 memory PLACE [N]  N words of memory from an address or a label of data on
 help              this
 quit              the end
-A semicolon begins a comment. `s`, `r`, `b`, `l`, `q` stand for step, run, break, list, quit.
+A semicolon begins a comment. `s`, `r`, `b`, `l`, `q` stand for step, run, break,
+list, quit.
 ";
 
 /// Words of memory that are shown if it is not said how many.

@@ -35,7 +35,7 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
 
 fn run(args: &SweepArgs, sweep: &Sweep, (file, table): (&Path, &Path)) -> Result<(), Failure> {
     let engine = args.engine.engine()?;
-    let results = ["csv", "parquet", "journal"].map(|ending| table.with_extension(ending));
+    let results = ["csv", "parquet", "sweep.ron", "journal"].map(|ending| table.with_extension(ending));
     let inputs: Vec<Option<&Path>> = sweep.files().map(|file| file.path.as_path()).chain([file]).map(Some).collect();
     outputs::check_distinct(&results.each_ref().map(Some), &inputs)?;
     if engine.is_some() && args.force {
@@ -71,7 +71,7 @@ fn run(args: &SweepArgs, sweep: &Sweep, (file, table): (&Path, &Path)) -> Result
     let Some((beside, missing)) = ended else { return Ok(()) };
     tell(&beside.notes);
     let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();
-    plots.write(sweep, &record.table(), &mut written)?;
+    plots.write(&record.table(), &mut written)?;
     print(&format!("{}{}", account(&record, before, &beside.unkept), outputs::list(&written)))?;
     match record.failures().count() {
         _ if missing.0 > 0 => Err(Failure::Output(missing.told(sweep.points()))),

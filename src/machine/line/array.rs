@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::causes::{Causes, Past, Stand};
 use super::cell::Cell;
 use super::cursor::Halt;
+use super::departures::Departures;
 use super::fifo::Fifo;
 use super::link::{Link, ends};
 use super::observers::Observers;
@@ -144,6 +145,13 @@ impl Array {
         self
     }
 
+    /// The same, noting when jobs leave, so that [`Array::next_latency`] can tell how long each took. To be asked for before any ops
+    /// are fed.
+    pub fn noting_departures(mut self) -> Array {
+        self.observers.get_or_insert_default().departures = Some(Departures::default());
+        self
+    }
+
     /// The same for an array that is [explained](Array::explained): it also looks for what everybody does in one cycle. Of a
     /// job, [`Array::finish_observed`] tells the cycle; only one that is known before can be looked at.
     pub fn looking_at(mut self, when: When) -> Array {
@@ -198,6 +206,13 @@ impl Array {
     /// The cycle in which the host reads the last word of the n-th message (from 0), if it is known.
     pub fn returned_in(&self, message: u64) -> Option<Cycles> {
         self.returned.get(message as usize).copied().map(Cycles)
+    }
+
+    /// How long the next job took whose answer came back in cycle `returned`, in an array that [notes](Array::noting_departures)
+    /// when jobs leave: jobs are told in the order in which they were sent, each once.
+    pub fn next_latency(&mut self, returned: Cycles) -> Option<Cycles> {
+        let sent = self.observers.as_mut()?.departures.as_mut()?.next()?;
+        Some(Departures::latency(sent, returned.0))
     }
 
     /// What has been worked out by now. Takes no longer than a few reads for each cell.
@@ -324,7 +339,7 @@ impl Array {
     /// Brings what is known of a link's FIFOs up to date, after a stretch of reads or of writes.
     fn follow_link(&mut self, index: usize) {
         let link = &mut self.links[index];
-        link.track_max();
+        link.follow();
         if let Some(observers) = &mut self.observers {
             observers.follow(index, link);
         }
@@ -334,7 +349,7 @@ impl Array {
     fn collect_returns(&mut self) {
         let inbox = &mut self.links[self.cells.len()].y;
         while let Some(ready) = inbox.ready().filter(|ready| *ready < self.limit) {
-            inbox.read_one(ready, ready);
+            inbox.read_one(ready);
             if inbox.words_read().is_multiple_of(self.vocabulary.answer_words) {
                 self.returned.push(ready);
                 if let Some(observers) = &mut self.observers {

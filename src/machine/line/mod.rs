@@ -18,6 +18,7 @@ mod array;
 mod causes;
 mod cell;
 mod cursor;
+mod departures;
 mod fifo;
 mod hold;
 mod link;

@@ -1,15 +1,18 @@
 //! Perfetto's format: a track for the array and below it, in the array's order, one for each cell and a counter for each
 //! FIFO; for other machines, whatever their topology has in place of these.
 //!
-//! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state. Flows lead from the slice in
-//! which the host sends a ray over those of the cells to the one in which the host reads its HIT.
+//! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state. Flows lead from where the host
+//! begins to send a ray over where the cells begin it to where the host begins to read its HIT. Perfetto draws an arrow from the end of
+//! what it leads from, and a cell begins a ray before the one before it has done with it: so they join marks without length, at the
+//! starts of the slices, and none points back in time.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 
 use super::Trace;
 use super::time_scale::TimeScale;
-use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, State, StateId, StateKind, StationRecord, Topology};
-use crate::quantities::Cycles;
+use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, Shape, State, StateId, StateKind, StationRecord, Topology};
+use crate::quantities::{Cycles, Words};
 
 /// The parts of Perfetto's messages that a trace needs, with their numbers.
 mod messages {
@@ -50,6 +53,9 @@ mod messages {
     pub struct Counter {
         #[prost(string, optional, tag = "6")]
         pub unit_name: Option<String>,
+        /// Counters with the same key have one scale.
+        #[prost(string, optional, tag = "7")]
+        pub scale: Option<String>,
     }
 
     #[derive(Clone, PartialEq, prost::Message)]
@@ -58,7 +64,7 @@ mod messages {
         pub categories: Vec<u64>,
         #[prost(message, repeated, tag = "4")]
         pub arguments: Vec<Argument>,
-        /// 1 begins a slice, 2 ends one, 4 counts.
+        /// 1 begins a slice, 2 ends one, 3 is a mark, 4 counts.
         #[prost(int32, optional, tag = "9")]
         pub kind: Option<i32>,
         #[prost(uint64, optional, tag = "10")]
@@ -106,6 +112,7 @@ use messages::{Argument, Counter, Event, Interned, Name, Packet, Track};
 
 const BEGIN: i32 = 1;
 const END: i32 = 2;
+const MARK: i32 = 3;
 const COUNT: i32 = 4;
 
 /// All packets are of one sequence, of which the first resets the names and the others need them.
@@ -139,7 +146,11 @@ pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> std::
     }
     let mut fifos = topology.inputs_of(Actor::Host);
     fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
-    if recording.host.is_some() { writer.hits(&recording.answers) } else { Ok(()) }
+    if recording.host.is_some() {
+        writer.hits(&recording.answers)?;
+    }
+    let capacities: BTreeSet<Words> = topology.fifos.iter().map(|info| info.capacity).collect();
+    capacities.into_iter().try_for_each(|capacity| writer.scale(capacity, recording.window.start))
 }
 
 struct Writer<'a, W> {
@@ -228,18 +239,22 @@ impl<W: Write> Writer<'_, W> {
     /// Begins the slice of a ray; the one of its HIT ends its flow.
     fn begin_span(&mut self, track: u64, span: &JobSpan, is_hit: bool) -> std::io::Result<()> {
         let arguments = [(JOB, span.job as u64), (CYCLE, span.from.0), (CYCLES, (span.until - span.from).0)];
-        let flow = vec![span.job as u64 + 1];
-        let (flows, ending_flows) = if is_hit { (Vec::new(), flow) } else { (flow, Vec::new()) };
+        let name = format!("{} {}", if is_hit { "HIT" } else { &self.topology.names.job }, span.job);
         let event = Event {
             kind: Some(BEGIN),
             track: Some(track),
-            name: Some(format!("{} {}", if is_hit { "HIT" } else { &self.topology.names.job }, span.job)),
+            name: Some(name.clone()),
             arguments: arguments.map(|(name, value)| argument(name, value)).to_vec(),
-            flows,
-            ending_flows,
             ..Event::default()
         };
-        self.event(span.from, event)
+        self.event(span.from, event)?;
+        if self.topology.shape != Shape::Line {
+            return Ok(());
+        }
+        let flow = vec![span.job as u64 + 1];
+        let (flows, ending_flows) = if is_hit { (Vec::new(), flow) } else { (flow, Vec::new()) };
+        let (kind, track, name) = (Some(MARK), Some(track), Some(name));
+        self.event(span.from, Event { kind, track, name, flows, ending_flows, ..Event::default() })
     }
 
     fn end(&mut self, track: u64, at: Cycles) -> std::io::Result<()> {
@@ -262,13 +277,27 @@ impl<W: Write> Writer<'_, W> {
         })
     }
 
+    /// A counter that stands at a capacity, so that the scale of the FIFOs with it goes from empty to full.
+    fn scale(&mut self, capacity: Words, at: Cycles) -> std::io::Result<()> {
+        let track = self.track(format!("the scale of FIFOs of {capacity}"), Some(Counter::new(capacity)))?;
+        let count = Some(capacity.0 as i64);
+        self.event(at, Event { kind: Some(COUNT), track: Some(track), count, ..Event::default() })
+    }
+
     fn levels(&mut self, info: &FifoInfo, fifo: &FifoLevels) -> std::io::Result<()> {
-        let counter = Counter { unit_name: Some("words".to_owned()) };
+        let counter = Counter::new(info.capacity);
         let track = self.track(format!("{} (of {})", info.name, info.capacity), Some(counter))?;
         fifo.levels.iter().try_for_each(|&(cycle, words)| {
             let count = Some(words.0 as i64);
             self.event(cycle, Event { kind: Some(COUNT), track: Some(track), count, ..Event::default() })
         })
+    }
+}
+
+impl Counter {
+    /// Of a FIFO.
+    fn new(capacity: Words) -> Counter {
+        Counter { unit_name: Some("words".to_owned()), scale: Some(capacity.to_string()) }
     }
 }
 
