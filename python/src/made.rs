@@ -32,7 +32,7 @@ pub enum Made {
     /// A whole image, with the hits in the order in which the rays were sent.
     Image { setup: Setup, rendered: Box<Rendered>, losses: Lost, hits: Vec<Hit> },
     /// A recorded trace.
-    Replay { replay: Mutex<Replay>, stats: Measured, losses: Lost },
+    Replay { replay: Mutex<Replay>, stats: Measured, losses: Lost, observed: Box<Observed> },
     /// A farm of workers.
     Farm { setup: Box<FarmSetup>, outcome: Box<FarmOutcome> },
 }
@@ -72,6 +72,26 @@ impl Made {
             Made::Image { rendered, .. } => Ok(&Made::timing(rendered)?.stats),
             Made::Replay { stats, .. } => Ok(stats),
             Made::Farm { outcome, .. } => Ok(&outcome.stats),
+        }
+    }
+
+    /// What was seen of the run beside its measures.
+    pub fn observed(&self) -> Option<&Observed> {
+        match self {
+            Made::Rays { outcome, .. } => Some(&outcome.observed),
+            Made::Image { rendered, .. } => rendered.timing.as_ref().map(|timing| &timing.observed),
+            Made::Replay { observed, .. } => Some(observed),
+            Made::Farm { .. } => None,
+        }
+    }
+
+    /// What ran, and how fast.
+    pub fn head(&self) -> PyResult<String> {
+        match self {
+            Made::Rays { setup, outcome, .. } => Ok(account::head(setup, outcome)),
+            Made::Replay { replay, stats, .. } => Ok(account::replay_head(&locked(replay), stats)),
+            Made::Image { .. } => Err(has_none("an image", "head of its own")),
+            Made::Farm { .. } => Err(has_none("a farm", "head of its own")),
         }
     }
 
@@ -119,8 +139,8 @@ impl Made {
             Made::Image { setup, rendered, losses, .. } => {
                 account::image_stats_json(setup, rendered, Made::timing(rendered)?, losses.as_ref())
             }
-            Made::Replay { replay, stats, losses } => {
-                account::replay_stats_json(&locked(replay), (stats, None), losses.as_ref())
+            Made::Replay { replay, stats, losses, observed } => {
+                account::replay_stats_json(&locked(replay), (stats, observed.path.as_ref()), losses.as_ref())
             }
             Made::Farm { setup, outcome } => farm::to_json(outcome, &setup.scene, &self.described().configuration),
         };
@@ -198,8 +218,8 @@ impl Made {
         match self {
             Made::Rays { setup, outcome, losses } => account::text(setup, outcome, losses.as_ref()),
             Made::Image { setup, rendered, losses, .. } => account::image_text(setup, rendered, losses.as_ref()),
-            Made::Replay { replay, stats, losses } => {
-                account::replay_text(&locked(replay), (stats, None), losses.as_ref())
+            Made::Replay { replay, stats, losses, observed } => {
+                account::replay_text(&locked(replay), (stats, observed.path.as_ref()), losses.as_ref())
             }
             Made::Farm { setup, outcome } => farm::text(setup, outcome),
         }
@@ -258,7 +278,7 @@ impl Made {
             losses,
             profile: profile_of(seen)?,
             recording: seen.recording.as_ref(),
-            path: None,
+            path: self.observed().and_then(|observed| observed.path.as_ref()),
             cell_names: names,
             configuration,
             image: image.as_deref(),
@@ -270,7 +290,8 @@ impl Made {
     pub fn drawn(&self, seen: &Observed) -> Result<Vec<plot::Picture>, Trouble> {
         let Described { caption, names, .. } = &self.described();
         let (profile, recording) = (profile_of(seen)?, seen.recording.as_ref());
-        let run = plot::Run { caption, clock: self.clock(), profile, recording, path: None, cell_names: names };
+        let path = self.observed().and_then(|observed| observed.path.as_ref());
+        let run = plot::Run { caption, clock: self.clock(), profile, recording, path, cell_names: names };
         plot::pictures(&run).map_err(output)
     }
 

@@ -48,13 +48,14 @@ pub fn model(
     let request = Request::new(py, Of::Model, scene, config, parameters)?;
     work(py, crew(py, threads, progress)?, "rays", |task| {
         let check = |options: &_, spec: &_| moot::check_model(options, spec, predict_only);
-        let (run, layers) = request.planned(RunSpec::of_model, check)?;
+        let (run, layers) = request.planned(RunSpec::of_model, check, &task.workers.cancel)?;
         predict(&run, layers, predict_only, task)
     })
 }
 
 fn predict(run: &PlannedRun, mut layers: Layers, predict_only: bool, task: &Task) -> Result<Model, Trouble> {
     let workers = &task.workers;
+    layers.load(run, &workers.cancel)?;
     let forecast = layers.forecast(run, &workers.cancel)?;
     let scene = layers.scene(run)?;
     let outcome = match predict_only {

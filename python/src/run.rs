@@ -42,6 +42,11 @@ impl Run {
         Run { made, crew, seen: Mutex::default() }
     }
 
+    /// What was run.
+    pub fn made(&self) -> &Made {
+        &self.made
+    }
+
     /// Runs it once more, watched.
     fn watch(&self, py: Python<'_>, watching: &Watching) -> PyResult<Observed> {
         self.made.measured()?;
@@ -139,13 +144,13 @@ impl Run {
     }
 
     /// What every FIFO held: a row a FIFO. `capacity`, `words` (through it), `max` and `mean` are in words; `full` and
-    /// `empty` are shares of the run.
+    /// `empty` are shares of the run. Asked for by `enough`, that is the depth from which nothing changes any more, in words.
     #[getter]
     fn fifos(&self) -> PyResult<Table> {
         let stats = self.made.measured()?;
         let infos = || stats.topology.fifos.iter();
         let fifos = || stats.fifos.iter();
-        Table::new(vec![
+        let mut columns = vec![
             text("name", infos().map(|info| info.name.clone())),
             text("channel", infos().map(|info| info.group.clone())),
             text("from", infos().map(|info| info.from.to_string())),
@@ -156,7 +161,11 @@ impl Run {
             number("mean", fifos().map(|fifo| Some(fifo.mean(stats.cycles)))),
             number("full", fifos().map(|fifo| Some(stats.share(fifo.full)))),
             number("empty", fifos().map(|fifo| Some(stats.share(fifo.empty)))),
-        ])
+        ];
+        if fifos().any(|fifo| fifo.enough.is_some()) {
+            columns.push(whole("enough", fifos().map(|fifo| fifo.enough.unwrap_or_default().0)));
+        }
+        Table::new(columns)
     }
 
     /// Each ray's first hit, of a run in the order of the rays' numbers (of pixels, line by line), of an image in the order

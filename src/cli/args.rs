@@ -274,6 +274,9 @@ pub struct ViewArgs {
     /// Tell why the run took as long: its critical path, and what faster parts would save. In --stats, --plot and --page too.
     #[arg(long)]
     pub why: bool,
+    /// Tell of each FIFO the depth from which nothing changes any more, beside what it holds. In --stats and --page too.
+    #[arg(long)]
+    pub enough: bool,
 }
 
 #[derive(Debug, Args)]

@@ -60,6 +60,10 @@ fn open_outputs(args: &FarmArgs, spec: &FarmSpec, fewest: usize) -> Result<(Opti
         let error = InputError::new("--why is about cells in a row, whose times do not depend on who comes first");
         return Err(error.help("leave it out; the states of the tasks tell what they wait for"));
     }
+    if args.views.enough {
+        let error = InputError::new("--enough is about cells in a row, and the depths of their FIFOs");
+        return Err(error.help("leave it out"));
+    }
     let inputs = [Some(Path::new(&spec.scene)), args.farm.machine.as_deref(), args.config.as_deref()];
     outputs::check_distinct(&named(args), &inputs)?;
     Ok((outputs::open(args.stats.as_deref(), args.force)?, Views::open(&args.views, args.force)?))

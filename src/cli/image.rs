@@ -109,6 +109,7 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
         ("--page", args.views.page.is_some()),
         ("--trace", args.views.trace.is_some()),
         ("--why", args.views.why),
+        ("--enough", args.views.enough),
     ];
     let untimed = spec.image.as_ref().is_some_and(|image| image.timing == Switch::Off);
     match files.iter().find(|(_, typed)| *typed && untimed) {

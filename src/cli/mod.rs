@@ -45,11 +45,10 @@ use commands::{Cli, Command};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
-use pcs_sim::measure::{Actor, Clock, When};
+use pcs_sim::measure::{Actor, At, Clock, When};
 use pcs_sim::program::NotLaidOut;
 use pcs_sim::program::figure7::MeasureError;
 use pcs_sim::run::RunError;
-use why_args::Moment;
 
 /// What of a run is printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +67,7 @@ enum Told {
 /// Which moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum MomentOf {
-    At(Moment),
+    At(At),
     /// The ray's in the cell.
     Ray(u32),
 }
@@ -77,8 +76,7 @@ impl Told {
     /// The cycle of a machine with such a clock, if one is to be looked at.
     fn moment(self, clock: Clock) -> Result<Option<When>, InputError> {
         let when = match self {
-            Told::Moment(_, MomentOf::At(Moment::Cycle(cycle))) => When::Cycle(cycle),
-            Told::Moment(_, MomentOf::At(Moment::Time(seconds))) => When::Cycle(clock.cycle_at(seconds)),
+            Told::Moment(_, MomentOf::At(at)) => When::Cycle(at.cycle(clock)),
             Told::Moment(Actor::Station(station), MomentOf::Ray(job)) => When::Job { station, job },
             Told::Moment(Actor::Host, MomentOf::Ray(_)) => {
                 return Err(InputError::new("a ray is looked for in a cell").help("say which with --cell N"));

@@ -29,6 +29,7 @@ pub struct Views {
     save: Option<OutputFile>,
     window: Range<Cycles>,
     why: bool,
+    enough: bool,
     force: bool,
 }
 
@@ -74,6 +75,7 @@ impl Views {
             trace: args.trace.as_ref().map(trace).transpose()?,
             window: args.trace_window.clone().unwrap_or(Cycles(0)..Cycles(u64::MAX)),
             why: args.why,
+            enough: args.enough,
             force,
         })
     }
@@ -87,6 +89,7 @@ impl Views {
             trace: None,
             save: None,
             why: false,
+            enough: false,
             window: Cycles(0)..Cycles(0),
             force: false,
         }
@@ -96,7 +99,13 @@ impl Views {
     pub fn watching(&self, shape: Shape) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
         let recorded = self.trace.is_some() || (profile && shape == Shape::Line);
-        Watching { profile, recording: recorded.then(|| self.window.clone()), path: self.why, moment: None }
+        Watching {
+            profile,
+            recording: recorded.then(|| self.window.clone()),
+            path: self.why,
+            moment: None,
+            enough: self.enough,
+        }
     }
 
     /// Whether a view shows the traced picture.

@@ -3,14 +3,16 @@
 use super::bottleneck;
 use super::kinds::{self, RaysByKind};
 use super::losses::Losses;
+use super::moment;
 use super::plot::Caption;
 use super::prediction::{self, Row};
 use super::stats::{self, Configuration};
 use super::summary::{self, grouped};
 use super::why;
+use crate::error::InputError;
 use crate::host::order::Order;
 use crate::machine::{Machine, MachineSpec};
-use crate::measure::{Clock, CriticalPath, Measured};
+use crate::measure::{Actor, Clock, CriticalPath, Measured, Observed};
 use crate::program::{Kernel, Workload};
 use crate::run::{Forecast, Outcome, Rendered, Replay, RunSpec, Setup, Timing};
 use crate::scene::Scene;
@@ -70,6 +72,12 @@ pub fn replay_caption(replay: &Replay) -> Caption {
     Caption { title: replay_title(replay), partition: None, machine: machine_line(&replay.machine.spec) }
 }
 
+/// The same of a trace whose FIFOs are sized.
+pub fn sized_trace_title(replay: &Replay) -> String {
+    let Replay { spec, trace, .. } = replay;
+    format!("{} on {} cells: {} rays", spec.ops.display(), trace.cells(), grouped(trace.jobs()))
+}
+
 /// What people read of a run of primary rays.
 pub fn text(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
     let (names, clock) = (cell_names(&setup.workload), setup.machine.spec.clock());
@@ -109,6 +117,43 @@ pub fn body(
     let why = path.map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
     let verdict = summary::prose(&verdict(stats, losses, clock));
     format!("{}\n{}\n{verdict}\n{why}", summary::cells(stats, names), summary::fifos(stats))
+}
+
+/// What ran, as `head` has it, and why it took as long.
+pub fn why_text(head: &str, stats: &Measured, observed: &Observed, by_cell: bool) -> String {
+    let why = observed.path.as_ref().map(|path| format!("\n{}", why::text(path, by_cell))).unwrap_or_default();
+    let enough = stats.fifos.iter().any(|fifo| fifo.enough.is_some());
+    let fifos = enough.then(|| format!("\n{}", summary::fifos(stats))).unwrap_or_default();
+    format!("{head}{why}{fifos}")
+}
+
+/// What ran, and what somebody did in the moment that was looked for.
+///
+/// # Errors
+///
+/// If there is no such cell, or no such moment.
+pub fn moment_text(
+    head: &str,
+    stats: &Measured,
+    (observed, clock): (&Observed, Clock),
+    actor: Actor,
+) -> Result<String, InputError> {
+    let cells = stats.stations.len();
+    if let Actor::Station(cell) = actor
+        && cell >= cells
+    {
+        let error = InputError::new(format!("there is no cell {cell}: the array has {cells}"));
+        return Err(error.help("cells are counted from 0, from left to right"));
+    }
+    let (Some(path), Some(snapshot)) = (&observed.path, &observed.snapshot) else {
+        let error = InputError::new(format!("{actor} does nothing for that ray"));
+        return Err(error.help(format!("rays are counted from 0; this run has {}", stats.jobs)));
+    };
+    if snapshot.at >= stats.cycles {
+        let error = InputError::new(format!("the run is over before cycle {}", snapshot.at.0));
+        return Err(error.help(format!("its last cycle is {}", stats.cycles.0.saturating_sub(1))));
+    }
+    Ok(format!("{head}\n{}", moment::text(path, snapshot, actor, clock)))
 }
 
 /// What people read of a whole image.

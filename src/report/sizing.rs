@@ -1,10 +1,11 @@
 //! What sizing the FIFOs has found: for people, as a table, as pictures.
 
+use super::account::machine_line;
 use super::plot::curves::{self, Axes, Look};
 use super::plot::{Picture, PlotError};
 use super::summary::{aligned, grouped, prose, table};
 use super::table::{Column, Kind, Table};
-use crate::machine::MachineSpec;
+use crate::machine::{Machine, MachineFile, MachineSpec};
 use crate::measure::Clock;
 use crate::quantities::{Cycles, Words};
 use crate::run::{Fewer, Front, Point};
@@ -176,6 +177,30 @@ pub fn name(slower: u64) -> String {
 
 /// Machines that stand side by side, as far as there is room for them.
 const SIDE_BY_SIDE: usize = 4;
+
+/// What is sized, above all that is told of it.
+pub fn heading(title: &str) -> String {
+    format!("FIFOs of {title}")
+}
+
+/// All that people read of a front.
+pub fn text(front: &Front, title: &str, machine: &Machine) -> String {
+    let (heading, machine) = (heading(title), machine_line(&machine.spec));
+    let head = prose(&format!("{heading}\n{machine}"));
+    format!("{head}\n\n{}\n{}", to_text(front), sentences(front))
+}
+
+/// The machine file of a point of the front.
+pub fn machine_text(front: &Front, point: &Point, title: &str, file: &MachineFile) -> Result<String, ron::Error> {
+    let text = front.machine(&point.depths.words, file).to_ron()?;
+    Ok(format!(
+        "// The fewest words for {} % of the speed with unlimited FIFOs, found by `pcs-sim size-fifos` for\n\
+         // {title}: {} words, {} cycles.\n{text}",
+        name(point.slower),
+        grouped(point.depths.total()),
+        grouped(point.depths.cycles.0),
+    ))
+}
 
 /// The front for people: a column for each of its machines, a row for each FIFO.
 pub fn to_text(front: &Front) -> String {

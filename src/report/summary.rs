@@ -105,18 +105,15 @@ pub fn cell_rows(run: &Measured, names: &[String]) -> Rows {
 /// What every FIFO held: a row a FIFO.
 pub fn fifo_rows(run: &Measured) -> Rows {
     let row = |(info, fifo): (&FifoInfo, &FifoStats)| {
-        vec![
-            info.name.clone(),
-            grouped(fifo.words.0),
-            info.capacity.0.to_string(),
-            fifo.max.0.to_string(),
-            format!("{:.2}", fifo.mean(run.cycles)),
-            percent(fifo.full, run.cycles),
-            percent(fifo.empty, run.cycles),
-        ]
+        let named = [info.name.clone(), grouped(fifo.words.0), info.capacity.0.to_string(), fifo.max.0.to_string()];
+        let enough = fifo.enough.map(|words| words.0.to_string());
+        let [full, empty] = [fifo.full, fifo.empty].map(|cycles| percent(cycles, run.cycles));
+        named.into_iter().chain(enough).chain([format!("{:.2}", fifo.mean(run.cycles)), full, empty]).collect()
     };
+    let enough = run.fifos.iter().any(|fifo| fifo.enough.is_some()).then_some("enough");
+    let header = ["FIFO", "words through", "holds", "max"].into_iter().chain(enough).chain(["mean", "full", "empty"]);
     Rows {
-        header: ["FIFO", "words through", "holds", "max", "mean", "full", "empty"].map(str::to_owned).to_vec(),
+        header: header.map(str::to_owned).collect(),
         rows: run.topology.fifos.iter().zip(&run.fifos).map(row).collect(),
     }
 }

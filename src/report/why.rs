@@ -75,8 +75,16 @@ pub fn times(path: &CriticalPath, by_cell: bool) -> Vec<TimeOnPath> {
     times
 }
 
-/// The name of a cause.
-fn name(path: &CriticalPath, cause: Cause) -> String {
+/// The FIFO that a cause is about, if it is about one.
+pub fn fifo_of(path: &CriticalPath, cause: Cause) -> Option<&str> {
+    match cause {
+        Cause::Work(_) | Cause::Move => None,
+        Cause::Latency(fifo) | Cause::Wire(fifo) | Cause::Slot(fifo) => Some(&path.topology.fifos[fifo].name),
+    }
+}
+
+/// The name of a cause: of a unit of work that of the machine's file, else `cycles_a_word`, `latency_cycles`, `moving` or `slot`.
+pub fn name(path: &CriticalPath, cause: Cause) -> String {
     match cause {
         Cause::Work(unit) => path.units[unit].name.clone(),
         Cause::Move => MOVE.to_owned(),
@@ -279,12 +287,7 @@ impl PathJson {
                 Actor::Station(cell) => cell.to_string(),
             },
             cause: name(path, part.cause),
-            fifo: match part.cause {
-                Cause::Work(_) | Cause::Move => None,
-                Cause::Latency(fifo) | Cause::Wire(fifo) | Cause::Slot(fifo) => {
-                    Some(path.topology.fifos[fifo].name.clone())
-                }
-            },
+            fifo: fifo_of(path, part.cause).map(str::to_owned),
             count: part.count,
             cycles: part.cycles.0,
         };

@@ -7,6 +7,7 @@ mod ahead;
 mod closed_loop;
 mod farm;
 mod in_step;
+mod kept;
 mod layers;
 mod modelled;
 pub mod moot;
@@ -26,6 +27,7 @@ mod workers;
 
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
 pub use in_step::InStep;
+pub use kept::KeptOps;
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};
 pub use options::{
@@ -39,7 +41,7 @@ pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render, 
 pub use replayed::Replay;
 pub use setup::Setup;
 pub use shuffled::{Reordered, Shuffled};
-pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos};
+pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos, slower};
 pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};

@@ -130,6 +130,8 @@ mod perfetto {
         pub name_iid: u64,
         #[prost(uint64, tag = "3")]
         pub uint_value: u64,
+        #[prost(string, tag = "6")]
+        pub string_value: String,
     }
 
     #[derive(Clone, PartialEq, prost::Message)]
@@ -160,6 +162,8 @@ struct Slice {
     from: u64,
     until: u64,
     arguments: BTreeMap<String, u64>,
+    /// Who waits for whom, a line each.
+    chain: Vec<String>,
 }
 
 /// A mark without length, from which arrows lead to the next one with the same flow.
@@ -205,8 +209,14 @@ fn read_perfetto(bytes: &[u8]) -> Read {
                 } else {
                     event.name.clone()
                 };
-                let arguments = event.debug_annotations.iter();
-                let arguments = arguments.map(|a| (named(&interned.debug_annotation_names, a.name_iid), a.uint_value));
+                let (texts, arguments): (Vec<_>, Vec<_>) =
+                    event.debug_annotations.iter().partition(|a| !a.string_value.is_empty());
+                for (number, text) in (1..).zip(&texts) {
+                    assert_eq!(named(&interned.debug_annotation_names, text.name_iid), format!("who {number}"));
+                }
+                let chain = texts.into_iter().map(|text| text.string_value.clone()).collect();
+                let arguments =
+                    arguments.into_iter().map(|a| (named(&interned.debug_annotation_names, a.name_iid), a.uint_value));
                 assert_eq!((event.flow_ids, event.terminating_flow_ids), (0, 0), "an arrow would lead from its end");
                 if event.name.is_empty() {
                     let category = named(&interned.event_categories, event.category_iids);
@@ -214,7 +224,7 @@ fn read_perfetto(bytes: &[u8]) -> Read {
                 }
                 let arguments = arguments.collect();
                 stack.push(read.slices.len());
-                read.slices.push(Slice { track, name, depth: stack.len() - 1, from: at, until: 0, arguments });
+                read.slices.push(Slice { track, name, depth: stack.len() - 1, from: at, until: 0, arguments, chain });
             }
             2 => read.slices[stack.pop().expect("a slice ends that has begun")].until = at,
             3 => {
@@ -295,6 +305,37 @@ fn perfetto_slices_are_the_cells_states_and_sum_up_to_the_statistics() {
         let states = states.map(|slice| (slice.name.as_str(), slice.from, slice.until));
         let recorded = activity.states.iter().map(|s| (run.state(s.state), 50 * s.from.0, 50 * s.until.0));
         assert_eq!(states.collect::<Vec<_>>(), recorded.collect::<Vec<_>>(), "{name}");
+    }
+}
+
+/// Each wait tells who waits for whom in its middle, as `why` does of that cycle.
+#[test]
+fn perfetto_waits_tell_who_waits_for_whom() {
+    let folder = Folder::new();
+    for machine in ["--fifo-words 16", "--fifo-words 16 --link-mb-s 20 --latency-cycles 9"] {
+        let run = format!("--mode pipeline --scene teapot --size-factor 3 --size 6x6 {machine} --host-ray-us 1");
+        folder.run(&format!("{run} --trace a.pftrace --force")).success();
+        let read = read_perfetto(&std::fs::read(folder.path("a.pftrace")).unwrap());
+        let waits = |slice: &&Slice| slice.name.starts_with("waiting") || slice.name.starts_with("blocked");
+        assert!(read.slices.iter().all(|slice| waits(&slice) != slice.chain.is_empty()));
+        let links: std::collections::BTreeSet<usize> = read.slices.iter().map(|slice| slice.chain.len()).collect();
+        assert!(links.len() >= 4, "chains of {links:?} links");
+        let all: Vec<&Slice> = read.slices.iter().filter(waits).collect();
+        for slice in all.iter().step_by(all.len() / 25) {
+            let cell = slice.track.strip_prefix("cell ").map_or("host", |cell| cell.split(' ').next().unwrap());
+            let at = slice.arguments["in cycle"];
+            let told = folder.run(&format!("why {run} --cell {cell} --at {at}")).success();
+            let told: Vec<&str> = told.lines().skip_while(|line| !line.starts_with("cycle ")).skip(1).collect();
+            assert_eq!(told.len(), slice.chain.len(), "{told:#?} {:#?}", slice.chain);
+            let (last, links) = slice.chain.split_last().unwrap();
+            for (ours, theirs) in links.iter().zip(&told) {
+                assert_eq!(ours.replace(", ray", ""), theirs.replace(", ray", ""));
+            }
+            let who = |line: &str| line.split([',', '(']).next().unwrap().trim_end().to_owned();
+            let theirs = who(told.last().unwrap());
+            let on_its_way = |line: &str| line.split(" in cycle").next().unwrap().to_owned();
+            assert_eq!(who(last).replace("moves words", "moves a word"), on_its_way(&theirs), "{told:#?}");
+        }
     }
 }
 

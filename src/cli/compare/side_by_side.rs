@@ -97,7 +97,7 @@ fn image(setup: &Setup, workers: &Workers) -> Result<Again, Failure> {
 fn of_setup(setup: &Setup, title: String, stats: Measured, observed: Observed) -> Again {
     let spec = &setup.machine.spec;
     Again {
-        caption: Caption { title, machine: account::machine_line(spec) },
+        caption: account::caption(title, setup),
         clock: spec.clock(),
         stats,
         observed,
@@ -111,7 +111,7 @@ fn replay(spec: ReplaySpec) -> Result<Again, Failure> {
     let (stats, observed, _) = replay.time(&watching(), &Cancel::default(), |_| ())?;
     let spec = &replay.machine.spec;
     Ok(Again {
-        caption: Caption { title: account::replay_title(&replay), machine: account::machine_line(spec) },
+        caption: account::replay_caption(&replay),
         clock: spec.clock(),
         stats,
         observed,
@@ -132,6 +132,7 @@ impl Again {
                 stats: &self.stats,
                 losses: None,
                 profile: &profile,
+                recording: None,
                 path: None,
                 cell_names: &self.cell_names,
                 configuration: &self.configuration,

@@ -16,8 +16,11 @@ use super::probe::Probe;
 use super::recorder::Recorder;
 use super::states::{blocked, states, waiting};
 use super::stuck::{self, Stuck};
+use super::unlimited::Coming;
 use crate::machine::{FifoName, MachineSpec};
-use crate::measure::{Actor, FifoInfo, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology, When};
+use crate::measure::{
+    Actor, FifoInfo, FifoStats, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology, When,
+};
 use crate::quantities::{Cycles, Words};
 use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 
@@ -53,9 +56,9 @@ use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 #[derive(Debug)]
 pub struct Array {
     /// `links[i]` leads into cell i, and on Z out of it to the left; the last one leads back to the host, on Y only.
-    links: Vec<Link>,
-    host: CellAt,
-    cells: Vec<CellAt>,
+    pub(super) links: Vec<Link>,
+    pub(super) host: CellAt,
+    pub(super) cells: Vec<CellAt>,
     batches: VecDeque<OpBatch>,
     /// How many batches have been dropped from the front of `batches`.
     dropped: usize,
@@ -68,12 +71,16 @@ pub struct Array {
     limit: u64,
     /// See what happens when, if asked to. Boxed, as most arrays have none.
     observers: Option<Box<Observers>>,
+    /// What its FIFOs must have room for, if they have no limit.
+    pub(super) coming: Option<Coming>,
+    /// The same ops without such a limit, if it is asked for.
+    unlimited: Option<Box<Array>>,
 }
 
 /// A cell and its place in the batches.
 #[derive(Debug)]
-struct CellAt {
-    cell: Cell,
+pub(super) struct CellAt {
+    pub(super) cell: Cell,
     /// The number of the batch that it is in, counted from the start of the run.
     batch: usize,
     halt: Halt,
@@ -119,6 +126,8 @@ impl Array {
             returned: Vec::new(),
             limit: limit.0,
             observers: None,
+            coming: None,
+            unlimited: None,
         }
     }
 
@@ -160,6 +169,13 @@ impl Array {
         self
     }
 
+    /// The same, beside one that is [unlimited](Array::unlimited) and does the same ops, so that the statistics tell of each FIFO
+    /// the depth from which nothing changes any more. To be asked for before any ops are fed.
+    pub fn beside_unlimited(mut self, spec: &MachineSpec, costs: &Costs) -> Array {
+        self.unlimited = Some(Box::new(Array::unlimited(spec, costs, self.cells.len())));
+        self
+    }
+
     /// Adds the next ops. A batch needs no whole jobs: each stream simply goes on where the one before it ended.
     ///
     /// # Errors
@@ -168,6 +184,12 @@ impl Array {
     pub fn feed(&mut self, batch: OpBatch) -> Result<(), BatchError> {
         batch.check(self.cells.len())?;
         self.jobs += batch.host.lines().len() as u64;
+        self.make_room(&batch);
+        if let Some(unlimited) = &mut self.unlimited {
+            let mut copy = unlimited.take_spent().unwrap_or_default();
+            copy.clone_from(&batch);
+            unlimited.feed(copy)?;
+        }
         if let Some(observers) = &mut self.observers {
             observers.fed(&batch);
         }
@@ -195,7 +217,10 @@ impl Array {
         }
         let stations = || std::iter::once(&self.host).chain(&self.cells);
         let helpless = stations().all(|s| !matches!(s.halt, Halt::OutOfOps | Halt::Limit));
-        if helpless { Err(self.stuck()) } else { Ok(()) }
+        if helpless {
+            return Err(self.stuck());
+        }
+        self.unlimited.as_mut().map_or(Ok(()), |unlimited| unlimited.run())
     }
 
     /// The first cycle that the host has not spent on the ops fed so far, as far as they have been done.
@@ -396,20 +421,25 @@ impl Array {
     }
 
     fn measured(&self, cycles: u64) -> Measured {
+        let enough = self.unlimited.as_ref().map(|unlimited| unlimited.enough());
+        let fifo = |(index, (link, channel)): (usize, (usize, Channel))| FifoStats {
+            enough: enough.as_ref().and_then(|enough| enough.get(index).copied()),
+            ..self.links[link].fifo(channel).stats(cycles)
+        };
         let links = self.links.iter().zip((0..self.cells.len()).map(Actor::Station).chain([Actor::Host]));
         Measured {
             topology: Arc::new(self.topology()),
             cycles: Cycles(cycles),
             jobs: self.jobs,
             stations: self.cells.iter().map(|at| at.cell.times(cycles)).collect(),
-            fifos: self.fifos().map(|(link, channel)| self.links[link].fifo(channel).stats(cycles)).collect(),
+            fifos: self.fifos().enumerate().map(fifo).collect(),
             links: links.map(|(link, into)| LinkStats { into: Some(into), busy: Cycles(link.busy(cycles)) }).collect(),
         }
     }
 
     /// The FIFOs, by link and channel: `X0`, `X1`, ..., then `Y1`, `Y2`, ..., `Yhost`; then those of `Z0`, `Z1`, ... once
     /// they have carried a word.
-    fn fifos(&self) -> impl Iterator<Item = (usize, Channel)> + '_ {
+    pub(super) fn fifos(&self) -> impl Iterator<Item = (usize, Channel)> + '_ {
         let count = self.cells.len();
         let xs = (0..count).map(|link| (link, Channel::X));
         let ys = (1..=count).map(|link| (link, Channel::Y));

@@ -23,6 +23,8 @@ pub(super) struct Fifo {
     read: u64,
     passed: Passed,
     peak: Peak,
+    /// Whether the peak counts a word that is read in the cycle in which another is written: these two need a place each.
+    counts_places: bool,
 }
 
 /// What the words have come to that have been read.
@@ -72,7 +74,47 @@ impl Fifo {
             read: 0,
             passed: Passed::default(),
             peak: Peak::default(),
+            counts_places: false,
         }
+    }
+
+    /// One that holds all there is, up to so many words: to be [made deep enough](Fifo::make_room) before words are written.
+    pub fn growing(latency: u64) -> Fifo {
+        Fifo { counts_places: true, ..Fifo::new(1, latency) }
+    }
+
+    /// Makes it deep enough for no word to wait until word `until`, if the writer stands at cycle `clock`; but no deeper than
+    /// `most`, a power of two.
+    pub fn make_room(&mut self, until: u64, clock: u64, most: u64) {
+        let oldest = self.written.saturating_sub(self.capacity);
+        let (mut free, mut held) = (oldest, self.read);
+        while free < held {
+            let middle = free + (held - free) / 2;
+            // What was forgotten as it got deeper is free from cycle 0 on.
+            if self.free_from[slot(middle, &self.free_from)] <= clock { free = middle + 1 } else { held = middle }
+        }
+        let needed = (until - free).next_power_of_two().min(most);
+        if needed <= self.capacity {
+            return;
+        }
+        (self.passed, self.peak) = (self.passed(), self.peak());
+        // No word that is written has needed more places than there were; the next ones may.
+        self.peak.words = self.peak.words.min(oldest);
+        let moved = |from: &[u64], until: u64| {
+            let mut ring: Box<[u64]> = vec![0; needed.max(LEAST_RING) as usize].into();
+            for word in oldest..until {
+                let place = slot(word, &ring);
+                ring[place] = from[slot(word, from)];
+            }
+            ring
+        };
+        (self.ready_at, self.free_from) = (moved(&self.ready_at, self.written), moved(&self.free_from, self.read));
+        self.capacity = needed;
+    }
+
+    /// The places that were needed at once: with as many, no word has to wait for one.
+    pub fn places(&self) -> u64 {
+        self.peak().max.max(self.fill()).max(1)
     }
 
     pub fn capacity(&self) -> u64 {
@@ -253,8 +295,9 @@ impl Fifo {
             if stretch == 0 {
                 return peak;
             }
-            // Written before read: ready_at - latency < free_from - 1, here as the sign of the difference.
-            let offset = 1u64.wrapping_sub(self.latency);
+            // Written before read: ready_at - latency < free_from - 1, here as the sign of the difference; where places are
+            // counted, no later than read.
+            let offset = u64::from(!self.counts_places).wrapping_sub(self.latency);
             let above = |(write, read): (&u64, &u64)| write.wrapping_add(offset).wrapping_sub(*read) as i64;
             let (reads, writes) = (&reads[..stretch], &writes[..stretch]);
             if writes.iter().zip(reads).map(above).fold(0, |any, sign| any | sign) >= 0 {
@@ -299,6 +342,7 @@ impl Fifo {
             word_cycles: passed.word_cycles + inside.sum::<u128>(),
             full: Cycles(peak.full + full),
             empty: Cycles(passed.empty + filled_in.saturating_sub(self.last_read())),
+            enough: None,
         }
     }
 }

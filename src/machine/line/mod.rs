@@ -28,6 +28,7 @@ mod probe;
 mod recorder;
 mod states;
 mod stuck;
+mod unlimited;
 mod watcher;
 
 pub use array::{Array, Unfinished};

@@ -1,7 +1,8 @@
 //! Perfetto's format: a track for the array and below it, in the array's order, one for each cell and a counter for each
 //! FIFO; for other machines, whatever their topology has in place of these.
 //!
-//! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state. Flows lead from where the host
+//! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state; one in which the cell waits
+//! has in its arguments who waits for whom in its middle, down to one that works. Flows lead from where the host
 //! begins to send a ray over where the cells begin it to where the host begins to read its HIT. Perfetto draws an arrow from the end of
 //! what it leads from, and a cell begins a ray before the one before it has done with it: so they join marks without length, at the
 //! starts of the slices, and none points back in time.
@@ -11,8 +12,11 @@ use std::io::Write;
 
 use super::Trace;
 use super::time_scale::TimeScale;
-use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, Shape, State, StateId, StateKind, StationRecord, Topology};
+use crate::measure::{
+    Actor, FifoInfo, FifoLevels, JobSpan, Shape, State, StateId, StateKind, StationRecord, Stretch, Topology, Waits,
+};
 use crate::quantities::{Cycles, Words};
+use crate::report::moment;
 
 /// The parts of Perfetto's messages that a trace needs, with their numbers.
 mod messages {
@@ -87,6 +91,8 @@ mod messages {
         pub name_id: Option<u64>,
         #[prost(uint64, optional, tag = "3")]
         pub value: Option<u64>,
+        #[prost(string, optional, tag = "6")]
+        pub text: Option<String>,
     }
 
     #[derive(Clone, PartialEq, prost::Message)]
@@ -124,6 +130,9 @@ const NEEDS_NAMES: u32 = 2;
 const JOB: u64 = 1;
 const CYCLE: u64 = 2;
 const CYCLES: u64 = 3;
+/// The middle of a wait, and who then waits for whom: a name for each line.
+const WAIT: u64 = 4;
+const CHAIN: [&str; moment::MOST_LINKS] = ["who 1", "who 2", "who 3", "who 4", "who 5", "who 6", "who 7", "who 8"];
 
 /// What states are grouped into; likewise.
 const CATEGORIES: [&str; 5] = ["busy", "moving", "waiting", "blocked", "idle"];
@@ -135,14 +144,15 @@ const BY_RANK: i32 = 3;
 pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> std::io::Result<()> {
     let recording = trace.recording;
     let topology = &*recording.topology;
-    let mut writer = Writer { out, scale, topology, buffer: Vec::new(), tracks: ARRAY };
+    let waits = Waits::new(recording);
+    let mut writer = Writer { out, scale, topology, waits, buffer: Vec::new(), tracks: ARRAY };
     writer.describe(&trace.caption.title)?;
     let mut host = recording.host.iter();
-    host.try_for_each(|host| writer.activity("host sends".to_owned(), host))?;
+    host.try_for_each(|host| writer.activity("host sends".to_owned(), (Actor::Host, host)))?;
     for (index, cell) in recording.stations.iter().enumerate() {
         let mut fifos = topology.inputs_of(Actor::Station(index));
         fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
-        writer.activity(trace.station_name(index), cell)?;
+        writer.activity(trace.station_name(index), (Actor::Station(index), cell))?;
     }
     let mut fifos = topology.inputs_of(Actor::Host);
     fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
@@ -157,6 +167,7 @@ struct Writer<'a, W> {
     out: &'a mut W,
     scale: TimeScale,
     topology: &'a Topology,
+    waits: Waits<'a>,
     buffer: Vec<u8>,
     /// The number of the last track.
     tracks: u64,
@@ -177,7 +188,7 @@ impl<W: Write> Writer<'_, W> {
             let named = names.iter().zip(1..);
             named.map(|(&name, id)| Name { id: Some(id), name: Some(name.to_owned()) }).collect()
         };
-        let arguments = [self.topology.names.job.as_str(), "cycle", "cycles"];
+        let arguments = [&[self.topology.names.job.as_str(), "cycle", "cycles", "in cycle"], &CHAIN[..]].concat();
         let interned =
             Interned { categories: names(&CATEGORIES), events: names(&states), arguments: names(&arguments) };
         let flags = Some(RESETS_NAMES | NEEDS_NAMES);
@@ -202,7 +213,7 @@ impl<W: Write> Writer<'_, W> {
     }
 
     /// The states, and around those on a ray a slice for it.
-    fn activity(&mut self, name: String, record: &StationRecord) -> std::io::Result<()> {
+    fn activity(&mut self, name: String, (actor, record): (Actor, &StationRecord)) -> std::io::Result<()> {
         let track = self.track(name, None)?;
         let mut jobs = record.jobs.iter().peekable();
         for stretch in &record.states {
@@ -215,7 +226,11 @@ impl<W: Write> Writer<'_, W> {
                 track: Some(track),
                 categories: vec![self.category(stretch.state)],
                 name_id: Some(self.name_id(stretch.state)),
-                arguments: span.map(|span| argument(JOB, span.job as u64)).into_iter().collect(),
+                arguments: span
+                    .map(|span| argument(JOB, span.job as u64))
+                    .into_iter()
+                    .chain(self.chain(actor, stretch))
+                    .collect(),
                 ..Event::default()
             };
             self.event(stretch.from, event)?;
@@ -226,6 +241,19 @@ impl<W: Write> Writer<'_, W> {
             }
         }
         Ok(())
+    }
+
+    /// Who waits for whom in the middle of a wait.
+    fn chain(&self, actor: Actor, stretch: &Stretch) -> Vec<Argument> {
+        let middle = Cycles(stretch.from.0 + (stretch.until.0 - stretch.from.0) / 2);
+        let is_wait = self.topology.states.get(stretch.state).is_some_and(|state| state.stands_at.is_some());
+        let chain = if is_wait { self.waits.chain(actor, middle) } else { Vec::new() };
+        if chain.first().is_none_or(|first| first.wait.is_none()) {
+            return Vec::new();
+        }
+        let lines = moment::chain(self.topology, &chain).into_iter().zip(WAIT + 1..);
+        let line = |(text, name)| Argument { name_id: Some(name), value: None, text: Some(text) };
+        std::iter::once(argument(WAIT, middle.0)).chain(lines.map(line)).collect()
     }
 
     fn hits(&mut self, hits: &[JobSpan]) -> std::io::Result<()> {
@@ -302,5 +330,5 @@ impl Counter {
 }
 
 fn argument(name: u64, value: u64) -> Argument {
-    Argument { name_id: Some(name), value: Some(value) }
+    Argument { name_id: Some(name), value: Some(value), text: None }
 }
