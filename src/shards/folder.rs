@@ -23,6 +23,9 @@ pub struct Lock {
     _file: File,
 }
 
+/// The folders in it.
+const FOLDERS: [&str; 4] = ["parts", "results", "refused", "logs"];
+
 impl Folder {
     /// The folder beside a result.
     pub fn beside(result: &Path) -> Result<Folder, InputError> {
@@ -60,18 +63,22 @@ impl Folder {
         read(&self.place("plan.json"))
     }
 
-    /// Begins anew: what was in the folder is removed.
+    /// Begins anew: what a plan of before had in the folder is removed.
+    ///
+    /// # Errors
+    ///
+    /// If something else is in it, and if it cannot be written.
     pub fn begin(&self, plan: &Plan, parts: &[Part], sweep: Option<&str>) -> Result<(), InputError> {
         let failed = |error: io::Error| InputError::in_file(&self.0, format!("cannot be written: {error}"));
-        if self.0.exists() {
-            // Without its plan it is no folder of shards, should the rest not be gone in time.
-            let _ = std::fs::remove_file(self.place("plan.json"));
-            for name in ["parts", "results", "refused", "logs"] {
-                let _ = std::fs::remove_dir_all(self.place(name));
-            }
-            let _ = std::fs::remove_file(self.place("job.json"));
+        if !self.place("plan.json").exists() && self.has_others().map_err(failed)? {
+            let error = InputError::in_file(&self.0, "is there already, and is no folder of shards");
+            return Err(error.help("remove it, or give the result another name"));
         }
-        for name in ["parts", "results", "refused", "logs"] {
+        for name in FOLDERS {
+            let _ = std::fs::remove_dir_all(self.place(name));
+        }
+        let _ = std::fs::remove_file(self.place("job.json"));
+        for name in FOLDERS {
             std::fs::create_dir_all(self.place(name)).map_err(failed)?;
         }
         for (number, part) in parts.iter().enumerate() {
@@ -81,6 +88,15 @@ impl Folder {
             put(&self.sweep_file(), sweep.as_bytes()).map_err(failed)?;
         }
         write(&self.place("plan.json"), plan).map_err(failed)
+    }
+
+    /// Whether it has anything but a lock.
+    fn has_others(&self) -> io::Result<bool> {
+        match std::fs::read_dir(&self.0) {
+            Ok(mut entries) => Ok(entries.any(|entry| entry.is_ok_and(|entry| entry.file_name() != "lock"))),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+            Err(error) => Err(error),
+        }
     }
 
     /// The sweep, its ranges written out.

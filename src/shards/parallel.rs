@@ -95,7 +95,7 @@ pub(super) fn cancel(folder: &Folder, at: &str, group: u32) -> Result<(), InputE
     }
     if at != host() {
         let error = InputError::new(format!("GNU parallel was started on {at}, and this is {}", host()));
-        return Err(error.help("cancel it there"));
+        return Err(error.help("cancel it there; if that machine is gone, remove job.json in the folder of shards"));
     }
     let output = call("kill", &["-TERM", "--", &format!("-{group}")]);
     match output.is_ok_and(|output| output.status.success()) {

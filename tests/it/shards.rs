@@ -301,6 +301,13 @@ fn what_makes_no_sense_is_refused() {
         assert!(error.contains(expected), "{args}: {error}");
         assert!(!folder.path("t.shards/plan.json").exists() && !folder.path("i.png").exists(), "{args}");
     }
+    // A folder of that name that is of something else is left alone.
+    std::fs::create_dir_all(folder.path("t.shards/logs")).unwrap();
+    folder.file("t.shards/logs/mine", "");
+    let error = run(&folder, "sweep s.ron -o t.csv --engine slurm").refused();
+    assert!(error.contains("is no folder of shards"), "{error}");
+    assert!(folder.path("t.shards/logs/mine").exists());
+    std::fs::remove_dir_all(folder.path("t.shards")).unwrap();
     folder.file("refuse", "");
     let error = run(&folder, "sweep s.ron -o t.csv --engine slurm").refused();
     assert!(error.contains("sbatch did not take the job: sbatch: error: no such partition"), "{error}");

@@ -42,7 +42,7 @@ pub fn image(
         let bar = progress::shards(plan.shards as u64);
         interrupt::keeping(kept(&folder));
         wait(&folder, job, || {
-            let done = states(&folder, &plan, None)?.iter().filter(|(state, _)| *state == State::Done).count();
+            let done = (0..plan.shards).filter(|&shard| folder.results(shard).exists()).count();
             bar.set_position(done as u64);
             Ok(done == plan.shards)
         })?;
