@@ -98,10 +98,12 @@ pub(super) fn cancel(folder: &Folder, at: &str, group: u32) -> Result<(), InputE
         return Err(error.help("cancel it there; if that machine is gone, remove job.json in the folder of shards"));
     }
     let output = call("kill", &["-TERM", "--", &format!("-{group}")]);
-    match output.is_ok_and(|output| output.status.success()) {
-        true => Ok(()),
-        false => Err(InputError::new(format!("process group {group} cannot be ended"))),
+    if !output.is_ok_and(|output| output.status.success()) {
+        return Err(InputError::new(format!("process group {group} cannot be ended")));
     }
+    // It says so itself only where it comes to its end.
+    let ended = folder.keep_script("ended", "cancelled\n");
+    ended.map(drop).map_err(|error| InputError::in_file(folder.path(), format!("cannot be written: {error}")))
 }
 
 /// What became of each of so many shards.
