@@ -143,13 +143,13 @@ impl Made {
                 account::title(setup),
                 &setup.machine,
                 account::cell_names(&setup.workload),
-                Configuration::new(&setup.spec, &setup.workload),
+                Configuration::new(setup),
             ),
             Made::Image { setup, rendered, .. } => (
                 account::image_title(setup, rendered),
                 &setup.machine,
                 account::cell_names(&setup.workload),
-                Configuration::new(&setup.spec, &setup.workload),
+                Configuration::new(setup),
             ),
             Made::Farm { setup, outcome } => {
                 let configuration = Configuration::Farm(Box::new(setup.spec.clone()));

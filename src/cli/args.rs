@@ -337,6 +337,25 @@ pub struct PlotArgs {
 }
 
 #[derive(Debug, Args)]
+pub struct ScenesArgs {
+    /// A built-in scene, or a file; without one, all built-in scenes are listed.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<String>,
+    /// Write the scene's polygons, as the array gets them, as PLY.
+    #[arg(long, value_name = "FILE.ply", requires = "scene")]
+    pub export: Option<PathBuf>,
+    /// Size factor of the scene.
+    #[arg(long, value_name = "N", requires = "scene")]
+    pub size_factor: Option<u32>,
+    /// Slices of spheres and cones.
+    #[arg(long, value_name = "N", requires = "scene")]
+    pub resolution: Option<u32>,
+    /// Replace a file that exists.
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
 pub struct CompletionsArgs {
     /// The shell.
     #[arg(value_name = "SHELL")]

@@ -175,7 +175,7 @@ fn write_outputs(
         Format::Pfm => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
     })?;
     if let Some(timing) = &rendered.timing {
-        let configuration = Configuration::new(&setup.spec, &setup.workload);
+        let configuration = Configuration::new(setup);
         outputs::finish(files.stats, &mut written, |file| {
             file.write_all(account::image_stats_json(setup, rendered, timing, losses)?.as_bytes())
         })?;

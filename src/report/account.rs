@@ -156,7 +156,7 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
 
 /// The statistics of a run of primary rays, as JSON.
 pub fn stats_json(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> serde_json::Result<String> {
-    let configuration = Configuration::new(&setup.spec, &setup.workload);
+    let configuration = Configuration::new(setup);
     let seen = (&outcome.stats, outcome.observed.path.as_ref());
     stats::to_json(seen, setup.machine.spec.clock(), losses, Some(&outcome.counts), &configuration)
 }
@@ -168,7 +168,7 @@ pub fn image_stats_json(
     timing: &Timing,
     losses: Option<&Losses>,
 ) -> serde_json::Result<String> {
-    let configuration = Configuration::new(&setup.spec, &setup.workload);
+    let configuration = Configuration::new(setup);
     let kinds = RaysByKind::new(&rendered.kinds, timing);
     let seen = (&timing.stats, timing.observed.path.as_ref());
     stats::image_to_json(seen, setup.machine.spec.clock(), losses, (&rendered.counts, &kinds), &configuration)

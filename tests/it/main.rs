@@ -47,6 +47,7 @@ mod replay;
 mod reports;
 mod scene_files;
 mod size_fifos;
+mod solids;
 mod step;
 mod stopped;
 mod sweep;
