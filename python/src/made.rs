@@ -139,12 +139,9 @@ impl Made {
     /// What it was, in words and as data.
     pub fn described(&self) -> Described {
         let (title, machine, names, configuration) = match self {
-            Made::Rays { setup, .. } => (
-                account::title(setup),
-                &setup.machine,
-                account::cell_names(&setup.workload),
-                Configuration::new(setup),
-            ),
+            Made::Rays { setup, .. } => {
+                (account::title(setup), &setup.machine, account::cell_names(&setup.workload), Configuration::new(setup))
+            }
             Made::Image { setup, rendered, .. } => (
                 account::image_title(setup, rendered),
                 &setup.machine,

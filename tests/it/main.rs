@@ -11,6 +11,7 @@ mod beyond_the_paper;
 mod bottleneck;
 mod builtin_scenes;
 mod by_hand;
+mod castor;
 mod command_line;
 mod cost_model;
 mod cost_model_bounds;

@@ -16,7 +16,10 @@ pub const SCENE: Builtin = Builtin {
     default_size: 3,
     size_range: 1..=8,
     default_resolution: Some(12),
-    count: |size| Primitives { solids: solids(size, 3).iter().map(|solid| solid.leaves() as u64).sum(), ..Primitives::default() },
+    count: |size| Primitives {
+        solids: solids(size, 3).iter().map(|solid| solid.leaves() as u64).sum(),
+        ..Primitives::default()
+    },
     build,
 };
 
@@ -43,7 +46,14 @@ fn build(size: u32, slices: u32) -> Scene {
         Light::point(Vec3::new(3.0, 16.0, 9.0), Vec3::splat(0.5)),
     ];
     let camera = kit::camera(dvec3(0.35, 0.35, 1.9), dvec3(5.0, 3.6, 1.45), DVec3::Z, 64.0);
-    kit::scene_of_solids("chapel", Mesh::default(), &solids(size, slices), (materials, lights), camera, Vec3::new(0.6, 0.75, 0.95))
+    kit::scene_of_solids(
+        "chapel",
+        Mesh::default(),
+        &solids(size, slices),
+        (materials, lights),
+        camera,
+        Vec3::new(0.6, 0.75, 0.95),
+    )
 }
 
 fn solids(size: u32, slices: u32) -> Vec<Solid> {

@@ -110,7 +110,11 @@ impl Builtin {
     /// a concave face counts once, however many pieces it is cut into.
     pub fn faces(&self, size: u32, resolution: Option<u32>) -> u64 {
         let (primitives, slices) = (self.primitives(size), self.slices(resolution));
-        if primitives.solids == 0 { primitives.faces(slices) } else { (self.build)(size, slices).mesh.face_count().into() }
+        if primitives.solids == 0 {
+            primitives.faces(slices)
+        } else {
+            (self.build)(size, slices).mesh.face_count().into()
+        }
     }
 
     fn slices(&self, resolution: Option<u32>) -> u32 {

@@ -15,7 +15,11 @@ pub const SCENE: Builtin = Builtin {
     default_size: 1,
     size_range: 1..=10,
     default_resolution: None,
-    count: |size| Primitives { polygons: 1, solids: tables(size).iter().map(|table| table.leaves() as u64).sum(), ..Primitives::default() },
+    count: |size| Primitives {
+        polygons: 1,
+        solids: tables(size).iter().map(|table| table.leaves() as u64).sum(),
+        ..Primitives::default()
+    },
     build: |size, _| build(size),
 };
 

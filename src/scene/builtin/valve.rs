@@ -90,7 +90,8 @@ fn seat(slices: u32) -> Solid {
 fn bolts(size: u32, slices: u32) -> Vec<Solid> {
     let hole = |base, along| kit::rod(base, along, 0.17, slices / 2 + 3, TURNED);
     let around = |count: u32| (0..count).map(move |bolt| (TAU * (f64::from(bolt) + 0.5) / f64::from(count)).sin_cos());
-    let pipe = [-4.6, 3.4].into_iter().flat_map(|x| around(4 * size).map(move |(sin, cos)| dvec3(x, 1.6 * sin, 1.6 * cos)));
+    let pipe =
+        [-4.6, 3.4].into_iter().flat_map(|x| around(4 * size).map(move |(sin, cos)| dvec3(x, 1.6 * sin, 1.6 * cos)));
     let neck = around(6).map(|(sin, cos)| dvec3(1.35 * sin, 1.35 * cos, 2.1));
     pipe.map(|base| hole(base, DVec3::X * 1.2)).chain(neck.map(|base| hole(base, DVec3::Z * 1.1))).collect()
 }

@@ -38,7 +38,11 @@ pub(super) fn closed(shell: &Shell) -> Result<(), Fault> {
             let there = edges[&(from, to)];
             let back = edges.get(&(to, from)).copied().unwrap_or_default();
             if there != back {
-                let what = if there + back == 2 { "neighbouring faces of the mesh are turned against each other" } else { "the mesh is open" };
+                let what = if there + back == 2 {
+                    "neighbouring faces of the mesh are turned against each other"
+                } else {
+                    "the mesh is open"
+                };
                 return Err(Fault { what, edge: Some([from, to].map(|point| shell.points[point as usize])) });
             }
         }

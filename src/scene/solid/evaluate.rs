@@ -69,7 +69,8 @@ pub fn evaluate(solid: &Solid, options: Options) -> Result<Evaluated, String> {
 fn extent(solid: &Solid, map: &DAffine3) -> f64 {
     match solid {
         Solid::Leaf { shell, .. } => {
-            let sizes = shell.points.iter().map(|&point| map.transform_point3(point).abs().max(point.abs()).max_element());
+            let sizes =
+                shell.points.iter().map(|&point| map.transform_point3(point).abs().max(point.abs()).max_element());
             sizes.fold(0.0, f64::max)
         }
         Solid::Union(solids) | Solid::Intersection(solids) | Solid::Difference(solids) => {
@@ -166,7 +167,8 @@ impl Evaluator {
     fn leaf(&mut self, shell: &Shell, own: &DAffine3, map: &DAffine3, inverted: bool) -> Result<Part, String> {
         let first = self.sources.add(shell, map, inverted);
         let shell = shell.clone().placed(own);
-        let triangles: Vec<_> = shell.triangles().into_iter().map(|(triangle, face)| (triangle, first + face)).collect();
+        let triangles: Vec<_> =
+            shell.triangles().into_iter().map(|(triangle, face)| (triangle, first + face)).collect();
         self.made(shell.points, &triangles)
     }
 

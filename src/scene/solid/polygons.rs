@@ -89,8 +89,11 @@ impl Polygons {
     /// Two slivers along their longest edge become two along the other diagonal, which is shorter.
     fn flip(&mut self, sliver: usize) -> bool {
         let Some((a, b)) = self.longest_edge(sliver) else { return false };
-        let Some(other) = self.neighbour((a, b)).filter(|&other| self.longest_edge(other) == Some((b, a))) else { return false };
-        let apex = |number: usize| self.polygons[number].corners.iter().copied().find(|&corner| corner != a && corner != b);
+        let Some(other) = self.neighbour((a, b)).filter(|&other| self.longest_edge(other) == Some((b, a))) else {
+            return false;
+        };
+        let apex =
+            |number: usize| self.polygons[number].corners.iter().copied().find(|&corner| corner != a && corner != b);
         let (Some(c), Some(d)) = (apex(sliver), apex(other)) else { return false };
         if c == d || self.edges.contains_key(&(c, d)) || self.edges.contains_key(&(d, c)) {
             return false;
@@ -115,7 +118,8 @@ impl Polygons {
     /// Whether a polygon is a triangle whose height is within what the rounding of its corners can do.
     fn is_sliver(&self, number: usize) -> bool {
         let corners = &self.polygons[number].corners;
-        let largest = corners.iter().map(|&corner| self.points[corner as usize].abs().max_element()).fold(0.0, f32::max);
+        let largest =
+            corners.iter().map(|&corner| self.points[corner as usize].abs().max_element()).fold(0.0, f32::max);
         corners.len() == 3 && self.height(number) <= f64::from(2.0 * f32::EPSILON * largest)
     }
 
@@ -230,6 +234,19 @@ fn join_over(polygons: &mut Polygons, edge: Edge) -> bool {
     stays_whole
 }
 
+/// The corner to begin at so that the triangles around it, into which the array's intersection cuts a polygon, are as large as
+/// can be: the smallest of them counts.
+fn best_start(places: &[DVec3]) -> usize {
+    let count = places.len();
+    let smallest = |start: usize| {
+        let place = |step: usize| places[(start + step) % count];
+        let areas = (1..count - 1).map(|step| (place(step) - place(0)).cross(place(step + 1) - place(0)).length());
+        areas.fold(f64::INFINITY, f64::min)
+    };
+    // The first of equals.
+    (0..count).rev().max_by(|&one, &other| smallest(one).total_cmp(&smallest(other))).unwrap_or_default()
+}
+
 /// Takes ways there and back out of an outline.
 fn drop_spikes(corners: &mut Vec<u32>) {
     loop {
@@ -283,13 +300,16 @@ struct Made {
 
 impl Made {
     fn add(&mut self, points: &[Vec3], polygon: &Polygon, source: &Source, owner: Option<&Owner>) {
-        let places: Vec<DVec3> = polygon.corners.iter().map(|&corner| points[corner as usize].as_dvec3()).collect();
+        let mut outline = polygon.corners.clone();
+        let place = |&corner: &u32| points[corner as usize].as_dvec3();
+        outline.rotate_left(best_start(&outline.iter().map(place).collect::<Vec<_>>()));
+        let places: Vec<DVec3> = outline.iter().map(place).collect();
         let facing: DVec3 = places.windows(2).map(|pair| (pair[0] - places[0]).cross(pair[1] - places[0])).sum();
         let normals: Option<Vec<DVec3>> = places.iter().map(|&place| source.normal_at(place)).collect();
         let normals = normals.filter(|normals| normals.iter().all(|normal| normal.dot(facing) > 0.0));
         let corners: Vec<Corner> = (0..places.len())
             .map(|at| {
-                let corner = polygon.corners[at];
+                let corner = outline[at];
                 let point = *self.points.entry(corner).or_insert_with(|| self.mesh.add_point(points[corner as usize]));
                 let normal = normals.as_ref().map_or(NO_NORMAL, |normals| {
                     let normal = normals[at].as_vec3();

@@ -73,8 +73,20 @@ impl Shell {
             return Err(format!("prism's polygon has {count} corners, it needs at least 3"));
         }
         if let Some((one, other)) = crossing(points) {
-            let edge = |at: usize| format!("from ({}, {}) to ({}, {})", points[at].x, points[at].y, points[(at + 1) % count].x, points[(at + 1) % count].y);
-            return Err(format!("prism's polygon crosses or touches itself: its edges {} and {}", edge(one), edge(other)));
+            let edge = |at: usize| {
+                format!(
+                    "from ({}, {}) to ({}, {})",
+                    points[at].x,
+                    points[at].y,
+                    points[(at + 1) % count].x,
+                    points[(at + 1) % count].y
+                )
+            };
+            return Err(format!(
+                "prism's polygon crosses or touches itself: its edges {} and {}",
+                edge(one),
+                edge(other)
+            ));
         }
         let area: f64 = (0..count).map(|at| points[at].perp_dot(points[(at + 1) % count])).sum();
         let mut points = points.to_vec();

@@ -57,7 +57,8 @@ impl Shell {
                 continue;
             }
             let points: Vec<DVec3> = self.face_points(face).collect();
-            triangles.extend(convex::triangles(&points).iter().map(|cut| (cut.map(|corner| face.corners[corner]), number)));
+            triangles
+                .extend(convex::triangles(&points).iter().map(|cut| (cut.map(|corner| face.corners[corner]), number)));
         }
         triangles
     }
@@ -104,13 +105,18 @@ impl Shell {
     /// No Boolean operation is needed, if all of the shape can be seen from that centre; the error says so if it cannot.
     pub fn hollow(self, keep: DVec3) -> Result<Shell, String> {
         if !(keep.cmpgt(DVec3::ZERO) & keep.cmplt(DVec3::ONE)).all() {
-            return Err(format!("hollow keeps ({}, {}, {}) of its shape, each must be above 0 and below 1", keep.x, keep.y, keep.z));
+            return Err(format!(
+                "hollow keeps ({}, {}, {}) of its shape, each must be above 0 and below 1",
+                keep.x, keep.y, keep.z
+            ));
         }
         let (low, high) = self.bounds();
         let center = (low + high) / 2.0;
         if !self.is_seen_from(center) {
             let place = format!("({}, {}, {})", center.x, center.y, center.z);
-            return Err(format!("not all of the shape can be seen from the centre of its box, {place}: its hollow would stick out"));
+            return Err(format!(
+                "not all of the shape can be seen from the centre of its box, {place}: its hollow would stick out"
+            ));
         }
         let map = DAffine3::from_translation(center) * DAffine3::from_scale(keep) * DAffine3::from_translation(-center);
         let inner = self.clone().placed(&map).turned_over();

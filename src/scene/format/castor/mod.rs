@@ -87,7 +87,9 @@ impl Parser<'_> {
                 let object = self.expression(0)?;
                 self.names.insert(token.text.clone(), object);
             } else {
-                return Err(self.tokens.error(&token, format!("`{}` begins nothing: a name or `>` was expected", token.text)));
+                return Err(self
+                    .tokens
+                    .error(&token, format!("`{}` begins nothing: a name or `>` was expected", token.text)));
             }
             self.expect(";")?;
         }
@@ -111,7 +113,8 @@ impl Parser<'_> {
 
     fn show(&mut self, name: &Token, solid: &Solid) -> Result<(), InputError> {
         let evaluated = evaluate(solid, Options::default()).map_err(|message| self.tokens.error(name, message))?;
-        check_size(&self.draft.mesh, evaluated.mesh.corner_count()).map_err(|message| self.tokens.error(name, message))?;
+        check_size(&self.draft.mesh, evaluated.mesh.corner_count())
+            .map_err(|message| self.tokens.error(name, message))?;
         self.draft.notes.push(format!("solid `{}`: {}", name.text, evaluated.report.sentence()));
         self.draft.solids.push(evaluated.report);
         self.draft.mesh.append(evaluated.mesh, |own| own);
@@ -148,7 +151,9 @@ impl Parser<'_> {
             "!" => self.shape(),
             "$" => self.operation(depth + 1),
             _ if token.is_name() => self.named(token),
-            _ => Err(self.tokens.error(token, format!("`{}` is no object: a name, `!` or `$` was expected", token.text))),
+            _ => {
+                Err(self.tokens.error(token, format!("`{}` is no object: a name, `!` or `$` was expected", token.text)))
+            }
         }
     }
 
@@ -173,7 +178,12 @@ impl Parser<'_> {
             "U" => Solid::Union,
             "I" => Solid::Intersection,
             "D" => Solid::Difference,
-            other => return Err(self.tokens.error(&name, format!("there is no operation `{other}`")).help("there are U, I and D")),
+            other => {
+                return Err(self
+                    .tokens
+                    .error(&name, format!("there is no operation `{other}`"))
+                    .help("there are U, I and D"));
+            }
         };
         self.expect("(")?;
         let mut operands = Vec::new();
@@ -213,8 +223,14 @@ impl Parser<'_> {
         let polygon = ["pr", "po"].contains(&kind);
         let fixed = numbers.len() == 4 || (polygon && numbers.len() > 4);
         if !fixed || (polygon && !numbers.len().is_multiple_of(2)) {
-            let expected = if polygon { "x and y of each corner, then 3 of colour and a specularity" } else { "3 of colour and a specularity" };
-            return Err(self.tokens.error(&name, format!("`{kind}` has {} numbers, it takes {expected}", numbers.len())));
+            let expected = if polygon {
+                "x and y of each corner, then 3 of colour and a specularity"
+            } else {
+                "3 of colour and a specularity"
+            };
+            return Err(self
+                .tokens
+                .error(&name, format!("`{kind}` has {} numbers, it takes {expected}", numbers.len())));
         }
         let (corners, color) = numbers.split_at(numbers.len() - 4);
         let corners: Vec<DVec2> = corners.chunks_exact(2).map(DVec2::from_slice).collect();
@@ -243,7 +259,11 @@ impl Parser<'_> {
     }
 
     fn share(&self, place: &Token, number: f64) -> Result<(), InputError> {
-        if (0.0..=1.0).contains(&number) { Ok(()) } else { Err(self.tokens.error(place, format!("{number} is not from 0 to 1"))) }
+        if (0.0..=1.0).contains(&number) {
+            Ok(())
+        } else {
+            Err(self.tokens.error(place, format!("{number} is not from 0 to 1")))
+        }
     }
 
     /// The number of a material, which is there once.
@@ -258,7 +278,8 @@ impl Parser<'_> {
 
     fn of_glass(&mut self, material: u32, [index, through, mirrored]: [f64; 3]) -> u32 {
         let own = self.draft.materials[material as usize];
-        let changed = Material { refraction: index as f32, transmittance: through as f32, specular: mirrored as f32, ..own };
+        let changed =
+            Material { refraction: index as f32, transmittance: through as f32, specular: mirrored as f32, ..own };
         self.material(changed)
     }
 
@@ -305,7 +326,9 @@ impl Parser<'_> {
                 let outer = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
                 Ok(DAffine3::from_mat3(DMat3::IDENTITY - outer * 2.0))
             }
-            other => Err(self.tokens.error(&name, format!("there is no map `{other}`")).help("there are r, a, h, s and t")),
+            other => {
+                Err(self.tokens.error(&name, format!("there is no map `{other}`")).help("there are r, a, h, s and t"))
+            }
         }
     }
 
@@ -315,7 +338,11 @@ impl Parser<'_> {
     }
 
     fn nonzero(&self, name: &Token, by: DVec3) -> Result<DVec3, InputError> {
-        if by.abs().min_element() > 0.0 { Ok(by) } else { Err(self.tokens.error(name, "scale factor is 0, nothing would be left to see")) }
+        if by.abs().min_element() > 0.0 {
+            Ok(by)
+        } else {
+            Err(self.tokens.error(name, "scale factor is 0, nothing would be left to see"))
+        }
     }
 
     fn direction(&self, name: &Token, way: DVec3) -> Result<DVec3, InputError> {
@@ -325,8 +352,9 @@ impl Parser<'_> {
     fn exactly<const N: usize>(&mut self, name: &Token) -> Result<[f64; N], InputError> {
         let numbers = self.numbers()?;
         let count = numbers.len();
-        <[f64; N]>::try_from(numbers)
-            .map_err(|_| self.tokens.error(name, format!("`{}` has {}, it takes {N}", name.text, plural(count as u64, "number"))))
+        <[f64; N]>::try_from(numbers).map_err(|_| {
+            self.tokens.error(name, format!("`{}` has {}, it takes {N}", name.text, plural(count as u64, "number")))
+        })
     }
 
     /// Numbers in parentheses.
@@ -339,8 +367,10 @@ impl Parser<'_> {
             if token.text == "-" {
                 token = self.any("a number")?;
             }
-            let number: f64 =
-                token.text.parse().map_err(|_| self.tokens.error(&token, format!("`{}` is not a number", token.text)))?;
+            let number: f64 = token
+                .text
+                .parse()
+                .map_err(|_| self.tokens.error(&token, format!("`{}` is not a number", token.text)))?;
             coordinate(number).map_err(|message| self.tokens.error(&token, message))?;
             numbers.push(sign * number);
             if self.take(")") {
@@ -362,7 +392,11 @@ impl Parser<'_> {
 
     fn name(&mut self) -> Result<Token, InputError> {
         let token = self.any("a name")?;
-        if token.is_name() { Ok(token) } else { Err(self.tokens.error(&token, format!("a name was expected, not `{}`", token.text))) }
+        if token.is_name() {
+            Ok(token)
+        } else {
+            Err(self.tokens.error(&token, format!("a name was expected, not `{}`", token.text)))
+        }
     }
 
     fn take(&mut self, sign: &str) -> bool {
@@ -373,6 +407,10 @@ impl Parser<'_> {
 
     fn expect(&mut self, sign: &str) -> Result<(), InputError> {
         let token = self.any(&format!("`{sign}`"))?;
-        if token.text == sign { Ok(()) } else { Err(self.tokens.error(&token, format!("`{sign}` was expected, not `{}`", token.text))) }
+        if token.text == sign {
+            Ok(())
+        } else {
+            Err(self.tokens.error(&token, format!("`{sign}` was expected, not `{}`", token.text)))
+        }
     }
 }

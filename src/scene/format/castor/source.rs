@@ -93,13 +93,21 @@ impl Source {
         }
         match self.definitions.get(&token.text) {
             // Seen where the name stands, not where it was defined.
-            Some(words) => self.tokens.extend(words.iter().map(|word| Token { text: word.text.clone(), ..token.clone() })),
+            Some(words) => {
+                self.tokens.extend(words.iter().map(|word| Token { text: word.text.clone(), ..token.clone() }))
+            }
             None => self.tokens.push(token),
         }
         Ok(())
     }
 
-    fn directive(&mut self, text: &str, (file, at): (usize, usize), folder: &Path, depth: usize) -> Result<(), InputError> {
+    fn directive(
+        &mut self,
+        text: &str,
+        (file, at): (usize, usize),
+        folder: &Path,
+        depth: usize,
+    ) -> Result<(), InputError> {
         let whole = Token { text: text.to_owned(), file, at, length: text.trim_end().len() + 1 };
         let (word, rest) = text.trim().split_once(char::is_whitespace).unwrap_or((text.trim(), ""));
         match word {
@@ -110,12 +118,15 @@ impl Source {
                     return Err(self.error(&whole, "`#define` needs a name"));
                 };
                 // What is defined already stands for itself in later definitions.
-                let words = words.flat_map(|word| self.definitions.get(&word.text).cloned().unwrap_or_else(|| vec![word]));
+                let words =
+                    words.flat_map(|word| self.definitions.get(&word.text).cloned().unwrap_or_else(|| vec![word]));
                 let words: Vec<Token> = words.take(MOST_WORDS).collect();
                 self.definitions.insert(name.text, words);
                 Ok(())
             }
-            _ => Err(self.error(&whole, format!("`#{word}` is not read")).help("there are #include \"FILE\" and #define NAME WORDS")),
+            _ => Err(self
+                .error(&whole, format!("`#{word}` is not read"))
+                .help("there are #include \"FILE\" and #define NAME WORDS")),
         }
     }
 

@@ -81,7 +81,9 @@ impl Reader<'_> {
             }
         }
         if evaluated.report.polygons == 0 {
-            self.draft.notes.push(format!("nothing is left of a solid of {}", plural(evaluated.report.primitives, "primitive")));
+            self.draft
+                .notes
+                .push(format!("nothing is left of a solid of {}", plural(evaluated.report.primitives, "primitive")));
         } else {
             self.draft.notes.push(format!("solid: {}", evaluated.report.sentence()));
         }
@@ -128,15 +130,20 @@ impl Reader<'_> {
     fn leaf(&mut self, node: &Node, default: Option<u32>) -> Result<(Shell, i32), InputError> {
         let (shell, material, priority) = match node.nested(self.text)? {
             SolidText::Cube { material, priority } => (Shell::cube(), material, priority),
-            SolidText::Sphere { slices, material, priority } => (Shell::sphere(self.slices(&slices)?), material, priority),
+            SolidText::Sphere { slices, material, priority } => {
+                (Shell::sphere(self.slices(&slices)?), material, priority)
+            }
             SolidText::Cone { slices, material, priority } => (Shell::cone(self.slices(&slices)?), material, priority),
-            SolidText::Cylinder { slices, material, priority } => (Shell::cylinder(self.slices(&slices)?), material, priority),
+            SolidText::Cylinder { slices, material, priority } => {
+                (Shell::cylinder(self.slices(&slices)?), material, priority)
+            }
             SolidText::Torus { r, slices, material, priority } => {
                 let radius = self.checked(&r, tube_radius)?;
                 (Shell::torus(radius, self.slices(&slices)?), material, priority)
             }
             SolidText::Prism { points, material, priority } => {
-                let point = |text| self.checked(text, |(x, y)| coordinate(x).and(coordinate(y)).map(|_| DVec2::new(x, y)));
+                let point =
+                    |text| self.checked(text, |(x, y)| coordinate(x).and(coordinate(y)).map(|_| DVec2::new(x, y)));
                 let points: Vec<DVec2> = points.iter().map(point).collect::<Result<_, _>>()?;
                 let shell = Shell::prism(&points).map_err(|message| node.error(self.text, message))?;
                 (shell, material, priority)
@@ -145,7 +152,11 @@ impl Reader<'_> {
                 let material = material.as_ref().map(|name| self.material_number(name)).transpose()?.or(default);
                 return Ok((self.closed_mesh(node, &shape, material)?, priority.unwrap_or_default()));
             }
-            SolidText::Union(_) | SolidText::Intersection(_) | SolidText::Difference(_) | SolidText::Place(..) | SolidText::Hollow { .. } => {
+            SolidText::Union(_)
+            | SolidText::Intersection(_)
+            | SolidText::Difference(_)
+            | SolidText::Place(..)
+            | SolidText::Hollow { .. } => {
                 let error = node.error(self.text, "a hollow shape is made of one primitive or closed mesh");
                 return Err(error.help("place, join and cut what is hollow already: Place([...], Hollow(solid: Cube(), keep: (0.9, 0.9, 0.9)))"));
             }
@@ -157,7 +168,9 @@ impl Reader<'_> {
     /// A mesh as a closed shape, of one material or of its own.
     fn closed_mesh(&mut self, node: &Node, shape: &ShapeText, material: Option<u32>) -> Result<Shell, InputError> {
         if matches!(shape, ShapeText::Csg(_)) {
-            return Err(node.error(self.text, "a solid within a solid needs neither `Solid` nor `Csg`").help("leave both out"));
+            return Err(node
+                .error(self.text, "a solid within a solid needs neither `Solid` nor `Csg`")
+                .help("leave both out"));
         }
         let mut shape = self.shape(shape)?;
         if shape.mesh.has_colors() {
@@ -191,5 +204,9 @@ impl Reader<'_> {
 }
 
 fn tube_radius(radius: f64) -> Result<f64, String> {
-    if radius > 0.0 && radius < 1.0 { Ok(radius) } else { Err(format!("radius of a torus' tube is {radius}, it must be above 0 and below 1: its ring has radius 1")) }
+    if radius > 0.0 && radius < 1.0 {
+        Ok(radius)
+    } else {
+        Err(format!("radius of a torus' tube is {radius}, it must be above 0 and below 1: its ring has radius 1"))
+    }
 }
