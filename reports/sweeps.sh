@@ -4,9 +4,9 @@ pcs_sim=${1:-pcs-sim}
 
 # sweep NAME: runs NAME.ron and leaves its table, NAME.csv.
 sweep() {
-    rm -f "$1.csv" "$1.parquet" "$1.journal"
+    rm -f "$1.csv" "$1.parquet" "$1.sweep.ron" "$1.journal"
     $pcs_sim sweep "$1.ron" -o "$1.csv" > /dev/null
-    rm "$1.parquet" "$1.journal"
+    rm "$1.parquet" "$1.sweep.ron" "$1.journal"
 }
 
 # table NAME RULES TABLES...: makes NAME.csv of other tables by awk's rules, which print its heading in BEGIN.

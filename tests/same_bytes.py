@@ -72,6 +72,11 @@ ALLOWED = [
     Allowed("programs/gears/mode-broadcast-cells-5", "*: stdout", "slivers have slack, and lie in a voxel or two more", "memory:"),
     Allowed("scene-file/painted.ron", "3: stdout", "slivers have slack, and lie in a voxel or two more", r"9\.6"),
     Allowed("compare*", "*: stdout", "the configuration is the whole description"),
+    Allowed("*", "plots/*", "plots tell the partition; FIFOs have one scale a figure; latencies are a cumulative curve"),
+    Allowed("replay/by-hand/*", "p[0-9]*/*", "FIFOs have one scale a figure; latencies are a cumulative curve"),
+    Allowed("*", "*: stdout", "a plot of rays on their way is written too", "space-time"),
+    Allowed("sweep/*", "*-over-*", "no point of a plot is an average over what is not shown; captions are the table's"),
+    Allowed("sweep/*", "*: std*", "no point of a plot is an average over what is not shown", "over|average|expected|column|error"),
 ]
 
 

@@ -23,9 +23,10 @@ use crate::work::{Crew, work};
 /// Takes every parameter of the command, by the name of its flag with underscores (`pcs_sim.parameters()` lists them);
 /// what is left out is as the command has it. `scene` is a built-in scene, a file or a `Scene`; `rays` a file or an array;
 /// `machine` and `program` a file, a dict, or a `Machine` or `Program`. `config` is a run to be repeated, with changes:
-/// a file of statistics, `Run.stats`, or a `Run`. `ops` names a file for what every cell did, for `replay`.
+/// a file of statistics, `Run.stats`, or a `Run`. `ops` names a file for what every cell did, for `replay`. `why` and `enough` add
+/// to text, statistics, plots and page what the command's flags of these names do.
 #[pyfunction]
-#[pyo3(signature = (scene=None, *, config=None, ops=None, ops_form="units", force=false, threads=None, progress=None, **parameters))]
+#[pyo3(signature = (scene=None, *, config=None, ops=None, ops_form="units", why=false, enough=false, force=false, threads=None, progress=None, **parameters))]
 // A keyword each.
 #[expect(clippy::too_many_arguments)]
 pub fn run(
@@ -34,6 +35,8 @@ pub fn run(
     config: Option<&Bound<'_, PyAny>>,
     ops: Option<PathBuf>,
     ops_form: &str,
+    why: bool,
+    enough: bool,
     force: bool,
     threads: Option<i64>,
     progress: Option<bool>,
@@ -42,10 +45,10 @@ pub fn run(
     let (crew, ops) = (crew(py, threads, progress)?, self::ops(py, ops, ops_form, force)?);
     let request = Request::new(py, Of::Rays, scene, config, parameters)?;
     let made = work(py, crew, "rays", |task| {
-        let (run, mut layers) = request.planned(RunSpec::of_rays, moot::check_run)?;
+        let (run, mut layers) = request.planned(RunSpec::of_rays, moot::check_run, &task.workers.cancel)?;
         let file = ops.as_ref().map(|ops| outputs::open(&ops.path, ops.force)).transpose()?;
         let setup = Setup::new(run, &mut layers, &task.workers.cancel)?;
-        let (outcome, losses, file) = trace(&setup, &Watching::default(), ops.as_ref().zip(file), task)?;
+        let (outcome, losses, file) = trace(&setup, &watching(why, enough), ops.as_ref().zip(file), task)?;
         file.map(outputs::finish).transpose()?;
         Ok(Made::Rays { setup, outcome: Box::new(outcome), losses })
     })?;
@@ -56,7 +59,7 @@ pub fn run(
 ///
 /// Takes the parameters of `run`, but for `rays`, and those of light and host (`samples`, `depth`, `timing`, ...).
 #[pyfunction]
-#[pyo3(name = "image", signature = (scene=None, *, config=None, ops=None, ops_form="units", force=false, threads=None, progress=None, **parameters))]
+#[pyo3(name = "image", signature = (scene=None, *, config=None, ops=None, ops_form="units", why=false, enough=false, force=false, threads=None, progress=None, **parameters))]
 // A keyword each.
 #[expect(clippy::too_many_arguments)]
 pub fn image(
@@ -65,6 +68,8 @@ pub fn image(
     config: Option<&Bound<'_, PyAny>>,
     ops: Option<PathBuf>,
     ops_form: &str,
+    why: bool,
+    enough: bool,
     force: bool,
     threads: Option<i64>,
     progress: Option<bool>,
@@ -73,14 +78,15 @@ pub fn image(
     let (crew, ops) = (crew(py, threads, progress)?, self::ops(py, ops, ops_form, force)?);
     let request = Request::new(py, Of::Image, scene, config, parameters)?;
     let made = work(py, crew, "samples", |task| {
-        let (run, mut layers) = request.planned(RunSpec::of_image, moot::check_image)?;
+        let (run, mut layers) = request.planned(RunSpec::of_image, moot::check_image, &task.workers.cancel)?;
         let untimed = run.spec.image.as_ref().is_some_and(|image| image.timing == Switch::Off);
-        if ops.is_some() && untimed {
-            return Err(error::InputError::new(format!("--ops {}", moot::WITHOUT_TIMING)).into());
+        let asked = [("--ops", ops.is_some()), ("--why", why), ("--enough", enough)];
+        if let Some((flag, _)) = asked.iter().find(|(_, asked)| *asked && untimed) {
+            return Err(error::InputError::new(format!("{flag} {}", moot::WITHOUT_TIMING)).into());
         }
         let file = ops.as_ref().map(|ops| outputs::open(&ops.path, ops.force)).transpose()?;
         let setup = Setup::new(run, &mut layers, &task.workers.cancel)?;
-        let (rendered, losses, hits, file) = render(&setup, &Watching::default(), ops.as_ref().zip(file), task)?;
+        let (rendered, losses, hits, file) = render(&setup, &watching(why, enough), ops.as_ref().zip(file), task)?;
         file.map(outputs::finish).transpose()?;
         Ok(Made::Image { setup, rendered: Box::new(rendered), losses, hits })
     })?;
@@ -92,11 +98,13 @@ pub fn image(
 /// `ops` is a file that `run(ops=...)` or the command's `--ops` wrote. Takes the parameters of the machine; `config` is a
 /// replay to be repeated.
 #[pyfunction]
-#[pyo3(signature = (ops=None, *, config=None, progress=None, **parameters))]
+#[pyo3(signature = (ops=None, *, config=None, why=false, enough=false, progress=None, **parameters))]
 pub fn replay(
     py: Python<'_>,
     ops: Option<PathBuf>,
     config: Option<&Bound<'_, PyAny>>,
+    why: bool,
+    enough: bool,
     progress: Option<bool>,
     parameters: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Run> {
@@ -110,8 +118,8 @@ pub fn replay(
         moot::check_replay(&options)?;
         let machine = machine.map(|base| base.machine);
         let mut replay = Replay::new(ops.as_deref(), &options, base.as_ref(), machine)?;
-        let (stats, losses, _) = time(&mut replay, &Watching::default(), task)?;
-        Ok(Made::Replay { replay: Mutex::new(replay), stats, losses })
+        let (stats, losses, observed) = time(&mut replay, &watching(why, enough), task)?;
+        Ok(Made::Replay { replay: Mutex::new(replay), stats, losses, observed: Box::new(observed) })
     })?;
     Ok(Run::new(made, crew))
 }
@@ -148,6 +156,11 @@ pub fn farm(
         Ok(Made::Farm { setup: Box::new(setup), outcome: Box::new(outcome) })
     })?;
     Ok(Run::new(made, crew))
+}
+
+/// What is watched of a run as it is made.
+pub fn watching(why: bool, enough: bool) -> Watching {
+    Watching { path: why, enough, ..Watching::default() }
 }
 
 /// The threads and the bar that are asked for.

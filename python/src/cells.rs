@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use numpy::PyArray1;
+use pcs_sim::cancel::Cancel;
 use pcs_sim::isa::{Executable, Processor, Queue, Queues, Register, Stepper, Stop, listing, object, words};
 use pcs_sim::machine::Machine as MachineInCycles;
 use pcs_sim::run::machine_file;
@@ -12,6 +13,7 @@ use pyo3::types::{PyDict, PyFloat};
 
 use crate::outputs;
 use crate::request::{Of, Request, is_path};
+use crate::stepping::Stepping;
 use crate::trouble::{Trouble, wrong};
 use crate::work::briefly;
 
@@ -19,7 +21,8 @@ use crate::work::briefly;
 #[pyclass(frozen, module = "pcs_sim")]
 #[derive(Debug)]
 pub struct CellProgram {
-    executable: Executable,
+    /// It, ready to run.
+    pub executable: Executable,
 }
 
 /// Assembles a cell's program: source text, or an object file. `machine` says what instructions cost.
@@ -86,27 +89,30 @@ impl CellProgram {
         instructions: Option<u64>,
         instruction_limit: Option<u64>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let queues = Queues { x: words_of(py, "x", x)?, y: words_of(py, "y", y)?, ..Queues::default() };
+        let words = Words { x: words_of(py, "x", x)?, y: words_of(py, "y", y)? };
         let limit = instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
-        let mut cell = Stepper::new(&self.executable, queues, limit);
         let most = instructions.unwrap_or(u64::MAX);
-        let (stopped, messages) = briefly(py, |cancel| {
-            let mut messages = 0u64;
-            while cell.processor().executed() < most {
-                if cell.processor().executed().is_multiple_of(STEPS) {
-                    cancel.check()?;
-                }
-                match cell.step().map_err(|fault| Trouble::Fault(Box::new(fault)))? {
-                    Some(Stop::Done) => messages += 1,
-                    Some(Stop::Halted) => return Ok((Some("halted"), messages)),
-                    Some(Stop::Waiting(Queue::X | Queue::PassX)) => return Ok((Some("x"), messages)),
-                    Some(Stop::Waiting(Queue::Y)) => return Ok((Some("y"), messages)),
-                    None => {}
-                }
-            }
-            Ok((None, messages))
+        let (cell, stopped) = briefly(py, |cancel| {
+            let mut cell = words.cell(&self.executable, limit);
+            let stopped = advance(&mut cell, cancel, |cell, stop| {
+                stop.is_some_and(|stop| stop != Stop::Done) || cell.processor().executed() >= most
+            })?;
+            Ok((cell, stopped))
         })?;
-        state(py, &self.executable, &cell, (stopped, messages))
+        state(py, &self.executable, &cell, stopped)
+    }
+
+    /// Begins to run the program on words, an instruction at a time.
+    #[pyo3(signature = (x=None, y=None, *, instruction_limit=None))]
+    fn start(
+        slf: &Bound<'_, Self>,
+        x: Option<&Bound<'_, PyAny>>,
+        y: Option<&Bound<'_, PyAny>>,
+        instruction_limit: Option<u64>,
+    ) -> PyResult<Stepping> {
+        let py = slf.py();
+        let words = Words { x: words_of(py, "x", x)?, y: words_of(py, "y", y)? };
+        Ok(Stepping::new(slf.clone().unbind(), words, instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT)))
     }
 
     fn __repr__(&self) -> String {
@@ -118,11 +124,48 @@ impl CellProgram {
 /// Instructions between two looks at whether the work is to be stopped.
 const STEPS: u64 = 1 << 16;
 
-fn state<'py>(
+/// The words that come to a cell.
+#[derive(Clone, Debug, Default)]
+pub struct Words {
+    /// On X.
+    pub x: Vec<u32>,
+    /// On Y.
+    pub y: Vec<u32>,
+}
+
+impl Words {
+    /// A cell to which they come, before its first instruction.
+    pub fn cell<'a>(&self, executable: &'a Executable, instruction_limit: u64) -> Stepper<'a> {
+        let queues = Queues { x: self.x.clone(), y: self.y.clone(), ..Queues::default() };
+        Stepper::new(executable, queues, instruction_limit)
+    }
+}
+
+/// Executes one instruction after the other until `ends` says so, which is asked after each, and tells why the cell then stands
+/// still, if it does.
+pub fn advance(
+    cell: &mut Stepper<'_>,
+    cancel: &Cancel,
+    mut ends: impl FnMut(&Stepper<'_>, Option<Stop>) -> bool,
+) -> Result<Option<Stop>, Trouble> {
+    for step in 0u64.. {
+        if step.is_multiple_of(STEPS) {
+            cancel.check()?;
+        }
+        let stop = cell.step().map_err(|fault| Trouble::Fault(Box::new(fault)))?;
+        if ends(cell, stop) {
+            return Ok(stop);
+        }
+    }
+    Ok(None)
+}
+
+/// What can be seen of a cell that stands still for some reason.
+pub fn state<'py>(
     py: Python<'py>,
     executable: &Executable,
     cell: &Stepper<'_>,
-    (stopped, messages): (Option<&str>, u64),
+    stopped: Option<Stop>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (processor, queues) = (cell.processor(), &cell.queues);
     let registers = PyDict::new(py);
@@ -134,8 +177,14 @@ fn state<'py>(
     }
     let data = (0..executable.program().data.len() as u32).filter_map(|address| processor.memory(address));
     let state = PyDict::new(py);
+    let stopped = stopped.map(|stop| match stop {
+        Stop::Done => "done",
+        Stop::Halted => "halted",
+        Stop::Waiting(Queue::X | Queue::PassX) => "x",
+        Stop::Waiting(Queue::Y) => "y",
+    });
     state.set_item("stopped", stopped)?;
-    state.set_item("messages", messages)?;
+    state.set_item("messages", cell.messages())?;
     state.set_item("executed", processor.executed())?;
     state.set_item("cycles", cell.cycles())?;
     state.set_item("address", cell.address())?;
@@ -149,7 +198,7 @@ fn state<'py>(
 }
 
 /// Words: those of a file, or integers and floating-point numbers in 32 bits.
-fn words_of(py: Python<'_>, name: &str, given: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<u32>> {
+pub fn words_of(py: Python<'_>, name: &str, given: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<u32>> {
     let Some(given) = given else { return Ok(Vec::new()) };
     if is_path(given) {
         let path: PathBuf = given.extract()?;

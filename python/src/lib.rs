@@ -11,10 +11,13 @@ mod model;
 mod outputs;
 mod request;
 mod run;
+mod sizes;
+mod stepping;
 mod sweep;
 mod table;
 mod trouble;
 mod view;
+mod why;
 mod work;
 
 use pyo3::prelude::*;
@@ -36,6 +39,10 @@ mod _native {
     #[pymodule_export]
     use super::run::Run;
     #[pymodule_export]
+    use super::sizes::{Sizes, size_fifos};
+    #[pymodule_export]
+    use super::stepping::Stepping;
+    #[pymodule_export]
     use super::sweep::sweep;
     #[pymodule_export]
     use super::table::Table;
@@ -43,6 +50,8 @@ mod _native {
     use super::trouble::{CellFault, Deadlock, InputError};
     #[pymodule_export]
     use super::view::Picture;
+    #[pymodule_export]
+    use super::why::{Why, why};
 
     use super::*;
 

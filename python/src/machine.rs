@@ -29,6 +29,12 @@ pub struct Program {
     program: ArrayProgram,
 }
 
+impl From<MachineFile> for Machine {
+    fn from(file: MachineFile) -> Machine {
+        Machine { file }
+    }
+}
+
 impl Machine {
     /// The machine that a value is: one of these, or a dict.
     pub fn of(py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<MachineFile> {

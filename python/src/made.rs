@@ -32,7 +32,7 @@ pub enum Made {
     /// A whole image, with the hits in the order in which the rays were sent.
     Image { setup: Setup, rendered: Box<Rendered>, losses: Lost, hits: Vec<Hit> },
     /// A recorded trace.
-    Replay { replay: Mutex<Replay>, stats: Measured, losses: Lost },
+    Replay { replay: Mutex<Replay>, stats: Measured, losses: Lost, observed: Box<Observed> },
     /// A farm of workers.
     Farm { setup: Box<FarmSetup>, outcome: Box<FarmOutcome> },
 }
@@ -72,6 +72,26 @@ impl Made {
             Made::Image { rendered, .. } => Ok(&Made::timing(rendered)?.stats),
             Made::Replay { stats, .. } => Ok(stats),
             Made::Farm { outcome, .. } => Ok(&outcome.stats),
+        }
+    }
+
+    /// What was seen of the run beside its measures.
+    pub fn observed(&self) -> Option<&Observed> {
+        match self {
+            Made::Rays { outcome, .. } => Some(&outcome.observed),
+            Made::Image { rendered, .. } => rendered.timing.as_ref().map(|timing| &timing.observed),
+            Made::Replay { observed, .. } => Some(observed),
+            Made::Farm { .. } => None,
+        }
+    }
+
+    /// What ran, and how fast.
+    pub fn head(&self) -> PyResult<String> {
+        match self {
+            Made::Rays { setup, outcome, .. } => Ok(account::head(setup, outcome)),
+            Made::Replay { replay, stats, .. } => Ok(account::replay_head(&locked(replay), stats)),
+            Made::Image { .. } => Err(has_none("an image", "head of its own")),
+            Made::Farm { .. } => Err(has_none("a farm", "head of its own")),
         }
     }
 
@@ -119,8 +139,8 @@ impl Made {
             Made::Image { setup, rendered, losses, .. } => {
                 account::image_stats_json(setup, rendered, Made::timing(rendered)?, losses.as_ref())
             }
-            Made::Replay { replay, stats, losses } => {
-                account::replay_stats_json(&locked(replay), (stats, None), losses.as_ref())
+            Made::Replay { replay, stats, losses, observed } => {
+                account::replay_stats_json(&locked(replay), (stats, observed.path.as_ref()), losses.as_ref())
             }
             Made::Farm { setup, outcome } => farm::to_json(outcome, &setup.scene, &self.described().configuration),
         };
@@ -138,13 +158,13 @@ impl Made {
 
     /// What it was, in words and as data.
     pub fn described(&self) -> Described {
-        let (title, machine, names, configuration) = match self {
+        let (title, setup, names, configuration) = match self {
             Made::Rays { setup, .. } => {
-                (account::title(setup), &setup.machine, account::cell_names(&setup.workload), Configuration::new(setup))
+                (account::title(setup), setup, account::cell_names(&setup.workload), Configuration::new(setup))
             }
             Made::Image { setup, rendered, .. } => (
                 account::image_title(setup, rendered),
-                &setup.machine,
+                setup,
                 account::cell_names(&setup.workload),
                 Configuration::new(setup),
             ),
@@ -154,18 +174,14 @@ impl Made {
             }
             Made::Replay { replay, .. } => {
                 let replay = locked(replay);
-                let caption = Caption {
-                    title: account::replay_title(&replay),
-                    machine: account::machine_line(&replay.machine.spec),
-                };
                 return Described {
-                    caption,
+                    caption: account::replay_caption(&replay),
                     names: Vec::new(),
                     configuration: Configuration::Replay(Box::new(replay.spec.clone())),
                 };
             }
         };
-        Described { caption: Caption { title, machine: account::machine_line(&machine.spec) }, names, configuration }
+        Described { caption: account::caption(title, setup), names, configuration }
     }
 
     /// Runs it once more, watched.
@@ -199,8 +215,8 @@ impl Made {
         match self {
             Made::Rays { setup, outcome, losses } => account::text(setup, outcome, losses.as_ref()),
             Made::Image { setup, rendered, losses, .. } => account::image_text(setup, rendered, losses.as_ref()),
-            Made::Replay { replay, stats, losses } => {
-                account::replay_text(&locked(replay), (stats, None), losses.as_ref())
+            Made::Replay { replay, stats, losses, observed } => {
+                account::replay_text(&locked(replay), (stats, observed.path.as_ref()), losses.as_ref())
             }
             Made::Farm { setup, outcome } => farm::text(setup, outcome),
         }
@@ -248,7 +264,7 @@ impl Made {
     }
 
     /// The page.
-    pub fn html(&self, stats: &Measured, profile: &Profile) -> Result<String, Trouble> {
+    pub fn html(&self, stats: &Measured, seen: &Observed) -> Result<String, Trouble> {
         let Described { caption, names, configuration } = &self.described();
         let (clock, image) = (self.clock(), self.png()?);
         let losses = self.losses();
@@ -257,8 +273,9 @@ impl Made {
             clock,
             stats,
             losses,
-            profile,
-            path: None,
+            profile: profile_of(seen)?,
+            recording: seen.recording.as_ref(),
+            path: self.observed().and_then(|observed| observed.path.as_ref()),
             cell_names: names,
             configuration,
             image: image.as_deref(),
@@ -267,9 +284,12 @@ impl Made {
     }
 
     /// The pictures.
-    pub fn drawn(&self, profile: &Profile) -> Result<Vec<plot::Picture>, Trouble> {
+    pub fn drawn(&self, seen: &Observed) -> Result<Vec<plot::Picture>, Trouble> {
         let Described { caption, names, .. } = &self.described();
-        plot::pictures(profile, None, self.clock(), caption, names).map_err(output)
+        let (profile, recording) = (profile_of(seen)?, seen.recording.as_ref());
+        let path = self.observed().and_then(|observed| observed.path.as_ref());
+        let run = plot::Run { caption, clock: self.clock(), profile, recording, path, cell_names: names };
+        plot::pictures(&run).map_err(output)
     }
 
     /// Writes the picture under a name that says as what.
@@ -287,6 +307,11 @@ impl Made {
         self.write_picture(&mut file, as_pfm)?;
         outputs::finish(file)
     }
+}
+
+/// What was seen of a run over time.
+pub fn profile_of(seen: &Observed) -> Result<&Profile, Trouble> {
+    seen.profile.as_ref().ok_or_else(|| output("the run was not seen over time"))
 }
 
 /// Writes pictures into a folder.

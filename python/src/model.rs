@@ -4,6 +4,7 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 
 use pcs_sim::report::prediction::{self, Row};
+use pcs_sim::report::summary::prose;
 use pcs_sim::report::{account, bottleneck};
 use pcs_sim::run::{self, Layers, PlannedRun, RunSpec, Shuffled, moot};
 use pyo3::prelude::*;
@@ -47,13 +48,14 @@ pub fn model(
     let request = Request::new(py, Of::Model, scene, config, parameters)?;
     work(py, crew(py, threads, progress)?, "rays", |task| {
         let check = |options: &_, spec: &_| moot::check_model(options, spec, predict_only);
-        let (run, layers) = request.planned(RunSpec::of_model, check)?;
+        let (run, layers) = request.planned(RunSpec::of_model, check, &task.workers.cancel)?;
         predict(&run, layers, predict_only, task)
     })
 }
 
 fn predict(run: &PlannedRun, mut layers: Layers, predict_only: bool, task: &Task) -> Result<Model, Trouble> {
     let workers = &task.workers;
+    layers.load(run, &workers.cancel)?;
     let forecast = layers.forecast(run, &workers.cancel)?;
     let scene = layers.scene(run)?;
     let outcome = match predict_only {
@@ -82,7 +84,7 @@ fn predict(run: &PlannedRun, mut layers: Layers, predict_only: bool, task: &Task
     let mut text = account::model_text((&scene, &run.spec, &run.machine), &forecast, &rows);
     if let Some((_, outcome, losses)) = &outcome {
         let verdict = account::verdict(&outcome.stats, losses.as_ref(), run.machine.spec.clock());
-        text.push_str(&format!("Measured: {verdict}\n"));
+        text.push_str(&prose(&format!("Measured: {verdict}\n")));
     }
     let (predicted, best, array) = (&forecast.predicted, &forecast.best, &forecast.array);
     let json = prediction::to_json((&scene.name, &run.spec), &rows, predicted, best, array).map_err(output)?;

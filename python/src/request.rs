@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use pcs_sim::cancel::Cancel;
 use pcs_sim::error;
 use pcs_sim::geometry::Ray;
 use pcs_sim::machine::MachineOptions;
@@ -128,6 +129,7 @@ impl Request {
         self,
         spec: impl FnOnce(&RunOptions, Option<RunSpec>) -> Result<RunSpec, error::InputError>,
         check: impl FnOnce(&RunOptions, &RunSpec) -> Result<(), error::InputError>,
+        cancel: &Cancel,
     ) -> Result<(PlannedRun, Layers), Trouble> {
         let Request { options, base, scene, rays, has_program } = self;
         if has_program && options.has("mode") {
@@ -144,6 +146,7 @@ impl Request {
             layers.give_scene(&run, scene);
         }
         if let Some(rays) = rays {
+            layers.load_scene(&run, cancel)?;
             layers.give_rays(&run, rays)?;
         }
         Ok((run, layers))

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pcs_sim::geometry::Hit;
-use pcs_sim::measure::{Observed, Profile, StateKind};
+use pcs_sim::measure::{Observed, Shape, StateKind};
 use pcs_sim::program::Counts;
 use pcs_sim::quantities::Cycles;
 use pcs_sim::report::trace::{Format, Trace};
@@ -17,7 +17,7 @@ use pyo3::exceptions::{PyKeyError, PyRuntimeWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::made::{Described, Made, has_none, locked, save_plots};
+use crate::made::{Described, Made, has_none, locked, profile_of, save_plots};
 use crate::outputs;
 use crate::table::{Table, number, text, whole};
 use crate::trouble::{Trouble, wrong};
@@ -33,13 +33,18 @@ use crate::work::{Crew, briefly, work};
 pub struct Run {
     made: Made,
     crew: Crew,
-    profile: Mutex<Option<Arc<Profile>>>,
+    seen: Mutex<Option<Arc<Observed>>>,
 }
 
 impl Run {
     /// A run that is over; who did it does it again where that is asked for.
     pub fn new(made: Made, crew: Crew) -> Run {
-        Run { made, crew, profile: Mutex::default() }
+        Run { made, crew, seen: Mutex::default() }
+    }
+
+    /// What was run.
+    pub fn made(&self) -> &Made {
+        &self.made
     }
 
     /// Runs it once more, watched.
@@ -53,16 +58,22 @@ impl Run {
         self.made.configuration().map_err(|error| wrong(py, error.to_string()))
     }
 
-    /// The run over time.
-    fn probed(&self, py: Python<'_>) -> PyResult<Arc<Profile>> {
-        let kept = locked(&self.profile).clone();
-        if let Some(profile) = kept {
-            return Ok(profile);
+    /// The run over time, and, of a line, its beginning cycle by cycle.
+    fn seen(&self, py: Python<'_>) -> PyResult<Arc<Observed>> {
+        let kept = locked(&self.seen).clone();
+        if let Some(seen) = kept {
+            return Ok(seen);
         }
-        let observed = self.watch(py, &Watching { profile: true, ..Watching::default() })?;
-        let profile = Arc::new(observed.profile.ok_or_else(|| has_none("a run that was not probed", "profile"))?);
-        *locked(&self.profile) = Some(profile.clone());
-        Ok(profile)
+        let seen = self.seen_in(py, Cycles(0)..Cycles(u64::MAX))?;
+        *locked(&self.seen) = Some(seen.clone());
+        Ok(seen)
+    }
+
+    /// The same with a window of one's own.
+    fn seen_in(&self, py: Python<'_>, window: Range<Cycles>) -> PyResult<Arc<Observed>> {
+        let is_line = self.made.measured()?.topology.shape == Shape::Line;
+        let watching = Watching { profile: true, recording: is_line.then_some(window), ..Watching::default() };
+        Ok(Arc::new(self.watch(py, &watching)?))
     }
 }
 
@@ -133,13 +144,13 @@ impl Run {
     }
 
     /// What every FIFO held: a row a FIFO. `capacity`, `words` (through it), `max` and `mean` are in words; `full` and
-    /// `empty` are shares of the run.
+    /// `empty` are shares of the run. Asked for by `enough`, that is the depth from which nothing changes any more, in words.
     #[getter]
     fn fifos(&self) -> PyResult<Table> {
         let stats = self.made.measured()?;
         let infos = || stats.topology.fifos.iter();
         let fifos = || stats.fifos.iter();
-        Table::new(vec![
+        let mut columns = vec![
             text("name", infos().map(|info| info.name.clone())),
             text("channel", infos().map(|info| info.group.clone())),
             text("from", infos().map(|info| info.from.to_string())),
@@ -150,7 +161,11 @@ impl Run {
             number("mean", fifos().map(|fifo| Some(fifo.mean(stats.cycles)))),
             number("full", fifos().map(|fifo| Some(stats.share(fifo.full)))),
             number("empty", fifos().map(|fifo| Some(stats.share(fifo.empty)))),
-        ])
+        ];
+        if fifos().any(|fifo| fifo.enough.is_some()) {
+            columns.push(whole("enough", fifos().map(|fifo| fifo.enough.unwrap_or_default().0)));
+        }
+        Table::new(columns)
     }
 
     /// Each ray's first hit, of a run in the order of the rays' numbers (of pixels, line by line), of an image in the order
@@ -184,7 +199,8 @@ impl Run {
     /// (FIFOs x bins); `rays` how many answers came back.
     #[getter]
     fn timelines<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let profile = self.probed(py)?;
+        let seen = self.seen(py)?;
+        let profile = profile_of(&seen).map_err(|trouble| trouble.raise(py))?;
         let (bins, bin) = (profile.jobs.len(), profile.bin.0);
         let grid = |rows: usize, values: Vec<u64>| PyArray1::from_vec(py, values).reshape([rows, bins]);
         let cells = PyDict::new(py);
@@ -231,9 +247,9 @@ impl Run {
 
     /// All pictures of the run over time, by name.
     fn plots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let profile = self.probed(py)?;
+        let seen = self.seen(py)?;
         let pictures = PyDict::new(py);
-        for picture in briefly(py, |_| self.made.drawn(&profile))? {
+        for picture in briefly(py, |_| self.made.drawn(&seen))? {
             let name = picture.name.clone();
             pictures.set_item(name, Py::new(py, Picture { picture })?)?;
         }
@@ -252,8 +268,8 @@ impl Run {
 
     /// The page that shows the run in a browser, as HTML.
     fn page(&self, py: Python<'_>) -> PyResult<String> {
-        let (profile, stats) = (self.probed(py)?, self.made.measured()?);
-        briefly(py, |_| self.made.html(stats, &profile))
+        let (seen, stats) = (self.seen(py)?, self.made.measured()?);
+        briefly(py, |_| self.made.html(stats, &seen))
     }
 
     /// Writes results as the command does, all or none of each: statistics, hits, the picture, the page, a folder of plots, a
@@ -288,20 +304,25 @@ impl Run {
             self.made.setup("image")?;
             written.push(briefly(py, |_| self.made.save_picture(&path, force))?);
         }
+        let window = trace_window.map(|(from, until)| Cycles(from)..Cycles(until));
+        if window.as_ref().is_some_and(Range::is_empty) {
+            return Err(wrong(py, "trace_window has no cycle: its end must be larger than its start"));
+        }
+        let seen = || window.clone().map_or_else(|| self.seen(py), |window| self.seen_in(py, window));
         if let Some(path) = page {
-            let (profile, stats) = (self.probed(py)?, self.made.measured()?);
+            let (seen, stats) = (seen()?, self.made.measured()?);
             written.push(briefly(py, |_| {
-                let html = self.made.html(stats, &profile)?;
+                let html = self.made.html(stats, &seen)?;
                 outputs::write(&path, force, |file| file.write_all(html.as_bytes()))
             })?);
         }
         if let Some(folder) = plot {
-            let profile = self.probed(py)?;
-            written.extend(briefly(py, |_| save_plots(&folder, force, self.made.drawn(&profile)?))?);
+            let seen = seen()?;
+            written.extend(briefly(py, |_| save_plots(&folder, force, self.made.drawn(&seen)?))?);
         }
         if let Some(path) = trace {
-            let window = trace_window.map_or(Cycles(0)..Cycles(u64::MAX), |(from, until)| Cycles(from)..Cycles(until));
-            written.push(self.save_trace(py, &path, window, force)?);
+            let window = window.unwrap_or(Cycles(0)..Cycles(u64::MAX));
+            written.extend(self.save_trace(py, &path, window, force)?);
         }
         Ok(written)
     }
@@ -317,8 +338,8 @@ impl Run {
     fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
         let picture = match self.made.measured() {
             Ok(_) => {
-                let profile = self.probed(py)?;
-                let pictures = briefly(py, |_| self.made.drawn(&profile))?;
+                let seen = self.seen(py)?;
+                let pictures = briefly(py, |_| self.made.drawn(&seen))?;
                 let first = self.made.first_picture();
                 pictures.into_iter().find(|picture| picture.name == first).map(|picture| picture.rendered.svg)
             }
@@ -330,16 +351,17 @@ impl Run {
 }
 
 impl Run {
-    fn save_trace(&self, py: Python<'_>, path: &Path, window: Range<Cycles>, force: bool) -> PyResult<PathBuf> {
+    fn save_trace(&self, py: Python<'_>, path: &Path, window: Range<Cycles>, force: bool) -> PyResult<Vec<PathBuf>> {
         let format = Format::of(path).map_err(|error| Trouble::from(error).raise(py))?;
-        if window.is_empty() {
-            return Err(wrong(py, "trace_window has no cycle: its end must be larger than its start"));
-        }
         let observed = self.watch(py, &Watching { recording: Some(window), ..Watching::default() })?;
         let recording = observed.recording.ok_or_else(|| has_none("a run that was not recorded", "trace"))?;
         let Described { caption, names, .. } = &self.made.described();
         let trace = Trace { caption, clock: self.made.clock(), cell_names: names, recording: &recording };
-        let written = briefly(py, |_| outputs::write(path, force, |file| trace.write(format, file)))?;
+        let mut written = vec![briefly(py, |_| outputs::write(path, force, |file| trace.write(format, file)))?];
+        if let Some(save) = Trace::save_path(format, path) {
+            let text = trace.save_file(path);
+            written.push(briefly(py, |_| outputs::write(&save, force, |file| file.write_all(text.as_bytes())))?);
+        }
         for note in trace.notes(format) {
             let note = std::ffi::CString::new(note).unwrap_or_default();
             PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &note, 1)?;

@@ -38,16 +38,17 @@ impl Picture {
         PyBytes::new(py, &self.picture.rendered.png)
     }
 
-    /// Writes the picture: a name that ends in .svg or .png says as what.
+    /// Writes the picture: a name that ends in .svg, .png or .pdf says as what.
     #[pyo3(signature = (path, *, force=false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
         let bytes: &[u8] = match extension.as_deref() {
             Some("svg") => self.picture.rendered.svg.as_bytes(),
             Some("png") => &self.picture.rendered.png,
+            Some("pdf") => &self.picture.rendered.pdf,
             _ => {
                 let error = error::InputError::in_file(&path, "is no name of a picture");
-                return Err(crate::trouble::Trouble::from(error.help("pictures end in .svg or .png")).raise(py));
+                return Err(crate::trouble::Trouble::from(error.help("pictures end in .svg, .png or .pdf")).raise(py));
             }
         };
         briefly(py, |_| outputs::write(&path, force, |file| std::io::Write::write_all(file, bytes)).map(drop))

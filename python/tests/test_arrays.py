@@ -84,7 +84,7 @@ def test_the_picture(run: pcs_sim.Run) -> None:
         run.plot("x")
     run.plot().save("cells.svg")
     assert Path("cells.svg").read_text(encoding="utf-8") == run.plot().svg
-    with pytest.raises(pcs_sim.InputError, match=r"pictures end in \.svg or \.png"):
+    with pytest.raises(pcs_sim.InputError, match=r"pictures end in \.svg, \.png or \.pdf"):
         run.plot().save("cells.gif")
 
 

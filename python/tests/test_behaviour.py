@@ -74,6 +74,9 @@ print(pcs_sim.run("room", size=8).cycles)
         'pcs_sim.image("room", size=2000, samples=8)',
         'pcs_sim.sweep({"scene": "teapot", "size": list(range(400, 900))}, table="table.csv")',
         'pcs_sim.model("teapot", size=4000)',
+        'pcs_sim.run("balls", size_factor=5, resolution=10)',
+        'pcs_sim.why("reference", size=1000)',
+        'pcs_sim.size_fifos("teapot", size=256, mode="broadcast", cells=8)',
     ],
 )
 def test_control_c(folder: Path, call: str) -> None:
@@ -147,7 +150,8 @@ def test_every_flag_is_a_parameter(folder: Path) -> None:
     """Every parameter is a flag of the command, and every flag that is about the run a parameter."""
     known = pcs_sim.parameters().to_dict()
     results = set(
-        "json quiet config stats force watch plot page trace trace-window why image hits ops ops-form threads".split()
+        "json quiet config stats force watch plot page trace trace-window why enough image hits ops "
+        "ops-form threads".split()
     )
     others = {"help", "version", "output", "predict-only"} | results
     for call in ["run", "image", "model", "replay", "farm"]:

@@ -46,6 +46,50 @@ def test_running(folder: Path) -> None:
     assert (some["stopped"], some["executed"]) == (None, 7)
 
 
+def test_an_instruction_at_a_time(folder: Path) -> None:
+    program, words = pcs_sim.assemble(FIR), np.arange(12, dtype=np.float32)
+    cell, whole = program.start(words), program.step(words)
+    (folder / "words.txt").write_text(" ".join(f"{word:.1f}" for word in words))
+    (folder / "script.txt").write_text("step\nstep 5\nlist\n")
+    arguments = ["step", str(FIR), "--x", "words.txt", "--script", "script.txt"]
+    told = command(folder, *arguments).out
+    first = cell.step()
+    assert (first["executed"], first["stopped"]) == (1, None)
+    assert cell.step(5)["executed"] == 6
+    assert str(cell) in told
+    assert cell.state["executed"] == 6
+    while (state := cell.run())["stopped"] == "done":
+        pass
+    assert state["stopped"] == whole["stopped"] == "x"
+    assert all(np.array_equal(state[key], whole[key]) for key in whole)  # type: ignore[literal-required]
+    # More words come, and it goes on as if they had always been there.
+    cell.feed(x=[5.0, 7.0])
+    while (state := cell.run())["stopped"] == "done":
+        pass
+    more = program.step(np.append(words, [5.0, 7.0]).astype(np.float32))
+    assert all(np.array_equal(state[key], more[key]) for key in more)  # type: ignore[literal-required]
+
+
+def test_breakpoints(folder: Path) -> None:
+    (folder / "count.pcs").write_text(
+        "        addi r1, r0, 3\nagain:  addi r1, r1, -1\n        bne r1, r0, again\n        halt\n"
+    )
+    cell = pcs_sim.assemble("count.pcs").start()
+    places: list[int | str] = ["again", 1, "2"]
+    for place in places:
+        cell.break_at(place)
+    seen = []
+    while (state := cell.run())["stopped"] == "breakpoint":
+        seen.append((state["address"], state["registers"]["r1"]))
+    assert seen == [(1, 3), (1, 2), (1, 1)]
+    assert state["stopped"] == "halted"
+    assert cell.run()["stopped"] == "halted"
+    wrong: list[int | str] = ["nowhere", 99, "99"]
+    for place in wrong:
+        with pytest.raises(pcs_sim.InputError, match=r"no label|ends before|no instruction"):
+            cell.break_at(place)
+
+
 def test_what_is_refused(folder: Path) -> None:
     (folder / "wrong.pcs").write_text("add r1, r2\n")
     with pytest.raises(pcs_sim.InputError) as caught:

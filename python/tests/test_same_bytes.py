@@ -241,3 +241,68 @@ def test_what_a_replay_does_not_have() -> None:
     run = pcs_sim.replay("loop.ops", fifo_words=600)
     for name in ["hits", "counts", "image"]:
         assert not hasattr(run, name)
+
+
+def test_why(two: Path) -> None:
+    parameters: dict[str, Any] = {"scene": "room", "size": "16x12", "mode": "broadcast", "cells": 3, "fifo_words": 16}
+    why = pcs_sim.why(**parameters, enough=True)
+    why.run.save(stats="stats.json", page="page.html", plot="plots")
+    results = "--enough --stats stats.json --page page.html --plot plots"
+    ended = command(two / "theirs", "why", *flags(parameters), *results.split())
+    assert ended.status == 0, ended.err
+    same(two, ["stats.json", "page.html", "plots/critical-path.svg"])
+    assert ended.out.startswith(str(why))
+    told = why.run.stats["why"]
+    assert (told["sentence"], why.cycles) == (why.sentence, why.run.cycles)
+    for table, rows in [(why.times, told["times"]), (why.parts, told["parts"])]:
+        assert sum(table["cycles"]) == why.cycles
+        assert list(table["cycles"]) == [row["cycles"] for row in rows]
+        assert list(table["count"]) == [row["count"] for row in rows]
+    assert list(why.run.fifos["enough"]) == [fifo["enough"] for fifo in why.run.stats["fifos"]]
+    by_cell = pcs_sim.why(**parameters, by_cell=True)
+    assert command(two / "theirs", "why", *flags(parameters), "--by-cell").out == str(by_cell)
+    assert set(by_cell.times["at"]) > {"cell 0", "cell 1"}
+    run = pcs_sim.run(**parameters, why=True, ops="run.ops")
+    assert run.stats["why"] == told
+    again = pcs_sim.why(ops="run.ops", fifo_words=16)
+    assert list(again.parts["cycles"]) == list(why.parts["cycles"])
+    assert pcs_sim.replay("run.ops", fifo_words=16, why=True, enough=True).stats["fifos"] == why.run.stats["fifos"]
+    image = pcs_sim.image("room", size=8, why=True, enough=True)
+    ended = command(two / "theirs", *"image room --size 8x8 -o a.png --why --enough".split())
+    assert ended.out.startswith(str(image))
+
+
+def test_why_in_one_moment(two: Path) -> None:
+    parameters: dict[str, Any] = {"scene": "room", "size": "16x12", "mode": "broadcast", "cells": 3, "fifo_words": 16}
+    moments: list[dict[str, Any]] = [{"cell": 0, "ray": 100}, {"cell": "host", "at": "0.2ms"}, {"cell": 2, "at": 5000}]
+    for asked in moments:
+        why = pcs_sim.why(**parameters, **asked)
+        assert command(two / "theirs", "why", *flags({**parameters, **asked})).out == str(why)
+        assert why.waits is not None
+        assert [wait["text"] for wait in why.waits] == str(why).splitlines()[-len(why.waits) :]
+        assert why.waits[0]["actor"] == ("the host" if asked["cell"] == "host" else f"cell {asked['cell']}")
+        assert all(wait["does"] == "waits" for wait in why.waits[:-1])
+    assert pcs_sim.why(**parameters).waits is None
+
+
+@pytest.mark.parametrize("speed", [None, 99, [99, 97.5]])
+def test_sizes(two: Path, speed: Any) -> None:
+    parameters: dict[str, Any] = {"scene": "room", "size": "16x12", "mode": "broadcast", "cells": 3}
+    sizes = pcs_sim.size_fifos(**parameters, speed=speed)
+    written = sizes.save("t.csv", plot=True, machines=True)
+    asked = [] if speed is None else [f"--speed={one}" for one in (speed if isinstance(speed, list) else [speed])]
+    results = "-o t.csv --plot --machines"
+    ended = command(two / "theirs", "size-fifos", *flags(parameters), *asked, *results.split())
+    assert ended.status == 0, ended.err
+    same(two, [path.name for path in written])
+    assert ended.out == f"{sizes}" + "".join(f"wrote {path}\n" for path in written)
+    fewest = sizes.words(99)
+    assert sizes.machine(99).to_dict()["fifo_words_of"] == fewest
+    run = pcs_sim.run(**parameters, machine=sizes.machine(99))
+    assert dict(zip(run.fifos["name"], run.fifos["capacity"])) == fewest
+    table = sizes.table.to_dict()
+    row = next(row for row, wanted in enumerate(table["speed_wanted"]) if wanted == 0.99)
+    assert table["cycles"][row] == run.cycles
+    assert set(sizes.plots()) == {"front", "depths"}
+    pcs_sim.run(**parameters, ops="run.ops")
+    assert pcs_sim.size_fifos(ops="run.ops", speed=speed).table.to_dict() == sizes.table.to_dict()

@@ -5,12 +5,19 @@ use std::path::PathBuf;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, ValueEnum};
+use pcs_sim::host::color_table::Palette;
 use pcs_sim::machine::{Cycles, MachineOptions};
+use pcs_sim::report::plot::Format;
 use pcs_sim::run::{
     CellsOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions, ProgramOptions, RayOptions, RunOptions,
     SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
+
+/// The heading of flags that are about no part of a run: that of `--help`.
+pub const GENERAL: Option<&str> = None;
+
+const VIEWS: &str = "Views of the run over time";
 
 /// What can be asked of a run of primary rays.
 #[derive(Clone, Debug, Args)]
@@ -57,7 +64,7 @@ pub struct RunArgs {
     #[command(flatten)]
     pub asked: Asked,
     /// Repeat the run that a file describes: statistics, or their configuration. Flags beside it change that.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = GENERAL)]
     pub config: Option<PathBuf>,
     #[command(flatten)]
     pub results: ResultArgs,
@@ -130,7 +137,7 @@ impl Typed<'_> {
 /// `pcs-sim image`.
 #[derive(Debug, Args)]
 pub struct ImageArgs {
-    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff, .cas.
     #[arg(value_name = "SCENE", required_unless_present = "config")]
     pub scene: Option<String>,
     /// Repeat the image that a file describes: statistics, or their configuration. Flags beside it change that.
@@ -139,6 +146,12 @@ pub struct ImageArgs {
     /// Where the image goes: .png, or .pfm for linear light in all its bits.
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     pub output: PathBuf,
+    /// Write a PNG of at most so many colours, with a table of them, and tell how far they are off.
+    #[arg(long, value_name = "N", help_heading = "Results", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub colors: Option<u16>,
+    /// How these colours are chosen.
+    #[arg(long, value_enum, default_value_t = PaletteName::Peano, help_heading = "Results", requires = "colors")]
+    pub palette: PaletteName,
     #[command(flatten)]
     pub shape: ShapeOptions,
     #[command(flatten)]
@@ -177,8 +190,26 @@ pub struct TracingArgs {
     #[arg(long, value_name = "FORM", value_enum, default_value_t = OpsForm::Units, help_heading = "Results", requires = "ops")]
     pub ops_form: OpsForm,
     /// Threads to use [default: all cores]. The results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+}
+
+/// How the colours of a table are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PaletteName {
+    /// By an octree of colours in Peano's order, as SKY did.
+    Peano,
+    /// By halving boxes of colours.
+    MedianCut,
+}
+
+impl From<PaletteName> for Palette {
+    fn from(name: PaletteName) -> Palette {
+        match name {
+            PaletteName::Peano => Palette::Peano,
+            PaletteName::MedianCut => Palette::MedianCut,
+        }
+    }
 }
 
 /// What an activity trace counts work in.
@@ -212,7 +243,7 @@ pub struct ResultArgs {
     #[arg(long)]
     pub force: bool,
     /// Watch the cells and the FIFOs at work, on a terminal.
-    #[arg(long, help_heading = "Options")]
+    #[arg(long, help_heading = VIEWS)]
     pub watch: bool,
 }
 
@@ -234,25 +265,39 @@ pub struct ReplayArgs {
     pub views: ViewArgs,
 }
 
+/// What pictures are written as.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Views of the run over time")]
+pub struct PlotFormats {
+    /// What the pictures are written as.
+    #[arg(long, value_name = "FORMAT,...", value_enum, value_delimiter = ',', default_values_t = [Format::Svg, Format::Png])]
+    pub plot_format: Vec<Format>,
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = VIEWS)]
 pub struct ViewArgs {
-    /// Draw the run as SVG and PNG: FIFO levels and histograms, cell states, rays done, latencies.
+    #[command(flatten)]
+    pub formats: PlotFormats,
+    /// Draw the run as SVG and PNG: FIFO levels and histograms, cell states, rays on their way and done, latencies.
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     /// Write a page (HTML) to look at the run in a browser: the array, and charts to zoom into.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
-    /// Write the run cycle by cycle for a viewer: .pftrace for Perfetto, .vcd or .fst for GTKWave and Surfer.
+    /// Write the run cycle by cycle for a viewer: .pftrace for Perfetto, .vcd or .fst for GTKWave and Surfer, with a save file for
+    /// GTKWave beside it (.gtkw).
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// The cycles to trace, from A to before B; either may be left out [default: from 0 on, as many as viewers open with
-    /// ease].
-    #[arg(long, value_name = "A..B", requires = "trace", value_parser = window)]
+    /// The cycles to trace, and those that a page and plots show one by one, from A to before B; either may be left out
+    /// [default: from 0 on, as many as viewers open with ease].
+    #[arg(long, value_name = "A..B", value_parser = window)]
     pub trace_window: Option<Range<Cycles>>,
     /// Tell why the run took as long: its critical path, and what faster parts would save. In --stats, --plot and --page too.
     #[arg(long)]
     pub why: bool,
+    /// Tell of each FIFO the depth from which nothing changes any more, beside what it holds. In --stats and --page too.
+    #[arg(long)]
+    pub enough: bool,
 }
 
 #[derive(Debug, Args)]
@@ -267,11 +312,14 @@ pub struct SweepArgs {
     /// Tell how many points the sweep has, and run none.
     #[arg(long, conflicts_with_all = ["table", "plot", "force", "watch", "accept_failures", "threads"])]
     pub count: bool,
-    /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode.
+    /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode, and all else that
+    /// `pcs-sim plot` takes.
     ///
-    /// The plot lies beside the table, as SVG and PNG. May be given several times, x= first.
-    #[arg(long, num_args = 2..=3, value_names = ["x=COLUMN", "y=COLUMN", "by=COLUMN"])]
+    /// The plot lies beside the table. May be given several times, x= first.
+    #[arg(long, num_args = 2.., value_name = "WORD=VALUE")]
     pub plot: Vec<String>,
+    #[command(flatten)]
+    pub formats: PlotFormats,
     /// Replace plots that exist, and the table and journal of another sweep.
     #[arg(long)]
     pub force: bool,
@@ -282,14 +330,14 @@ pub struct SweepArgs {
     #[arg(long)]
     pub watch: bool,
     /// Threads to use [default: all cores]. The results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
 }
 
 /// `pcs-sim model`.
 #[derive(Debug, Args)]
 pub struct ModelArgs {
-    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff, .cas.
     #[arg(value_name = "SCENE", required_unless_present = "config")]
     pub scene: Option<String>,
     /// Predict the run that a file describes: statistics, or their configuration. Flags beside it change that.
@@ -313,24 +361,31 @@ pub struct ModelArgs {
     #[command(flatten)]
     pub results: ResultArgs,
     /// Threads to use [default: all cores]. The results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
 }
 
 #[derive(Debug, Args)]
 pub struct PlotArgs {
-    /// A table: CSV with a heading, such as a sweep's.
-    #[arg(value_name = "TABLE.csv")]
+    /// A table: CSV with a heading, or Parquet, such as a sweep's.
+    #[arg(value_name = "TABLE")]
     pub table: PathBuf,
-    /// The columns to draw, with a line for each value of the third. COLUMN=VALUE takes just the rows with that value.
-    #[arg(required = true, value_names = ["x=COLUMN", "y=COLUMN", "by=COLUMN", "COLUMN=VALUE"], num_args = 2..)]
+    /// What to draw: x=COLUMN y=COLUMN, a line for each value of by=COLUMN, a panel for each of facet=COLUMN; COLUMN=VALUE takes
+    /// just the rows with that value.
+    ///
+    /// log=y (x, xy, none) makes axes logarithmic or not; relative=first divides each line by its first point, relative=LINE all
+    /// by that line; cm=16x10 is the size. No point is an average: where rows that differ come to the same place, one column
+    /// that tells them apart gets lines of its own, or it is said what to choose.
+    #[arg(required = true, value_name = "WORD=VALUE", num_args = 2..)]
     pub columns: Vec<String>,
-    /// The picture's name: NAME.svg and NAME.png.
+    /// The picture's name, without the ending.
     #[arg(short, long, value_name = "NAME")]
     pub output: PathBuf,
-    /// What the picture shows, in a line above it.
-    #[arg(long, value_name = "TEXT", default_value = "")]
-    pub title: String,
+    /// What the picture shows, in a line above it [default: the parameters in the table].
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+    #[command(flatten)]
+    pub formats: PlotFormats,
     /// Replace pictures that exist.
     #[arg(long)]
     pub force: bool,
@@ -374,12 +429,30 @@ pub struct ManArgs {
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// The statistics of one run.
+    /// The statistics of one run; - is standard input.
     #[arg(value_name = "A.json")]
     pub a: PathBuf,
     /// The statistics of another.
     #[arg(value_name = "B.json")]
     pub b: PathBuf,
+    /// Tell of every value that differs, below the ten lines that matter most.
+    #[arg(long)]
+    pub all: bool,
+    /// Print the values that differ as CSV, and nothing else.
+    #[arg(long, conflicts_with_all = ["all", "json"])]
+    pub csv: bool,
+    /// Print them as JSON, and nothing else.
+    #[arg(long, conflicts_with = "all")]
+    pub json: bool,
+    /// Do both runs again, and write a page (HTML) on which they have one axis of time.
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
+    /// Replace a page that exists.
+    #[arg(long, requires = "page")]
+    pub force: bool,
+    /// Threads to use for the page [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", requires = "page", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
 }
 
 fn window(text: &str) -> Result<Range<Cycles>, String> {

@@ -6,7 +6,8 @@ use clap::{Parser, Subcommand};
 use pcs_sim::input::STREAM;
 
 use super::args::{
-    CompareArgs, CompletionsArgs, ImageArgs, ManArgs, ModelArgs, PlotArgs, ReplayArgs, RunArgs, ScenesArgs, SweepArgs,
+    CompareArgs, CompletionsArgs, GENERAL, ImageArgs, ManArgs, ModelArgs, PlotArgs, ReplayArgs, RunArgs, ScenesArgs,
+    SweepArgs,
 };
 use super::cell_args::{AsmArgs, CalibrateArgs, DisasmArgs, Figure7Args, StepArgs};
 use super::farm_args::FarmArgs;
@@ -23,7 +24,7 @@ pub struct Cli {
     #[command(flatten)]
     pub run: RunArgs,
     /// Print nothing but errors: neither results, nor notes, nor progress.
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, help_heading = GENERAL)]
     pub quiet: bool,
 }
 
@@ -64,7 +65,7 @@ pub enum Command {
     Model(Box<ModelArgs>),
     /// Draws one column of a table over another.
     Plot(PlotArgs),
-    /// Tells in what two statistics files differ, and by how much.
+    /// Tells in what two statistics files differ, and by how much: exit status 1 where they do.
     Compare(CompareArgs),
     /// Measures Figure 7's six numbers on both kinds of cell, and holds them against the paper.
     Figure7(Figure7Args),

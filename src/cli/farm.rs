@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::machine::Capitan;
+use pcs_sim::measure::Shape;
 use pcs_sim::report::farm as told;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::run::{FarmOutcome, FarmSetup, FarmSpec, OutputFile, moot};
@@ -59,6 +60,10 @@ fn open_outputs(args: &FarmArgs, spec: &FarmSpec, fewest: usize) -> Result<(Opti
         let error = InputError::new("--why is about cells in a row, whose times do not depend on who comes first");
         return Err(error.help("leave it out; the states of the tasks tell what they wait for"));
     }
+    if args.views.enough {
+        let error = InputError::new("--enough is about cells in a row, and the depths of their FIFOs");
+        return Err(error.help("leave it out"));
+    }
     let inputs = [Some(Path::new(&spec.scene)), args.farm.machine.as_deref(), args.config.as_deref()];
     outputs::check_distinct(&named(args), &inputs)?;
     Ok((outputs::open(args.stats.as_deref(), args.force)?, Views::open(&args.views, args.force)?))
@@ -66,7 +71,7 @@ fn open_outputs(args: &FarmArgs, spec: &FarmSpec, fewest: usize) -> Result<(Opti
 
 fn run(setup: &FarmSetup, tasks: usize, views: &Views) -> Result<FarmOutcome, Failure> {
     let spinner = progress::waiting("running the tasks");
-    let outcome = setup.run(tasks, &views.watching(), &Cancel::default());
+    let outcome = setup.run(tasks, &views.watching(Shape::Farm), &Cancel::default());
     spinner.finish_and_clear();
     Ok(outcome?)
 }

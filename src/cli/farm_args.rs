@@ -6,7 +6,7 @@ use clap::Args;
 use pcs_sim::machine::CapitanOptions;
 use pcs_sim::run::{FarmOptions, FarmRunOptions, LightOptions, SceneOptions, ShapeOptions};
 
-use super::args::{Typed, ViewArgs};
+use super::args::{GENERAL, Typed, ViewArgs};
 
 /// `pcs-sim farm`.
 #[derive(Debug, Args)]
@@ -37,7 +37,7 @@ pub struct FarmArgs {
     #[command(flatten)]
     pub views: ViewArgs,
     /// Threads to use [default: all cores]. The results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
 }
 

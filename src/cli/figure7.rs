@@ -32,16 +32,16 @@ pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
 }
 
 fn rows(spec: &MachineSpec, timings: &[f64; 6], programs: Option<&[f64; 6]>) -> String {
-    let mut header = vec!["Figure 7", "paper", "timings cell", "difference"];
+    let mut header = vec!["Figure 7, µs", "paper", "timings cell", "off"];
     if programs.is_some() {
-        header.extend(["program cell", "difference"]);
+        header.extend(["program cell", "off"]);
     }
     let mut rows = table(&header);
     for (index, number) in NUMBERS.iter().enumerate() {
-        let mut row = vec![number.name.to_owned(), format!("{} µs", number.paper_us)];
+        let mut row = vec![number.name.to_owned(), number.paper_us.to_string()];
         for simulated in std::iter::once(timings).chain(programs) {
             let simulated = us(simulated[index], spec);
-            row.push(format!("{simulated:.2} µs"));
+            row.push(format!("{simulated:.2}"));
             row.push(format!("{:+.1} %", 100.0 * (simulated / number.paper_us - 1.0)));
         }
         rows.add_row(row);

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
+use pcs_sim::host::color_table::{ColorTable, Palette};
 use pcs_sim::host::image;
+use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
-use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{
@@ -27,6 +28,8 @@ use super::{Failure, outputs, print, progress};
 #[derive(Clone, Copy, PartialEq)]
 enum Format {
     Png,
+    /// With a table of so many colours.
+    Indexed(usize, Palette),
     Pfm,
 }
 
@@ -55,15 +58,24 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let mut found = Vec::new();
     let (rendered, losses) = render(args, &setup, &mut files, &mut found)?;
     print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
+    if let Format::Indexed(most, palette) = format {
+        let pixels = image::on_screen(&rendered.pixels);
+        print(&account::colors_line(&ColorTable::new(&pixels, most, palette), palette, &pixels))?;
+    }
     let written = write_outputs(format, &setup, (&rendered, losses.as_ref()), &found, files)?;
     print(&outputs::list(&written))
 }
 
 fn format(args: &ImageArgs) -> Result<Format, InputError> {
     let extension = args.output.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        Some("png") => Ok(Format::Png),
-        Some("pfm") => Ok(Format::Pfm),
+    match (extension.as_deref(), args.colors) {
+        (Some("png"), None) => Ok(Format::Png),
+        (Some("png"), Some(most)) => Ok(Format::Indexed(most.into(), args.palette.into())),
+        (Some("pfm"), None) => Ok(Format::Pfm),
+        (Some("pfm"), Some(_)) => {
+            Err(InputError::new("--colors makes a table of colours, and PFM has none")
+                .help("leave it out, or write a PNG"))
+        }
         _ => Err(InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm")),
     }
 }
@@ -78,6 +90,7 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
         ("--page", args.views.page.is_some()),
         ("--trace", args.views.trace.is_some()),
         ("--why", args.views.why),
+        ("--enough", args.views.enough),
     ];
     let untimed = spec.image.as_ref().is_some_and(|image| image.timing == Switch::Off);
     match files.iter().find(|(_, typed)| *typed && untimed) {
@@ -130,7 +143,7 @@ fn render(
     let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
         rules: image.rules(setup.spec.order),
-        watching: files.views.watching(),
+        watching: files.views.watching(Shape::Line),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
     let form = args.tracing.ops_form.into();
@@ -172,6 +185,10 @@ fn write_outputs(
     let (size, pixels) = (setup.spec.size, &rendered.pixels);
     outputs::finish(files.image, &mut written, |file| match format {
         Format::Png => image::write_png(file, size, pixels).map_err(|error| error.to_string()),
+        Format::Indexed(most, palette) => {
+            let table = ColorTable::new(&image::on_screen(pixels), most, palette);
+            image::write_indexed_png(file, size, &table).map_err(|error| error.to_string())
+        }
         Format::Pfm => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
     })?;
     if let Some(timing) = &rendered.timing {
@@ -186,7 +203,7 @@ fn write_outputs(
                 .map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
         }
         let seen = views::Seen {
-            caption: &Caption { title: account::image_title(setup, rendered), machine: account::machine_line(spec) },
+            caption: &account::caption(account::image_title(setup, rendered), setup),
             clock: spec.clock(),
             stats: &timing.stats,
             losses,

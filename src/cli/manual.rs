@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use clap::{Arg, Command, CommandFactory};
+use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 use pcs_sim::machine::{CapitanFile, MachineFile};
 use serde_json::Value;
@@ -16,25 +16,37 @@ pub fn command() -> Command {
     let standard = serde_json::to_value(MachineFile::standard().ok()).unwrap_or_default();
     let capitan = serde_json::to_value(CapitanFile::standard().ok()).unwrap_or_default();
     let mut command = told(Cli::command(), &standard);
-    for name in ["image", "replay", "model"] {
+    for name in ["image", "replay", "model", "size-fifos", "why"] {
         command = command.mut_subcommand(name, |command| told(command, &standard));
     }
-    let shades_nothing = |arg: Arg| arg.hide(true);
-    command
-        .mut_subcommand("farm", |command| told(command, &capitan))
-        .mut_subcommand("model", |command| command.mut_arg("host_hit_us", shades_nothing))
-        .mut_subcommand("replay", |command| command.mut_arg("memory_words", shades_nothing))
-        .mut_arg("host_hit_us", shades_nothing)
+    command = command.mut_subcommand("farm", |command| told(command, &capitan));
+    for (name, arguments) in REFUSED {
+        command = command.mut_subcommand(name, |command| hidden(command, arguments));
+    }
+    hidden(command, &["host_hit_us"])
+}
+
+/// The parameters that commands share with others, and always refuse: a run of primary rays refuses the shading of hits.
+const REFUSED: [(&str, &[&str]); 4] = [
+    ("farm", &["adaptive", "why"]),
+    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead"]),
+    ("replay", &["memory_words"]),
+    ("size-fifos", &["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"]),
+];
+
+fn hidden(command: Command, arguments: &[&str]) -> Command {
+    arguments.iter().fold(command, |command, name| command.mut_arg(name, |arg| arg.hide(true)))
 }
 
 /// Tells the defaults of a machine's parameters.
 fn told(command: Command, machine: &Value) -> Command {
     command.mut_args(|arg| {
         let name = arg.get_id().as_str();
-        let default = machine.get(name).or_else(|| machine.get("times_us")?.get(name));
+        let default = machine.get(name).or_else(|| machine.get("times_us")?.get(name)).map(Value::to_string);
+        let default = default.or_else(|| left_out(name).map(str::to_owned));
         match (default, arg.get_help()) {
             (Some(default), Some(help)) => {
-                let default = default.to_string().trim_matches('"').to_lowercase();
+                let default = default.trim_matches('"').to_lowercase();
                 let default = default.strip_suffix(".0").unwrap_or(&default);
                 let help = format!("{help} [default: the machine file's; {default} in the standard one]");
                 arg.help(help)
@@ -42,6 +54,15 @@ fn told(command: Command, machine: &Value) -> Command {
             _ => arg,
         }
     })
+}
+
+/// What holds for a parameter that the standard machine file does not have.
+fn left_out(name: &str) -> Option<&'static str> {
+    match name {
+        "memory_words" => Some("as many as it takes"),
+        "x_fifo_words" | "y_fifo_words" | "z_fifo_words" => Some("fifo_words"),
+        _ => None,
+    }
 }
 
 /// `pcs-sim completions SHELL`

@@ -30,6 +30,7 @@ mod why;
 mod why_args;
 
 use std::convert::Infallible;
+use std::ffi::{OsStr, OsString};
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -42,11 +43,10 @@ use commands::{Cli, Command};
 use pcs_sim::error::InputError;
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
-use pcs_sim::measure::{Actor, Clock, When};
+use pcs_sim::measure::{Actor, At, Clock, When};
 use pcs_sim::program::NotLaidOut;
 use pcs_sim::program::figure7::MeasureError;
 use pcs_sim::run::RunError;
-use why_args::Moment;
 
 /// What of a run is printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ enum Told {
 /// Which moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum MomentOf {
-    At(Moment),
+    At(At),
     /// The ray's in the cell.
     Ray(u32),
 }
@@ -74,8 +74,7 @@ impl Told {
     /// The cycle of a machine with such a clock, if one is to be looked at.
     fn moment(self, clock: Clock) -> Result<Option<When>, InputError> {
         let when = match self {
-            Told::Moment(_, MomentOf::At(Moment::Cycle(cycle))) => When::Cycle(cycle),
-            Told::Moment(_, MomentOf::At(Moment::Time(seconds))) => When::Cycle(clock.cycle_at(seconds)),
+            Told::Moment(_, MomentOf::At(at)) => When::Cycle(at.cycle(clock)),
             Told::Moment(Actor::Station(station), MomentOf::Ray(job)) => When::Job { station, job },
             Told::Moment(Actor::Host, MomentOf::Ray(_)) => {
                 return Err(InputError::new("a ray is looked for in a cell").help("say which with --cell N"));
@@ -97,6 +96,8 @@ enum Failure {
     Fault(Box<Fault>),
     /// A result could not be written: exit status 1.
     Output(String),
+    /// What is compared differs, as has been told: exit status 1.
+    Differ,
 }
 
 impl From<InputError> for Failure {
@@ -142,8 +143,9 @@ impl From<MeasureError> for Failure {
 
 /// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed, 130 for one that was stopped.
 pub fn main() -> ExitCode {
-    let parsed =
-        manual::command().try_get_matches().and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let parsed = manual::command()
+        .try_get_matches_from(joined(std::env::args_os()))
+        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -162,6 +164,22 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => report(&failure),
     }
+}
+
+/// What was typed, with streams that tell their format (`--image -.png`) joined to their flags: by themselves they look like flags.
+fn joined(typed: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = Vec::new();
+    let starts = |argument: &OsStr, with: &str| argument.as_encoded_bytes().starts_with(with.as_bytes());
+    for argument in typed {
+        match arguments.last_mut().filter(|flag| starts(flag, "-") && starts(&argument, "-.")) {
+            Some(flag) => {
+                flag.push(if starts(flag, "--") { "=" } else { "" });
+                flag.push(argument);
+            }
+            None => arguments.push(argument),
+        }
+    }
+    arguments
 }
 
 fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
@@ -206,6 +224,7 @@ fn report(failure: &Failure) -> ExitCode {
             eprintln!("error: {message}");
             ExitCode::from(1)
         }
+        Failure::Differ => ExitCode::from(1),
     }
 }
 

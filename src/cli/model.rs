@@ -8,6 +8,7 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::program::Workload;
 use pcs_sim::report::losses::Losses;
+use pcs_sim::report::summary::prose;
 use pcs_sim::report::{account, bottleneck, prediction};
 use pcs_sim::run::{self, Layers, Outcome, PlannedRun, RunSpec, Shuffled, moot};
 
@@ -43,7 +44,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     print(&account::model_text((&scene, spec, machine), &forecast, &rows))?;
     if let Some((_, outcome, losses)) = &outcome {
         let verdict = account::verdict(&outcome.stats, losses.as_ref(), machine.spec.clock());
-        print(&format!("Measured: {verdict}\n"))?;
+        print(&prose(&format!("Measured: {verdict}\n")))?;
     }
     let mut written = Vec::new();
     outputs::finish(stats, &mut written, |file| {

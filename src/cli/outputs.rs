@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::input::STREAM;
+use pcs_sim::input::is_stream;
 use pcs_sim::run::{OutputFile, OutputFolder, noting};
 
 use super::{Failure, interrupt, take_stdout};
@@ -16,7 +16,7 @@ pub fn open(path: Option<&Path>, force: bool) -> Result<Option<OutputFile>, Inpu
 
 /// Opens a result file.
 pub fn create(path: &Path, force: bool) -> Result<OutputFile, InputError> {
-    if path == Path::new(STREAM) {
+    if is_stream(path) {
         take_stdout();
     }
     interrupt::outputs().file(path, force)
@@ -45,7 +45,7 @@ pub fn check_distinct(outputs: &[Option<&PathBuf>], inputs: &[Option<&Path>]) ->
         if outputs[..index].iter().any(|(_, other)| other == its_place) && !is_device(path) {
             return Err(InputError::in_file(path, "the file is named for two results"));
         }
-        let mut inputs = inputs.iter().flatten().filter(|input| **input != Path::new(STREAM));
+        let mut inputs = inputs.iter().flatten().filter(|input| !is_stream(input));
         if inputs.any(|input| place(input) == *its_place) {
             return Err(InputError::in_file(path, "the file is an input of this run"));
         }

@@ -1,66 +1,51 @@
-//! `pcs-sim plot TABLE.csv x=COLUMN y=COLUMN by=COLUMN -o NAME`: a picture of a table that is there already.
+//! `pcs-sim plot TABLE x=COLUMN y=COLUMN by=COLUMN -o NAME`: a picture of a table that is there already.
 
-use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::report::plot::curves::{self, Axes};
-use pcs_sim::report::table::{Column, CsvTable, Table};
+use pcs_sim::report::plot::curves::{self, Choice};
+use pcs_sim::report::plot::{Format, Rendered};
+use pcs_sim::report::table::{StoredTable, Table};
 use pcs_sim::run::OutputFile;
+use pcs_sim::sweep;
 
 use super::args::PlotArgs;
 use super::{Failure, outputs, print};
 
 /// Draws the columns.
 pub fn plot(args: &PlotArgs) -> Result<(), Failure> {
-    let table = CsvTable::read(&args.table)?;
+    let table = StoredTable::read(&args.table, sweep::label)?;
     let columns = table.columns();
-    let Choice { axes, only } = choose(&args.columns, &columns)?;
-    let [svg, png] = [open(args, "svg")?, open(args, "png")?];
-    let rows = table.rows_with(&only);
-    let rendered = curves::render(&Table { columns: &columns, rows }, &axes, &args.title)
+    let choice = Choice::new(&args.columns, &columns)?;
+    let drawn = choice.of(&Table { columns: &columns, rows: table.rows() });
+    let what_ran = args.title.clone().unwrap_or_else(|| sweep::what_ran(&drawn));
+    let files = Files::open(&args.output, &args.formats.plot_format, args.force)?;
+    let rendered = curves::render(&drawn, &choice.axes, &choice.look, &what_ran)
         .map_err(|error| InputError::in_file(&args.table, error.to_string()))?;
     let mut written = Vec::new();
-    outputs::finish(Some(svg), &mut written, |file| file.write_all(rendered.svg.as_bytes()))?;
-    outputs::finish(Some(png), &mut written, |file| file.write_all(&rendered.png))?;
+    files.write(&rendered, &mut written)?;
     print(&outputs::list(&written))
 }
 
-/// What of the table is drawn.
-struct Choice<'a> {
-    axes: Axes,
-    /// Numbers of columns, and the values that rows must have there.
-    only: Vec<(usize, &'a str)>,
-}
+/// The files of a picture, opened before it is drawn.
+pub struct Files(Vec<(OutputFile, Format)>);
 
-fn choose<'a>(words: &'a [String], columns: &[Column]) -> Result<Choice<'a>, InputError> {
-    let misplaced = |word: &str| {
-        let error = InputError::new(format!("expected x=COLUMN y=COLUMN, not '{word}'"));
-        error.help("for example x=cells y=speed_up by=partition scene=teapot")
-    };
-    let [mut x, mut y, mut by] = [None, None, None];
-    let mut only = Vec::new();
-    for word in words {
-        let (key, value) = word.split_once('=').ok_or_else(|| misplaced(word))?;
-        let axis = match key {
-            "x" => &mut x,
-            "y" => &mut y,
-            "by" => &mut by,
-            _ => {
-                only.push((curves::find(columns, key)?, value));
-                continue;
-            }
+impl Files {
+    /// `name` with the ending of each format.
+    pub fn open(name: &Path, formats: &[Format], force: bool) -> Result<Files, InputError> {
+        let open = |&format: &Format| {
+            let mut path = name.to_owned().into_os_string();
+            path.push(format!(".{}", format.ending()));
+            Ok((outputs::create(&PathBuf::from(path), force)?, format))
         };
-        if axis.replace(value).is_some() {
-            return Err(misplaced(word));
-        }
+        Ok(Files(formats.iter().map(open).collect::<Result<_, InputError>>()?))
     }
-    let (Some(x), Some(y)) = (x, y) else { return Err(misplaced(&words.join(" "))) };
-    Ok(Choice { axes: Axes::new(columns, x, y, by)?, only })
-}
 
-fn open(args: &PlotArgs, ending: &str) -> Result<OutputFile, InputError> {
-    let mut name = args.output.clone().into_os_string();
-    name.push(format!(".{ending}"));
-    outputs::create(&PathBuf::from(name), args.force)
+    /// Writes them.
+    pub fn write(self, rendered: &Rendered, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
+        let mut files = self.0.into_iter();
+        files.try_for_each(|(file, format)| {
+            outputs::finish(Some(file), written, |file| std::io::Write::write_all(file, rendered.bytes(format)))
+        })
+    }
 }

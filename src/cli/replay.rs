@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use pcs_sim::cancel::Cancel;
-use pcs_sim::report::plot::Caption;
+use pcs_sim::measure::Shape;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{account, bottleneck};
 use pcs_sim::run::{self, Replay, ReplaySpec, Watching, moot};
@@ -34,7 +34,7 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(clock, Vec::new())));
     let (moment, cancel) = (told.moment(clock)?, Cancel::default());
     let (result, observed, shuffled) =
-        replay.time(&Watching { moment, ..views.watching() }, &cancel, |array| live.show(array))?;
+        replay.time(&Watching { moment, ..views.watching(Shape::Line) }, &cancel, |array| live.show(array))?;
     let losses = bottleneck::losses(&result, || shuffled.time(&replay.machine.spec, &replay.costs, &cancel));
     let losses = losses.as_ref();
     live.finish();
@@ -46,10 +46,7 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
         file.write_all(account::replay_stats_json(&replay, (&result, observed.path.as_ref()), losses)?.as_bytes())
     })?;
     let seen = Seen {
-        caption: &Caption {
-            title: account::replay_title(&replay),
-            machine: account::machine_line(&replay.machine.spec),
-        },
+        caption: &account::replay_caption(&replay),
         clock,
         stats: &result,
         losses,

@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::host::image;
-use pcs_sim::measure::{Actor, Clock, Measured, Observed, When};
+use pcs_sim::measure::{Clock, Measured, Observed, Shape, When};
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
-use pcs_sim::report::plot::Caption;
 use pcs_sim::report::stats::Configuration;
-use pcs_sim::report::{bottleneck, hits, moment, why};
+use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, RunSpec, Setup, Shuffled, Watching, Workers, moot};
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
@@ -106,7 +105,7 @@ fn simulate(
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
-    let watched = (spec, &Watching { moment, ..views.watching() });
+    let watched = (spec, &Watching { moment, ..views.watching(Shape::Line) });
     let mut shuffled = Shuffled::new(cells);
     let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
         shuffled.take(&batch.ops);
@@ -127,33 +126,11 @@ pub fn report(
     (stats, losses, names): (&Measured, Option<&Losses>, &[String]),
     (observed, clock): (&Observed, Clock),
 ) -> Result<String, InputError> {
-    let path = observed.path.as_ref();
-    let why = |by_cell: bool| path.map(|path| format!("\n{}", why::text(path, by_cell))).unwrap_or_default();
     match told {
-        Told::Moment(actor, _) => Ok(head + "\n" + &moment(stats, (observed, clock), actor)?),
-        Told::Why { by_cell } => Ok(head + &why(by_cell)),
-        Told::All => Ok(head + "\n" + &account::body((stats, path), losses, names, clock)),
+        Told::Moment(actor, _) => account::moment_text(&head, stats, (observed, clock), actor),
+        Told::Why { by_cell } => Ok(account::why_text(&head, stats, observed, by_cell)),
+        Told::All => Ok(head + "\n" + &account::body((stats, observed.path.as_ref()), losses, names, clock)),
     }
-}
-
-/// What somebody did in the moment that was looked for.
-fn moment(stats: &Measured, (observed, clock): (&Observed, Clock), actor: Actor) -> Result<String, InputError> {
-    let cells = stats.stations.len();
-    if let Actor::Station(cell) = actor
-        && cell >= cells
-    {
-        let error = InputError::new(format!("there is no cell {cell}: the array has {cells}"));
-        return Err(error.help("cells are counted from 0, from left to right"));
-    }
-    let (Some(path), Some(snapshot)) = (&observed.path, &observed.snapshot) else {
-        let error = InputError::new(format!("{actor} does nothing for that ray"));
-        return Err(error.help(format!("rays are counted from 0; this run has {}", stats.jobs)));
-    };
-    if snapshot.at >= stats.cycles {
-        let error = InputError::new(format!("the run is over before cycle {}", snapshot.at.0));
-        return Err(error.help(format!("its last cycle is {}", stats.cycles.0.saturating_sub(1))));
-    }
-    Ok(moment::text(path, snapshot, actor, clock))
 }
 
 fn write_outputs(
@@ -185,7 +162,7 @@ fn write_views(
     written: &mut Vec<PathBuf>,
 ) -> Result<(), Failure> {
     let spec = &setup.machine.spec;
-    let caption = &Caption { title: account::title(setup), machine: account::machine_line(spec) };
+    let caption = &account::caption(account::title(setup), setup);
     let cell_names = &cell_names(&setup.workload);
     let image = page_image(setup, outcome, &views)?;
     let seen = Seen {

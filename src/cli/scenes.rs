@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use pcs_sim::error::InputError;
-use pcs_sim::report::summary::{aligned, grouped, table};
+use pcs_sim::report::summary::{WIDTH, aligned, grouped, table, wrapped};
 use pcs_sim::run::load_scene;
 use pcs_sim::scene::{builtin, write_ply};
 
 use super::args::ScenesArgs;
 use super::{Failure, note, outputs, print};
+
+/// Columns of a scene's name.
+const NAME: usize = 11;
 
 /// Lists the built-in scenes with their sizes, or tells what one has, and exports it.
 pub fn scenes(args: &ScenesArgs) -> Result<(), Failure> {
@@ -58,7 +61,8 @@ fn list() -> Result<(), Failure> {
             grouped(scene.faces(size, None)),
             scene.default_resolution.map_or("-".to_owned(), |slices| slices.to_string()),
         ]);
-        about.push_str(&format!("{:<10} {}\n", scene.name, scene.about));
+        let lines = wrapped(scene.about, WIDTH - NAME).replace('\n', &format!("\n{:NAME$}", ""));
+        about.push_str(&format!("{:<NAME$}{lines}\n", scene.name));
     }
     print(&format!("{}\n{about}\nSpheres and cones are cut into as many slices as --resolution says.\n", aligned(rows)))
 }

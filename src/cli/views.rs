@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
 use pcs_sim::machine::Observed;
-use pcs_sim::measure::{Clock, Measured};
+use pcs_sim::measure::{Clock, Measured, Shape};
 use pcs_sim::quantities::Cycles;
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::page::{self, Page};
@@ -16,15 +16,20 @@ use pcs_sim::report::trace::{Format, Trace};
 use pcs_sim::run::{OutputFile, OutputFolder, Watching};
 
 use super::args::ViewArgs;
+use super::plot::Files;
 use super::{Failure, outputs};
 
 /// The views that are asked for, their places found fit before the run.
 pub struct Views {
     plot: Option<OutputFolder>,
+    formats: Vec<plot::Format>,
     page: Option<OutputFile>,
     trace: Option<(OutputFile, Format)>,
+    /// How GTKWave is to show the trace.
+    save: Option<OutputFile>,
     window: Range<Cycles>,
     why: bool,
+    enough: bool,
     force: bool,
 }
 
@@ -49,29 +54,58 @@ pub struct Seen<'a> {
 impl Views {
     /// Opens the files, and makes the folder.
     pub fn open(args: &ViewArgs, force: bool) -> Result<Views, InputError> {
+        if args.trace_window.is_some() && args.trace.is_none() && args.page.is_none() && args.plot.is_none() {
+            let error =
+                InputError::new("--trace-window is about --trace, --page and --plot, and none of them is given");
+            return Err(error.help("name a file for one: --page run.html"));
+        }
         let trace = |path: &PathBuf| {
             let format = Format::of(path)?;
             Ok((outputs::create(path, force)?, format))
         };
+        let save = |path: &PathBuf| {
+            let save = Trace::save_path(Format::of(path)?, path);
+            outputs::open(save.as_deref(), force)
+        };
         Ok(Views {
+            save: args.trace.as_ref().map(save).transpose()?.flatten(),
             plot: args.plot.as_ref().map(|folder| prepare_folder(folder, force)).transpose()?,
+            formats: args.formats.plot_format.clone(),
             page: outputs::open(args.page.as_deref(), force)?,
             trace: args.trace.as_ref().map(trace).transpose()?,
             window: args.trace_window.clone().unwrap_or(Cycles(0)..Cycles(u64::MAX)),
             why: args.why,
+            enough: args.enough,
             force,
         })
     }
 
     /// No views.
     pub fn none() -> Views {
-        Views { plot: None, page: None, trace: None, why: false, window: Cycles(0)..Cycles(0), force: false }
+        Views {
+            plot: None,
+            formats: Vec::new(),
+            page: None,
+            trace: None,
+            save: None,
+            why: false,
+            enough: false,
+            window: Cycles(0)..Cycles(0),
+            force: false,
+        }
     }
 
-    /// What the views need to see of a machine.
-    pub fn watching(&self) -> Watching {
+    /// What the views need to see of a machine. Pages and plots show the cells of a line cycle by cycle.
+    pub fn watching(&self, shape: Shape) -> Watching {
         let profile = self.plot.is_some() || self.page.is_some();
-        Watching { profile, recording: self.trace.as_ref().map(|_| self.window.clone()), path: self.why, moment: None }
+        let recorded = self.trace.is_some() || (profile && shape == Shape::Line);
+        Watching {
+            profile,
+            recording: recorded.then(|| self.window.clone()),
+            path: self.why,
+            moment: None,
+            enough: self.enough,
+        }
     }
 
     /// Whether a view shows the traced picture.
@@ -82,23 +116,27 @@ impl Views {
     /// Writes the views of a run.
     pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
         let &Seen { caption, clock, stats, losses, cell_names, configuration, image, .. } = run;
-        let path = run.observed.path.as_ref();
+        let (path, recording) = (run.observed.path.as_ref(), run.observed.recording.as_ref());
         if let Some(profile) = &run.observed.profile {
-            let page = Page { caption, clock, stats, losses, profile, path, cell_names, configuration, image };
+            let page =
+                Page { caption, clock, stats, losses, profile, recording, path, cell_names, configuration, image };
+            let drawn = plot::Run { caption, clock, profile, recording, path, cell_names };
             let (pictures, html) = rayon::join(
-                || self.plot.as_ref().map(|_| plot::pictures(profile, path, clock, caption, cell_names)).transpose(),
+                || self.plot.as_ref().map(|_| plot::pictures(&drawn)).transpose(),
                 || self.page.as_ref().map(|_| page::html(&page)).transpose(),
             );
             let pictures = pictures.map_err(|error| Failure::Output(error.to_string()))?;
             if let (Some(folder), Some(pictures)) = (&self.plot, pictures) {
-                write_plots(folder.path(), self.force, pictures, written)?;
+                write_plots(folder.path(), (&self.formats, self.force), pictures, written)?;
             }
             let html = html.map_err(|error| Failure::Output(error.to_string()))?;
             outputs::finish(self.page, written, |file| file.write_all(html.unwrap_or_default().as_bytes()))?;
         }
         let (Some((file, format)), Some(recording)) = (self.trace, &run.observed.recording) else { return Ok(()) };
         let trace = Trace { caption, clock, cell_names, recording };
+        let dump = file.path().to_owned();
         outputs::finish(Some(file), written, |file| trace.write(format, file))?;
+        outputs::finish(self.save, written, |file| file.write_all(trace.save_file(&dump).as_bytes()))?;
         trace.notes(format).iter().for_each(super::note);
         Ok(())
     }
@@ -123,16 +161,12 @@ fn prepare_folder(folder: &Path, force: bool) -> Result<OutputFolder, InputError
 
 fn write_plots(
     folder: &Path,
-    force: bool,
+    (formats, force): (&[plot::Format], bool),
     pictures: Vec<plot::Picture>,
     written: &mut Vec<PathBuf>,
 ) -> Result<(), Failure> {
     for picture in pictures {
-        for (ending, bytes) in [("svg", picture.rendered.svg.as_bytes()), ("png", &picture.rendered.png)] {
-            let path = folder.join(format!("{}.{ending}", picture.name));
-            let file = outputs::create(&path, force)?;
-            outputs::finish(Some(file), written, |file| file.write_all(bytes))?;
-        }
+        Files::open(&folder.join(&picture.name), formats, force)?.write(&picture.rendered, written)?;
     }
     Ok(())
 }

@@ -39,6 +39,10 @@ fn check_others(args: &RunArgs) -> Result<(), InputError> {
 fn told(args: &WhyArgs) -> Result<Told, InputError> {
     let moment = args.at.map(MomentOf::At).or(args.ray.map(MomentOf::Ray));
     match (args.cell, moment) {
+        (Some(_), Some(_)) if args.run.views.enough => {
+            Err(InputError::new("--enough is about the whole run, and --cell about one moment")
+                .help("leave out one of the two"))
+        }
         (Some(cell), Some(moment)) => Ok(Told::Moment(cell, moment)),
         (Some(_), None) => {
             let error = InputError::new("--cell is about one moment, and none is given");

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pcs_sim::machine::Cycles;
-use pcs_sim::measure::Actor;
+use pcs_sim::measure::{Actor, At};
 
 use super::args::{Asked, RunArgs};
 
@@ -46,40 +45,14 @@ pub struct WhyArgs {
     #[arg(long)]
     pub by_cell: bool,
     /// Tell of one moment instead: what that cell (or host) does then, and who waits for whom.
-    #[arg(long, value_name = "N", value_parser = actor, conflicts_with = "by_cell")]
+    #[arg(long, value_name = "N", conflicts_with = "by_cell")]
     pub cell: Option<Actor>,
     /// The moment: a cycle, or a simulated time as in 12.3ms.
-    #[arg(long, value_name = "TIME", value_parser = moment, requires = "cell", conflicts_with = "ray")]
-    pub at: Option<Moment>,
+    #[arg(long, value_name = "TIME", requires = "cell", conflicts_with = "ray")]
+    pub at: Option<At>,
     /// The moment: the middle of the longest wait of the cell while it is at that ray, counted from 0.
     #[arg(long, value_name = "N", requires = "cell")]
     pub ray: Option<u32>,
     #[command(flatten)]
     pub run: RunArgs,
-}
-
-/// A moment of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Moment {
-    Cycle(Cycles),
-    /// In seconds of simulated time.
-    Time(f64),
-}
-
-/// A cell's number, or `host`.
-fn actor(text: &str) -> Result<Actor, String> {
-    let cell = || text.parse().map(Actor::Station).map_err(|_| "expected the number of a cell, or host".to_owned());
-    if text == "host" { Ok(Actor::Host) } else { cell() }
-}
-
-fn moment(text: &str) -> Result<Moment, String> {
-    let units = [("ns", 1e-9), ("us", 1e-6), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)];
-    match units.iter().find_map(|&(unit, seconds)| Some((text.strip_suffix(unit)?, seconds))) {
-        None => text.parse().map(|cycle| Moment::Cycle(Cycles(cycle))).ok(),
-        Some((number, unit)) => {
-            let number = number.trim().parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
-            number.map(|number| Moment::Time(number * unit))
-        }
-    }
-    .ok_or_else(|| "expected a cycle, or a time in ns, us, ms or s, as in 12.3ms".to_owned())
 }

@@ -2,21 +2,23 @@
 
 use std::ops::ControlFlow;
 
-use bitvec::vec::BitVec;
 use glam::Vec3;
 
 use super::bounds::Bounds;
+use super::clearance::Clearance;
 use super::partition::reached;
 use super::polygon::Polygons;
 use super::ray::Ray;
 use super::voxels::Lattice;
+use super::walk::Walk;
 use crate::cancel::{Cancel, Cancelled};
 
 /// The most voxels of a grid.
 pub const MOST_VOXELS: f64 = (1u64 << 29) as f64;
 
-/// The most references to polygons in all voxels of a grid.
-pub const MOST_REFERENCES: f64 = (1u64 << 30) as f64;
+/// The most references to polygons in all voxels of a grid: a GiB. With so many voxels a polygon, polygons that lie in most voxels
+/// would need a memory that grows with the square of their number.
+pub const MOST_REFERENCES: f64 = (1u64 << 28) as f64;
 
 /// A grid that would not fit into the simulator's memory.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -52,11 +54,19 @@ pub struct Grid {
     /// 1 / edge of a voxel.
     per_edge: Vec3,
     low: Vec3,
-    /// Which voxels hold any polygon: an eighth of a byte a voxel stays in the cache where the table does not.
-    occupied: BitVec,
+    clearance: Clearance,
     /// Voxel v's list is lists[starts[v]..starts[v + 1]].
     starts: Vec<u32>,
     lists: Vec<u32>,
+}
+
+/// The way of a ray through empty voxels to one with polygons.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch<'a> {
+    /// All voxels of it, the one with polygons among them.
+    pub voxels: u64,
+    /// The polygons that lie in the last one.
+    pub polygons: &'a [u32],
 }
 
 /// A voxel that a ray is in.
@@ -91,11 +101,16 @@ impl Grid {
             planes: [0, 1, 2].map(|axis| planes(&lattice, axis, margin)),
             per_edge: (1.0 / lattice.voxel_extent()).as_vec3(),
             low: lattice.volume.low.as_vec3(),
-            occupied: starts.windows(2).map(|pair| pair[0] < pair[1]).collect(),
+            clearance: Clearance::new(lattice.size, &starts),
             starts,
             lists,
             lattice,
         })
+    }
+
+    /// The number of a voxel: x runs fastest.
+    pub(super) fn index(&self, voxel: [u32; 3]) -> usize {
+        self.lattice.index(voxel)
     }
 
     /// nb_voxel, the number of voxels.
@@ -176,11 +191,52 @@ impl Grid {
         let mut walk = Walk::new(self, ray, t_enter);
         loop {
             let (axis, t_exit) = walk.next_crossing();
-            if visit(Visit { polygons: self.list(walk.voxel), t_exit }).is_break() {
+            let polygons = if self.clearance.of(walk.voxel) == 0 { self.list(walk.voxel) } else { &[] };
+            if visit(Visit { polygons, t_exit }).is_break() {
                 return;
             }
             if t_exit >= ray.t_max || !walk.cross(self, axis) {
                 return;
+            }
+        }
+    }
+
+    /// The same walk for who does nothing in empty voxels but count them: calls `visit` for each voxel with polygons, which tells
+    /// from where on the ray on nothing counts any more. The walk ends in the voxel that is left there. Returns the number of
+    /// voxels behind the last one with polygons.
+    #[inline]
+    pub fn walk_occupied<'a>(&'a self, ray: &Ray, strayed: f32, mut visit: impl FnMut(Stretch<'a>) -> f32) -> u64 {
+        if strayed > 0.0 {
+            let mut voxels = 0;
+            self.walk(ray, strayed, |voxel| {
+                voxels += 1;
+                if !voxel.polygons.is_empty() {
+                    visit(Stretch { voxels: std::mem::take(&mut voxels), polygons: voxel.polygons });
+                }
+                ControlFlow::Continue(())
+            });
+            return voxels;
+        }
+        let Some(t_enter) = self.enter(ray, strayed).filter(|_| !self.lists.is_empty()) else { return 0 };
+        let (mut walk, mut voxels, mut t_end) = (Walk::new(self, ray, t_enter), 0, ray.t_max);
+        loop {
+            let clearance = self.clearance.of(walk.voxel);
+            if clearance > 1 {
+                let leap = walk.leap(self, clearance, t_end);
+                voxels += leap.voxels;
+                if !leap.goes_on {
+                    return voxels;
+                }
+                continue;
+            }
+            let (axis, t_exit) = walk.next_crossing();
+            voxels += 1;
+            if clearance == 0 {
+                let polygons = self.list(walk.voxel);
+                t_end = visit(Stretch { voxels: std::mem::take(&mut voxels), polygons }).min(t_end);
+            }
+            if t_exit >= t_end || !walk.cross(self, axis) {
+                return voxels;
             }
         }
     }
@@ -205,99 +261,13 @@ impl Grid {
 
     #[inline]
     fn list(&self, voxel: usize) -> &[u32] {
-        if self.occupied[voxel] {
-            &self.lists[self.starts[voxel] as usize..self.starts[voxel + 1] as usize]
-        } else {
-            &[]
-        }
+        &self.lists[self.starts[voxel] as usize..self.starts[voxel + 1] as usize]
     }
 
-    fn voxel_at(&self, point: Vec3) -> [u32; 3] {
+    pub(super) fn voxel_at(&self, point: Vec3) -> [u32; 3] {
         let steps = (point - self.low) * self.per_edge;
         // `as` takes what is below 0, or not a number in a flat volume, to 0.
         [0, 1, 2].map(|axis| (steps[axis] as u32).min(self.lattice.size[axis] - 1))
-    }
-}
-
-/// A ray on its way: where each axis's next plane is crossed, and how to go on from there.
-struct Walk {
-    voxel: usize,
-    /// t_x, t_y, t_z: where the next plane of each axis is crossed.
-    t_next: [f32; 3],
-    origin: [f32; 3],
-    inverse: [f32; 3],
-    /// The next plane's number along each axis.
-    plane: [i32; 3],
-    /// 1 or -1.
-    step: [i32; 3],
-    /// By how much the voxel's number changes with a step.
-    stride: [isize; 3],
-    /// Planes still to be crossed before the volume is left, counting the one that leaves it.
-    left: [u32; 3],
-}
-
-impl Walk {
-    fn new(grid: &Grid, ray: &Ray, t_enter: f32) -> Walk {
-        let at = grid.voxel_at(ray.at(t_enter));
-        let size = grid.lattice.size;
-        let strides = [1, size[0] as isize, size[0] as isize * size[1] as isize];
-        let mut walk = Walk {
-            voxel: grid.lattice.index(at),
-            t_next: [f32::INFINITY; 3],
-            origin: ray.origin.to_array(),
-            inverse: [0.0; 3],
-            plane: [0; 3],
-            step: [1; 3],
-            stride: strides,
-            left: [u32::MAX; 3],
-        };
-        for axis in 0..3 {
-            let inverse = 1.0 / ray.direction[axis];
-            // A ray that does not move along an axis, as far as 32 bits can tell, crosses none of its planes.
-            if !inverse.is_finite() {
-                continue;
-            }
-            let forward = inverse > 0.0;
-            walk.inverse[axis] = inverse;
-            walk.step[axis] = if forward { 1 } else { -1 };
-            walk.stride[axis] = if forward { strides[axis] } else { -strides[axis] };
-            walk.plane[axis] = at[axis] as i32 + forward as i32;
-            walk.left[axis] = if forward { size[axis] - at[axis] } else { at[axis] + 1 };
-            walk.t_next[axis] = walk.t_of_plane(grid, axis);
-        }
-        walk
-    }
-
-    /// The axis whose plane is crossed next, and where. On an edge or a corner the axes take turns, x first.
-    #[inline]
-    fn next_crossing(&self) -> (usize, f32) {
-        let [x, y, z] = self.t_next;
-        if x <= y && x <= z {
-            (0, x)
-        } else if y <= z {
-            (1, y)
-        } else {
-            (2, z)
-        }
-    }
-
-    /// Goes to the next voxel along an axis; false if that leaves the volume.
-    #[inline]
-    fn cross(&mut self, grid: &Grid, axis: usize) -> bool {
-        self.left[axis] -= 1;
-        if self.left[axis] == 0 {
-            return false;
-        }
-        self.voxel = self.voxel.wrapping_add_signed(self.stride[axis]);
-        self.plane[axis] += self.step[axis];
-        self.t_next[axis] = self.t_of_plane(grid, axis);
-        true
-    }
-
-    /// The paper adds δt from step to step; taking each plane's t by itself costs no more and does not add up rounding.
-    #[inline]
-    fn t_of_plane(&self, grid: &Grid, axis: usize) -> f32 {
-        (grid.planes[axis][self.plane[axis] as usize] - self.origin[axis]) * self.inverse[axis]
     }
 }
 
@@ -311,37 +281,43 @@ fn planes(lattice: &Lattice, axis: usize, margin: f64) -> Vec<f32> {
     planes
 }
 
-/// The voxel table and the index lists, each list in rising order: counted first, then filled.
+/// The voxel table and the index lists, each list in rising order: the voxels of all polygons are found and counted first, then
+/// the lists are filled.
 fn fill(
     lattice: &Lattice,
     (polygons, members): (&Polygons, &[u32]),
     margin: f64,
     cancel: &Cancel,
 ) -> Result<(Vec<u32>, Vec<u32>), Unfilled> {
-    let mut starts = vec![0u32; lattice.voxel_count() + 1];
-    let mut references = 0u64;
+    // Of each voxel what its list has, two places on: in the end each place holds where its voxel's list begins.
+    let mut starts = vec![0u32; lattice.voxel_count() + 2];
+    let mut reached: Vec<u32> = Vec::new();
+    let mut ends = Vec::with_capacity(members.len());
     for &polygon in members {
         lattice.for_each_voxel(polygons, polygon, margin + polygons.slack(polygon), |voxel| {
-            starts[voxel + 1] += 1;
-            references += 1;
+            starts[voxel + 2] += 1;
+            reached.push(voxel as u32);
         });
-        if references as f64 > MOST_REFERENCES {
+        if reached.len() as f64 > MOST_REFERENCES {
             return Err(GridTooLarge { what: "references to polygons", most: MOST_REFERENCES }.into());
         }
+        ends.push(reached.len());
         cancel.check()?;
     }
-    for voxel in 1..starts.len() {
+    for voxel in 2..starts.len() {
         starts[voxel] += starts[voxel - 1];
     }
-    let mut ends = starts.clone();
-    let mut lists = vec![0u32; references as usize];
-    for &polygon in members {
+    let mut lists = vec![0u32; reached.len()];
+    let mut first = 0;
+    for (&polygon, end) in members.iter().zip(ends) {
         cancel.check()?;
-        lattice.for_each_voxel(polygons, polygon, margin + polygons.slack(polygon), |voxel| {
-            let end = &mut ends[voxel];
-            lists[*end as usize] = polygon;
-            *end += 1;
-        });
+        for &voxel in &reached[first..end] {
+            let next = &mut starts[voxel as usize + 1];
+            lists[*next as usize] = polygon;
+            *next += 1;
+        }
+        first = end;
     }
+    starts.pop();
     Ok((starts, lists))
 }

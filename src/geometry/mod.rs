@@ -10,6 +10,7 @@
 
 pub mod bounds;
 pub mod brute_force;
+mod clearance;
 pub mod closed;
 pub mod edges;
 pub mod grid;
@@ -21,6 +22,7 @@ pub mod rounding;
 pub mod slabs;
 pub mod slivers;
 pub mod voxels;
+mod walk;
 
 pub use bounds::Bounds;
 pub use brute_force::brute_force;

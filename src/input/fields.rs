@@ -16,6 +16,16 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
     text::decode_utf8(path, file::read(path, LARGEST_TEXT)?)
 }
 
+/// Reads a file whole, whatever it holds.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
+    file::read(path, LARGEST_TEXT)
+}
+
+/// A file's bytes as text, which must be UTF-8.
+pub fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, InputError> {
+    text::decode_utf8(path, bytes)
+}
+
 /// Reads a text file of any encoding: for what others wrote, and whose numbers alone matter.
 pub(crate) fn read_any_text(path: &Path) -> Result<String, InputError> {
     Ok(text::decode(file::read(path, LARGEST_TEXT)?))

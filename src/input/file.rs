@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{Read, Seek, Write};
 use std::path::Path;
 
-use super::reading;
+use super::{packed, reading};
 use crate::error::InputError;
 
 const GIB: u64 = 1 << 30;
@@ -15,9 +15,16 @@ const LARGEST_STREAM: u64 = 1 << 28;
 /// The name that stands for standard input, or for standard output where a result goes.
 pub const STREAM: &str = "-";
 
+/// Whether a name stands for standard input or output: [`STREAM`], or the same with an ending that tells what comes or goes there, as
+/// `-.obj` and `-.png`.
+pub fn is_stream(path: &Path) -> bool {
+    let is_bare = path.parent().is_some_and(|folder| folder.as_os_str().is_empty());
+    is_bare && path.as_os_str().to_str().is_some_and(|name| name == STREAM || name.starts_with("-."))
+}
+
 /// Opens a file to be read any number of times: standard input is kept in a file without a name.
 pub(crate) fn open(path: &Path) -> std::io::Result<File> {
-    if path != Path::new(STREAM) {
+    if !is_stream(path) {
         return File::open(path);
     }
     let mut file = tempfile::tempfile()?;
@@ -30,7 +37,7 @@ pub(crate) fn open(path: &Path) -> std::io::Result<File> {
 /// The bytes of a file of up to `gib` GiB; of one that is no regular file, up to 256 MiB.
 pub(crate) fn read(path: &Path, gib: u64) -> Result<Vec<u8>, InputError> {
     let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
-    if path == Path::new(STREAM) {
+    if is_stream(path) {
         return read_stream(path, std::io::stdin().lock());
     }
     let file = File::open(path).map_err(unreadable)?;
@@ -49,7 +56,23 @@ pub(crate) fn read(path: &Path, gib: u64) -> Result<Vec<u8>, InputError> {
         return Err(too_large());
     }
     reading::note(path, &bytes);
-    Ok(bytes)
+    unpack(bytes, gib * GIB, unreadable, too_large)
+}
+
+/// What was packed in some bytes, which may be so many, or the bytes as they are.
+fn unpack(
+    bytes: Vec<u8>,
+    most: u64,
+    unreadable: impl Fn(std::io::Error) -> InputError,
+    too_large: impl Fn() -> InputError,
+) -> Result<Vec<u8>, InputError> {
+    if !packed::is_packed(&bytes) {
+        return Ok(bytes);
+    }
+    let mut unpacked = Vec::new();
+    let reader = packed::unpacked(bytes.as_slice()).map_err(&unreadable)?;
+    let length = reader.take(most + 1).read_to_end(&mut unpacked).map_err(unreadable)? as u64;
+    if length > most { Err(too_large()) } else { Ok(unpacked) }
 }
 
 /// The bytes of a pipe or a device.
@@ -60,7 +83,7 @@ fn read_stream(path: &Path, stream: impl Read) -> Result<Vec<u8>, InputError> {
         return Err(endless(path));
     }
     reading::note(path, &bytes);
-    Ok(bytes)
+    unpack(bytes, LARGEST_STREAM, |error| InputError::unreadable(path, &error), || endless(path))
 }
 
 fn endless(path: &Path) -> InputError {

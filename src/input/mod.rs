@@ -2,8 +2,9 @@
 
 pub(crate) mod fields;
 pub(crate) mod file;
+pub(crate) mod packed;
 pub(crate) mod reading;
 pub(crate) mod ron_text;
 pub(crate) mod text;
 
-pub use file::STREAM;
+pub use file::{STREAM, is_stream};

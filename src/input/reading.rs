@@ -27,15 +27,18 @@ pub(crate) fn note(path: &Path, bytes: &[u8]) {
     });
 }
 
+/// Takes note of files that another thread has read for this one.
+pub(crate) fn note_all(files: Vec<FileRead>) {
+    NOTED.with_borrow_mut(|noted| noted.as_mut().map_or((), |all| all.extend(files)));
+}
+
 /// Does something, and tells which files this thread has read for it, each once and in the order of their names: those that
 /// stand behind others, too.
 pub fn noting<T>(read: impl FnOnce() -> T) -> (T, Vec<FileRead>) {
     let before = NOTED.replace(Some(Vec::new()));
     let result = read();
     let mut files = NOTED.replace(before).unwrap_or_default();
-    files
-        .iter()
-        .for_each(|file| NOTED.with_borrow_mut(|noted| noted.as_mut().map_or((), |all| all.push(file.clone()))));
+    note_all(files.clone());
     files.sort();
     files.dedup();
     (result, files)

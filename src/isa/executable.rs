@@ -1,5 +1,6 @@
 //! A program made ready to run: decoded once, with what each instruction costs.
 
+use super::chains::Chain;
 use super::cycles::InstructionCycles;
 use super::encoding::Instruction;
 use super::field::Field;
@@ -10,25 +11,118 @@ use super::table::{Class, Opcode};
 use crate::seam::Activity;
 
 /// Where an instruction finds a word that it has read from a queue, by the field that names the queue.
-const QUEUE_SLOTS: [u8; 3] = [60, 61, 62];
+pub(super) const QUEUE_SLOTS: [u8; 3] = [60, 61, 62];
 
 /// Where a result goes that is for a queue, or for nobody (`r0`).
 pub(super) const RESULT_SLOT: u8 = 63;
 
-/// An instruction as the processor runs it: 16 bytes, four to a cache line.
+/// An instruction as the processor runs it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub opcode: Opcode,
     /// Places in the register file: what is written, or read, by the instruction's fields.
     pub slots: [u8; 3],
     pub work: Activity,
-    /// Whether it needs more than its opcode says: an invalid word, queues, an event that is counted, an end.
+    /// Whether it needs more than its opcode says: an invalid word, queues, an end.
     pub special: bool,
     /// The class that it is counted in, or [`UNCOUNTED`].
     pub class: u8,
+    /// With which instructions behind it, up to the end of its run, it is executed as one.
+    pub chain: Chain,
     /// The constant, or the target's address.
     pub constant: i32,
 }
+
+/// The queues of an instruction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moves {
+    /// Those that it reads, each by the slot where its word goes, from the first of them on.
+    pub reads: [Option<Queue>; QUEUE_SLOTS.len()],
+    pub writes: Option<Queue>,
+}
+
+impl Moves {
+    fn new(instruction: &Instruction) -> Moves {
+        let mut moves = Moves { writes: instruction.written().and_then(Register::queue), ..Moves::default() };
+        for field in instruction.reads() {
+            moves.reads[(queue_slot(field) - QUEUE_SLOTS[0]) as usize] = instruction.register(field).queue();
+        }
+        moves
+    }
+}
+
+/// Instructions that are executed one after the other once the first of them is, unless one fails or branches: all work for the
+/// same kernel, and none is special.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    /// How many; 0 if the first one is special.
+    pub length: u32,
+    pub work: Activity,
+    /// Whether events are counted at the first one. None are at the others.
+    pub is_counted: bool,
+    /// How many of each class.
+    pub classes: Tally,
+}
+
+/// Numbers of instructions by class, at most [`Tally::MOST`] of them in all: 12 bits a class, so that adding them all up is two
+/// additions.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tally([u64; 2]);
+
+impl Tally {
+    pub const MOST: u32 = (1 << Tally::BITS) - 1;
+    const BITS: u32 = 12;
+    const IN_A_WORD: u8 = 5;
+
+    /// One instruction of a class.
+    fn one(class: u8) -> Tally {
+        let mut tally = Tally::default();
+        tally.0[(class / Tally::IN_A_WORD) as usize] = 1 << (u32::from(class % Tally::IN_A_WORD) * Tally::BITS);
+        tally
+    }
+
+    /// Both together.
+    #[inline(always)]
+    pub fn and(self, other: Tally) -> Tally {
+        Tally([self.0[0] + other.0[0], self.0[1] + other.0[1]])
+    }
+
+    /// Without some that are part of it.
+    pub fn without(self, other: Tally) -> Tally {
+        Tally([self.0[0] - other.0[0], self.0[1] - other.0[1]])
+    }
+
+    /// How many of each class, in the order of [`Class::ALL`].
+    pub fn numbers(self) -> [u64; Class::ALL.len()] {
+        std::array::from_fn(|class| {
+            let (word, place) = (class / Tally::IN_A_WORD as usize, class as u32 % u32::from(Tally::IN_A_WORD));
+            self.0[word] >> (place * Tally::BITS) & u64::from(Tally::MOST)
+        })
+    }
+}
+
+/// The runs that begin at each address.
+fn runs(steps: &[Step], counted: &[(u32, usize)]) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::with_capacity(steps.len());
+    for (address, step) in steps.iter().enumerate().rev() {
+        let is_counted = counted.iter().any(|&(at, _)| at as usize == address);
+        let mut run = Run { length: 0, work: step.work, is_counted, classes: Tally::default() };
+        if !step.special {
+            (run.length, run.classes) = (1, Tally::one(step.class));
+            let next = runs.last().filter(|next| !step.jumps() && !next.is_counted && next.work == run.work);
+            if let Some(next) = next.filter(|next| next.length < LONGEST_RUN) {
+                run.length += next.length;
+                run.classes = run.classes.and(next.classes);
+            }
+        }
+        runs.push(run);
+    }
+    runs.reverse();
+    runs
+}
+
+/// The most instructions of a run.
+const LONGEST_RUN: u32 = Tally::MOST / 16;
 
 /// The place behind all classes: of instructions that take no time of their own.
 pub(super) const UNCOUNTED: u8 = Class::ALL.len() as u8;
@@ -39,6 +133,10 @@ pub struct Executable {
     cycles: InstructionCycles,
     pub(super) program: Program,
     pub(super) steps: Vec<Step>,
+    /// For each address the run of instructions that begins there.
+    pub(super) runs: Vec<Run>,
+    /// The queues of each instruction.
+    pub(super) moves: Vec<Moves>,
     /// The instructions, or why a word is none.
     pub(super) instructions: Vec<Result<Instruction, super::InvalidInstruction>>,
     /// Addresses whose execution is counted, with the number of the counter.
@@ -59,11 +157,16 @@ impl Executable {
                 Err(_) => Step::INVALID,
             };
             step.work = program.work.get(address).copied().unwrap_or(OTHER);
-            step.special |= counted.iter().any(|&(at, _)| at as usize == address);
             step
         };
-        let steps = instructions.iter().enumerate().map(step).collect();
-        Executable { cycles: *cycles, program, steps, instructions, counted, counters }
+        let mut steps: Vec<Step> = instructions.iter().enumerate().map(step).collect();
+        let runs = runs(&steps, &counted);
+        for (address, run) in runs.iter().enumerate() {
+            steps[address].chain = Chain::of(&steps[address..][..run.length as usize]);
+        }
+        let moves = |decoded: &Result<Instruction, _>| decoded.as_ref().map(Moves::new).unwrap_or_default();
+        let moves = instructions.iter().map(moves).collect();
+        Executable { cycles: *cycles, program, runs, steps, moves, instructions, counted, counters }
     }
 
     /// The program.
@@ -94,8 +197,14 @@ impl Step {
         work: OTHER,
         special: true,
         class: UNCOUNTED,
+        chain: Chain::One,
         constant: 0,
     };
+
+    /// Whether it never leads to the next address.
+    fn jumps(&self) -> bool {
+        matches!(self.opcode, Opcode::Jmp | Opcode::Call | Opcode::Jr)
+    }
 
     fn new(instruction: &Instruction, address: usize) -> Step {
         use super::table::Format;
@@ -125,18 +234,19 @@ impl Step {
             work: OTHER,
             special: queues || matches!(instruction.opcode, Opcode::Done | Opcode::Halt),
             class: if free { UNCOUNTED } else { entry.class as u8 },
+            chain: Chain::One,
             constant: if targets { instruction.constant.wrapping_add(address as i32) } else { instruction.constant },
         }
     }
 }
 
 /// The slot that a word read for a field goes to.
-pub(super) fn queue_slot(field: Field) -> usize {
+fn queue_slot(field: Field) -> u8 {
     QUEUE_SLOTS[match field {
         Field::First => 0,
         Field::Second => 1,
         _ => 2,
-    }] as usize
+    }]
 }
 
 /// Whether a queue operand reads the channel X.

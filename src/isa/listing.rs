@@ -19,14 +19,14 @@ pub fn listing(executable: &Executable) -> String {
 /// The instructions at some addresses: a row each, under the names of their files.
 pub fn rows(executable: &Executable, addresses: Range<u32>) -> String {
     let program = executable.program();
-    let mut text = String::from("address      word  cycles  instruction                line  source\n");
+    let mut text = String::from("address      word  cycles  instruction             line  source\n");
     let mut file = None;
     for address in addresses.start..addresses.end.min(program.code.len() as u32) {
         let place = program.lines.get(address as usize).map(|place| place.file);
         if place != file {
             file = place;
             let path = place.and_then(|file| program.files.get(file as usize)).map(|file| file.path.display());
-            let _ = path.map(|path| writeln!(text, "{:51} {path}", ""));
+            let _ = path.map(|path| writeln!(text, "{:57}{path}", ""));
         }
         text.push_str(&row(executable, address));
     }
@@ -46,7 +46,7 @@ pub fn row(executable: &Executable, address: u32) -> String {
         Some(&place) => (place.line.to_string(), program.text_of(place).trim_end()),
         None => (String::new(), ""),
     };
-    let row = format!("{address:>7}  {word:08x}  {cycles:>6}  {instruction:<24} {line:>6}  {source}");
+    let row = format!("{address:>7}  {word:08x}  {cycles:>6}  {instruction:<22} {line:>5}  {source}");
     row.trim_end().to_owned() + "\n"
 }
 

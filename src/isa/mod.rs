@@ -20,6 +20,7 @@
 //! `done`, as a filter on a stream, takes all words for one message.
 
 mod assembler;
+mod chains;
 mod cycles;
 pub mod encoding;
 mod executable;
@@ -43,7 +44,7 @@ pub use executable::Executable;
 pub use fault::{Fault, FaultKind, FaultLine};
 pub use field::Field;
 pub use processor::{Processor, Stop};
-pub use program::{Program, SourceFile, SourceLine};
+pub use program::{Program, SourceFile, SourceLine, number};
 pub use queues::Queues;
 pub use register::{Queue, Register};
 pub use stepper::Stepper;

@@ -2,8 +2,7 @@
 
 use bitvec::vec::BitVec;
 
-use super::encoding::Instruction;
-use super::executable::{Executable, RESULT_SLOT, Step, UNCOUNTED, queue_slot};
+use super::executable::{Executable, Moves, QUEUE_SLOTS, RESULT_SLOT, Step, Tally, UNCOUNTED};
 use super::fault::{Fault, FaultKind};
 use super::kernels::{OTHER, unit};
 use super::queues::Queues;
@@ -22,6 +21,17 @@ pub enum Stop {
     Waiting(Queue),
 }
 
+/// Where an instruction leads.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Flow {
+    /// To the one behind it.
+    Next,
+    /// To an address.
+    To(u32),
+    /// Nowhere: it has failed, for the reason that stands in `failed`.
+    Failed,
+}
+
 /// A cell that runs a program.
 #[derive(Clone, Debug)]
 pub struct Processor<'a> {
@@ -35,7 +45,8 @@ pub struct Processor<'a> {
     changed: Vec<u32>,
     /// Which those are.
     is_changed: BitVec,
-    registers: [u32; 64],
+    /// As many as slots have numbers, so that none needs a check of bounds.
+    registers: [u32; 256],
     address: u32,
     /// Why the instruction at its address has failed, until that is told.
     failed: Option<FaultKind>,
@@ -44,6 +55,8 @@ pub struct Processor<'a> {
     /// Instructions executed for the message, by class, and how many of each have been put down as ops.
     classes: Classes,
     noted: Classes,
+    /// Whether all of them have.
+    is_noted: bool,
     work: Activity,
     instruction_limit: u64,
     /// Instructions executed before the message.
@@ -71,12 +84,13 @@ impl<'a> Processor<'a> {
             data: data.to_vec(),
             changed: Vec::new(),
             is_changed: BitVec::repeat(false, data.len()),
-            registers: [0; 64],
+            registers: [0; 256],
             address: 0,
             failed: None,
             ended: false,
             classes: Classes::default(),
             noted: Classes::default(),
+            is_noted: true,
             work: OTHER,
             instruction_limit,
             before: 0,
@@ -125,7 +139,7 @@ impl<'a> Processor<'a> {
     /// Runs until the message is done, the cell halts, or a word is missing. Adds what it does to `ops`.
     pub fn run(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Stop, Fault> {
         loop {
-            self.run_plain(u64::MAX, ops);
+            self.run_ahead(ops);
             if let Some(stop) = self.not_plain(queues, ops)? {
                 return Ok(stop);
             }
@@ -134,37 +148,111 @@ impl<'a> Processor<'a> {
 
     /// Executes one instruction, unless it has to wait; tells if the cell stands still then.
     pub fn step(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, Fault> {
-        let before = self.executed;
-        self.run_plain(1, ops);
-        if self.executed > before && self.failed.is_none() {
-            return Ok(None);
+        let plain =
+            self.executable.steps.get(self.address as usize).filter(|step| !step.special && self.failed.is_none());
+        let Some(&step) = plain else { return self.not_plain(queues, ops) };
+        self.count_events();
+        self.charge(step, ops);
+        match self.go(&step) {
+            true => Ok(None),
+            false => self.not_plain(queues, ops),
         }
-        self.not_plain(queues, ops)
     }
 
-    /// Executes instructions that work between registers and memory, up to so many, as far as the next one is such.
-    fn run_plain(&mut self, most: u64, ops: &mut OpStream) {
-        let steps = self.executable.steps.as_slice();
-        let (mut address, mut executed) = (self.address, 0);
-        let before = self.executed - self.before;
-        while executed < most {
-            let Some(step) = steps.get(address as usize).filter(|step| !step.special) else { break };
-            if step.work != self.work {
-                self.note(ops);
-                self.work = step.work;
-            }
-            self.classes[(step.class & 15) as usize] += 1;
-            executed += 1;
-            match self.execute(step, address, before + executed) {
-                FAILED => break,
-                next => address = next,
-            }
+    /// Executes the instruction at the address and goes on to where it leads; false, with the reason in `failed`, if it fails.
+    fn go(&mut self, step: &Step) -> bool {
+        let flow = self.execute(step.opcode, step, self.address);
+        match self.lead(flow, self.executed - self.before) {
+            Flow::Next => self.address += 1,
+            Flow::To(to) => self.address = to,
+            Flow::Failed => return false,
         }
-        self.address = address;
-        self.executed += executed;
+        true
     }
 
-    /// What [`Processor::run_plain`] stops at.
+    /// Executes instructions that work between registers and memory, as far as the next one is such: run by run, each of which is
+    /// charged at once.
+    fn run_ahead(&mut self, ops: &mut OpStream) {
+        let executable = self.executable;
+        let (mut address, mut executed) = (self.address, self.executed);
+        let (mut classes, mut tallied) = (Tally::default(), 0);
+        while let Some(run) = executable.runs.get(address as usize).filter(|run| run.length > 0) {
+            if tallied + run.length > Tally::MOST || run.work != self.work {
+                self.settle(std::mem::take(&mut classes));
+                tallied = 0;
+                if run.work != self.work {
+                    self.note(ops);
+                    self.work = run.work;
+                }
+            }
+            if run.is_counted {
+                self.address = address;
+                self.count_events();
+            }
+            classes = classes.and(run.classes);
+            tallied += run.length;
+            executed += u64::from(run.length);
+            let (done, flow) = self.execute_all(&executable.steps[address as usize..][..run.length as usize], address);
+            address += done as u32;
+            // What is behind the one that leads elsewhere has not been executed.
+            if !matches!(flow, Flow::Next) && done + 1 < run.length as usize {
+                let behind = &executable.runs[address as usize + 1];
+                classes = classes.without(behind.classes);
+                executed -= u64::from(behind.length);
+            }
+            match self.lead(flow, executed - self.before) {
+                Flow::Next => {}
+                Flow::To(to) => address = to,
+                Flow::Failed => break,
+            }
+        }
+        if tallied > 0 {
+            self.settle(classes);
+        }
+        (self.address, self.executed) = (address, executed);
+    }
+
+    /// Executes steps, the first of which is at an address, chain by chain, until one does not lead to the next. Tells how many have
+    /// led to the next, and where the one behind them leads.
+    #[inline(always)]
+    fn execute_all(&mut self, steps: &[Step], address: u32) -> (usize, Flow) {
+        let mut done = 0;
+        while done < steps.len() {
+            let (more, flow) = self.execute_chain(&steps[done..], address + done as u32);
+            done += more;
+            if !matches!(flow, Flow::Next) {
+                return (done, flow);
+            }
+        }
+        (done, Flow::Next)
+    }
+
+    /// Where an instruction leads, the last of `executed` for the message. Every loop has a branch that is taken, so the limit is
+    /// held here.
+    #[inline(always)]
+    fn lead(&mut self, flow: Flow, executed: u64) -> Flow {
+        match flow {
+            // Beyond all programs in any case.
+            Flow::To(to) if executed <= self.instruction_limit => Flow::To(to.min(u32::MAX - 1)),
+            Flow::To(_) => self.fail(FaultKind::InstructionLimit(self.instruction_limit)),
+            _ => flow,
+        }
+    }
+
+    /// Charges what has been tallied.
+    fn settle(&mut self, classes: Tally) {
+        self.is_noted = false;
+        self.classes.iter_mut().zip(classes.numbers()).for_each(|(counted, number)| *counted += number);
+    }
+
+    /// Counts the events that happen at the address.
+    fn count_events(&mut self) {
+        for &(_, counter) in self.executable.counted.iter().filter(|(at, _)| *at == self.address) {
+            self.counts[counter] += 1;
+        }
+    }
+
+    /// What [`Processor::run_ahead`] stops at.
     fn not_plain(&mut self, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, Fault> {
         if let Some(kind) = self.failed.take() {
             return Err(self.fault(kind));
@@ -181,44 +269,37 @@ impl<'a> Processor<'a> {
 
     /// An instruction that moves words, is counted, ends the message, or is none.
     fn special(&mut self, step: Step, queues: &mut Queues, ops: &mut OpStream) -> Result<Option<Stop>, FaultKind> {
-        let address = self.address;
-        let instruction = match self.executable.instructions[address as usize] {
-            Ok(instruction) => instruction,
-            Err(why) => return Err(FaultKind::Invalid(self.executable.program.code[address as usize], why)),
-        };
-        if self.ended {
-            return Ok(self.go_on(instruction.opcode));
+        let (executable, address) = (self.executable, self.address);
+        if let Err(why) = executable.instructions[address as usize] {
+            return Err(FaultKind::Invalid(executable.program.code[address as usize], why));
         }
-        if let Some(queue) = queues.missing(&instruction) {
+        if self.ended {
+            return Ok(self.go_on(step.opcode));
+        }
+        let moves = &executable.moves[address as usize];
+        if let Some(queue) = queues.missing(moves) {
             self.note(ops);
             return Ok(Some(Stop::Waiting(queue)));
         }
-        for &(_, counter) in self.executable.counted.iter().filter(|(at, _)| *at == address) {
-            self.counts[counter] += 1;
-        }
-        if instruction.words() > 0 {
-            self.read_queues(&instruction, queues, ops);
-        }
+        self.count_events();
+        self.read_queues(moves, queues, ops);
         self.charge(step, ops);
-        match instruction.opcode {
+        match step.opcode {
             Opcode::Done | Opcode::Halt => {
                 self.note(ops);
                 self.ended = true;
-                return Ok(Some(if instruction.opcode == Opcode::Done { Stop::Done } else { Stop::Halted }));
+                return Ok(Some(if step.opcode == Opcode::Done { Stop::Done } else { Stop::Halted }));
             }
-            _ => match self.execute(&step, address, self.executed - self.before) {
-                FAILED => return Err(self.failed.take().unwrap_or(FaultKind::Halted)),
-                next => self.address = next,
-            },
+            _ if self.go(&step) => {}
+            _ => return Err(self.failed.take().unwrap_or(FaultKind::Halted)),
         }
-        self.write_queue(&instruction, queues, ops)?;
+        self.write_queue(moves, queues, ops)?;
         Ok(None)
     }
 
-    fn read_queues(&mut self, instruction: &Instruction, queues: &mut Queues, ops: &mut OpStream) {
-        self.note(ops);
-        for field in instruction.reads() {
-            let Some(queue) = instruction.register(field).queue() else { continue };
+    fn read_queues(&mut self, moves: &Moves, queues: &mut Queues, ops: &mut OpStream) {
+        for (slot, queue) in QUEUE_SLOTS.into_iter().zip(moves.reads) {
+            let Some(queue) = queue else { continue };
             let (word, op) = match queue {
                 Queue::X => (queues.next_x(), OpKind::ReadX),
                 Queue::PassX => (queues.next_x(), OpKind::PassX),
@@ -227,18 +308,14 @@ impl<'a> Processor<'a> {
             if queue == Queue::PassX {
                 queues.x_out.push(word);
             }
+            self.note(ops);
             ops.push(op, 1);
-            self.registers[queue_slot(field)] = word;
+            self.registers[slot as usize] = word;
         }
     }
 
-    fn write_queue(
-        &mut self,
-        instruction: &Instruction,
-        queues: &mut Queues,
-        ops: &mut OpStream,
-    ) -> Result<(), FaultKind> {
-        let Some(queue) = instruction.written().and_then(Register::queue) else { return Ok(()) };
+    fn write_queue(&mut self, moves: &Moves, queues: &mut Queues, ops: &mut OpStream) -> Result<(), FaultKind> {
+        let Some(queue) = moves.writes else { return Ok(()) };
         let (out, op) = match queue {
             Queue::X | Queue::PassX => (&mut queues.x_out, OpKind::WriteX),
             Queue::Y => (&mut queues.y_out, OpKind::WriteY),
@@ -259,11 +336,15 @@ impl<'a> Processor<'a> {
             self.work = step.work;
         }
         self.classes[step.class as usize] += 1;
+        self.is_noted &= step.class == UNCOUNTED;
         self.executed += 1;
     }
 
     /// Puts the instructions executed so far down as ops, one a class.
     fn note(&mut self, ops: &mut OpStream) {
+        if std::mem::replace(&mut self.is_noted, true) {
+            return;
+        }
         for class in Class::ALL {
             let (counted, noted) = (self.classes[class as usize], &mut self.noted[class as usize]);
             if counted > *noted {
@@ -279,9 +360,9 @@ impl<'a> Processor<'a> {
             return Some(Stop::Halted);
         }
         self.ended = false;
-        self.registers = [0; 64];
+        self.registers = [0; 256];
         self.address = 0;
-        (self.classes, self.noted) = (Classes::default(), Classes::default());
+        (self.classes, self.noted, self.is_noted) = (Classes::default(), Classes::default(), true);
         self.before = self.executed;
         for address in self.changed.drain(..) {
             self.data[address as usize] = self.loaded[address as usize];
@@ -295,22 +376,21 @@ impl<'a> Processor<'a> {
         Fault::new(kind, self.address, &self.executable.program)
     }
 
-    /// Does what an instruction does, between registers and memory, and gives the address of the next; or [`FAILED`], and
-    /// leaves in `failed` why. `executed` counts the message's instructions, this one among them.
+    /// Does what an instruction at an address does, between registers and memory.
     #[inline(always)]
-    fn execute(&mut self, step: &Step, address: u32, executed: u64) -> u32 {
-        let [first, second, third] = step.slots.map(|slot| self.registers[(slot & 63) as usize]);
+    pub(super) fn execute(&mut self, opcode: Opcode, step: &Step, address: u32) -> Flow {
+        let [first, second, third] = step.slots.map(|slot| self.registers[slot as usize]);
         let (a, b, i) = (second, third, step.constant as u32);
         let (fa, fb) = (f32::from_bits(a), f32::from_bits(b));
-        let next = address + 1;
-        let value = match step.opcode {
+        let to_if = |taken: bool| if taken { Flow::To(i) } else { Flow::Next };
+        let value = match opcode {
             Opcode::Mov => a,
             Opcode::Li => i,
             Opcode::Lw => match self.memory(a.wrapping_add(i)) {
                 Some(word) => word,
                 None => return self.fail_to_load(a.wrapping_add(i)),
             },
-            Opcode::Sw => return if self.store(a.wrapping_add(i), first) { next } else { FAILED },
+            Opcode::Sw => return self.store(a.wrapping_add(i), first),
             Opcode::Add => a.wrapping_add(b),
             Opcode::Addi => a.wrapping_add(i),
             Opcode::Sub => a.wrapping_sub(b),
@@ -344,41 +424,28 @@ impl<'a> Processor<'a> {
             Opcode::Feq => (fa == fb) as u32,
             Opcode::Flt => (fa < fb) as u32,
             Opcode::Fle => (fa <= fb) as u32,
-            Opcode::Beq => return self.branch(first == second, i, next, executed),
-            Opcode::Bne => return self.branch(first != second, i, next, executed),
-            Opcode::Blt => return self.branch((first as i32) < second as i32, i, next, executed),
-            Opcode::Bge => return self.branch(first as i32 >= second as i32, i, next, executed),
-            Opcode::Bltu => return self.branch(first < second, i, next, executed),
-            Opcode::Bgeu => return self.branch(first >= second, i, next, executed),
-            Opcode::Fblt => return self.branch(f32::from_bits(first) < f32::from_bits(second), i, next, executed),
-            Opcode::Fble => return self.branch(f32::from_bits(first) <= f32::from_bits(second), i, next, executed),
-            Opcode::Jmp => return self.branch(true, i, next, executed),
-            Opcode::Jr => return self.branch(true, first, next, executed),
+            Opcode::Beq => return to_if(first == second),
+            Opcode::Bne => return to_if(first != second),
+            Opcode::Blt => return to_if((first as i32) < second as i32),
+            Opcode::Bge => return to_if(first as i32 >= second as i32),
+            Opcode::Bltu => return to_if(first < second),
+            Opcode::Bgeu => return to_if(first >= second),
+            Opcode::Fblt => return to_if(f32::from_bits(first) < f32::from_bits(second)),
+            Opcode::Fble => return to_if(f32::from_bits(first) <= f32::from_bits(second)),
+            Opcode::Jmp => return Flow::To(i),
+            Opcode::Jr => return Flow::To(first),
             Opcode::Call => {
-                self.registers[(step.slots[0] & 63) as usize] = next;
-                return self.branch(true, i, next, executed);
+                self.registers[step.slots[0] as usize] = address + 1;
+                return Flow::To(i);
             }
-            Opcode::Done | Opcode::Halt => return next,
+            Opcode::Done | Opcode::Halt => return Flow::Next,
         };
-        self.registers[(step.slots[0] & 63) as usize] = value;
-        next
-    }
-
-    /// The address behind a branch. Every loop has one that is taken, so the limit is held here.
-    #[inline(always)]
-    fn branch(&mut self, taken: bool, to: u32, next: u32, executed: u64) -> u32 {
-        if !taken {
-            next
-        } else if executed <= self.instruction_limit {
-            // Beyond all programs in any case, and not to be taken for a failure.
-            to.min(FAILED - 1)
-        } else {
-            self.fail(FaultKind::InstructionLimit(self.instruction_limit))
-        }
+        self.registers[step.slots[0] as usize] = value;
+        Flow::Next
     }
 
     #[inline(always)]
-    fn store(&mut self, address: u32, value: u32) -> bool {
+    fn store(&mut self, address: u32, value: u32) -> Flow {
         let words = self.data.len() as u32;
         match self.data.get_mut(address as usize) {
             Some(word) => {
@@ -386,26 +453,23 @@ impl<'a> Processor<'a> {
                 if !self.is_changed.replace(address as usize, true) {
                     self.changed.push(address);
                 }
-                true
+                Flow::Next
             }
-            None => self.fail(FaultKind::Store { address, words }) != FAILED,
+            None => self.fail(FaultKind::Store { address, words }),
         }
     }
 
     #[cold]
-    fn fail_to_load(&mut self, address: u32) -> u32 {
+    fn fail_to_load(&mut self, address: u32) -> Flow {
         let words = (self.data.len() + self.scene.len()) as u32;
         self.fail(FaultKind::Load { address, words })
     }
 
     #[cold]
-    fn fail(&mut self, kind: FaultKind) -> u32 {
+    fn fail(&mut self, kind: FaultKind) -> Flow {
         self.failed = Some(kind);
-        FAILED
+        Flow::Failed
     }
 }
-
-/// The address that stands for none: the instruction has failed.
-const FAILED: u32 = u32::MAX;
 
 const SIGN: u32 = 1 << 31;

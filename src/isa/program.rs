@@ -53,9 +53,44 @@ impl Program {
         file.and_then(|file| file.text.lines().nth(place.line as usize - 1)).unwrap_or("")
     }
 
+    /// The instruction at a label, at an address (`@12`), or the first at or behind a line of the program's own file.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such place, in words.
+    pub fn address_of(&self, place: &str) -> Result<u32, String> {
+        if let Some(&address) = self.code_labels.get(place) {
+            return Ok(address);
+        }
+        if let Some(address) = place.strip_prefix('@') {
+            let (address, end) = (number(address)?, self.code.len() as u32);
+            return if address < end { Ok(address) } else { Err(format!("the program ends before address {end}")) };
+        }
+        if !place.starts_with(|c: char| c.is_ascii_digit()) {
+            return Err(format!("the program has no label `{place}`"));
+        }
+        let line = number(place)?;
+        let lines = self.lines.iter().zip(0..).filter(|(at, _)| at.file == 0 && at.line >= line);
+        let first = lines.min_by_key(|&(at, address)| (at.line, address));
+        first.map(|(_, address)| address).ok_or_else(|| format!("no instruction stands in line {line} or behind it"))
+    }
+
     /// The label at or before an instruction's address, and the distance from it.
     pub fn label_before(&self, address: u32) -> Option<(&str, u32)> {
         let labels = self.code_labels.iter().filter(|(_, at)| **at <= address);
         labels.max_by_key(|(_, at)| **at).map(|(name, at)| (name.as_str(), address - at))
     }
+}
+
+/// A number as people type it: in decimal, or in hexadecimal behind `0x`.
+///
+/// # Errors
+///
+/// If it is none of 32 bits, in words.
+pub fn number(text: &str) -> Result<u32, String> {
+    let number = match text.strip_prefix("0x") {
+        Some(digits) => u32::from_str_radix(digits, 16),
+        None => text.parse(),
+    };
+    number.map_err(|_| format!("`{text}` is no number from 0 to {}", u32::MAX))
 }

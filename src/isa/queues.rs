@@ -1,7 +1,6 @@
 //! The words that cells read and write, without a clock.
 
-use super::encoding::Instruction;
-use super::executable::is_x;
+use super::executable::{Moves, is_x};
 use super::register::Queue;
 
 /// The words that come to a cell, and those that it has written.
@@ -22,10 +21,11 @@ pub struct Queues {
 }
 
 impl Queues {
-    /// The queue that has too few words for an instruction.
-    pub(super) fn missing(&self, instruction: &Instruction) -> Option<Queue> {
+    /// The first queue that has too few words for an instruction that reads some.
+    #[inline]
+    pub(super) fn missing(&self, moves: &Moves) -> Option<Queue> {
         let (mut x, mut y) = (self.x.len() - self.x_read, self.y.len() - self.y_read);
-        instruction.reads().filter_map(|field| instruction.register(field).queue()).find(|&queue| {
+        moves.reads.into_iter().flatten().find(|&queue| {
             let left = if is_x(queue) { &mut x } else { &mut y };
             let enough = left.checked_sub(1);
             *left = enough.unwrap_or(0);

@@ -41,6 +41,11 @@ impl<'a> Stepper<'a> {
         self.messages - self.done as u64
     }
 
+    /// How many messages are done.
+    pub fn messages(&self) -> u64 {
+        self.messages
+    }
+
     /// The cycles that this message has taken, if no word is waited for.
     pub fn cycles(&self) -> u64 {
         self.processor.cycles() + self.moved

@@ -24,12 +24,7 @@ impl Words {
 
 /// Reads a file of words, between white space or commas; a semicolon begins a comment. `-` is stdin.
 pub fn read(path: &Path) -> Result<Words, InputError> {
-    let text = if path == Path::new("-") {
-        std::io::read_to_string(std::io::stdin()).map_err(|error| InputError::unreadable(path, &error))?
-    } else {
-        fields::read_text(path)?
-    };
-    parse(path, &text)
+    parse(path, &fields::read_text(path)?)
 }
 
 fn parse(path: &Path, text: &str) -> Result<Words, InputError> {

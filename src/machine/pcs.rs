@@ -33,11 +33,11 @@ machine_parameters! {
     optional {
         /// Words of memory of a cell.
         memory_words: u64, "N", Whole, "memory of a cell (words)";
-        /// Words that each FIFO of the X channel holds, where that is not fifo_words.
+        /// Words that each FIFO of the X channel holds.
         x_fifo_words: u64, "N", Whole, "depth of each FIFO of X (words)";
-        /// Words that each FIFO of the Y channel holds, where that is not fifo_words.
+        /// Words that each FIFO of the Y channel holds.
         y_fifo_words: u64, "N", Whole, "depth of each FIFO of Y (words)";
-        /// Words that each FIFO of the Z channel holds, where that is not fifo_words.
+        /// Words that each FIFO of the Z channel holds.
         z_fifo_words: u64, "N", Whole, "depth of each FIFO of Z (words)";
     }
     host {

@@ -69,7 +69,7 @@ impl Recording {
 
 impl StationRecord {
     /// What it was at in cycle `at`; `None` outside the window.
-    fn moment(&self, at: Cycles) -> Option<StationMoment> {
+    pub(super) fn moment(&self, at: Cycles) -> Option<StationMoment> {
         let stretch = last_until(&self.states, at, |stretch| stretch.from)?;
         (at < stretch.until).then(|| StationMoment { stretch: *stretch, job: job_at(&self.jobs, at) })
     }
@@ -77,7 +77,7 @@ impl StationRecord {
 
 impl FifoLevels {
     /// The level at the end of cycle `at`; `None` before the window.
-    fn level(&self, at: Cycles) -> Option<Words> {
+    pub(super) fn level(&self, at: Cycles) -> Option<Words> {
         last_until(&self.levels, at, |level| level.0).map(|level| level.1)
     }
 }

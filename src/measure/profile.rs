@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::state::StateTimes;
+use super::state::{StateKind, StateTimes};
 use super::topology::Topology;
 use crate::quantities::{Cycles, Words};
 
@@ -23,6 +23,54 @@ pub struct Profile {
     pub jobs: Vec<u64>,
     /// From a job's first word, written by the host, to the last word of its answer, read by the host; both included.
     pub latency: Latency,
+}
+
+impl Profile {
+    /// The same run and what follows it, in which nobody does anything, until it is so long; unchanged if it is as long already.
+    pub fn extended(&self, cycles: Cycles) -> Profile {
+        let mut longer = self.clone();
+        while longer.bin.0.saturating_mul(Profile::MOST_EXTENDED) < cycles.0 {
+            longer.widen();
+        }
+        let idle = self.topology.states.all().iter().find(|state| state.kind == StateKind::Idle).map(|state| state.id);
+        let mut end = self.cycles.0;
+        while let Some(from) = Some(end).filter(|&end| end < cycles.0) {
+            // The run's last bin goes on; whole ones follow it.
+            let until = (from / longer.bin.0 + 1).saturating_mul(longer.bin.0).min(cycles.0);
+            let (at, length) = ((from / longer.bin.0) as usize, Cycles(until - from));
+            for bins in &mut longer.stations {
+                bins.resize(bins.len().max(at + 1), StateTimes::default());
+                idle.into_iter().for_each(|idle| *bins[at].of_mut(idle) += length);
+            }
+            for fifo in &mut longer.fifos {
+                fifo.bins.resize(fifo.bins.len().max(at + 1), FifoBin::default());
+                fifo.bins[at].min = Words(0);
+            }
+            longer.jobs.resize(longer.jobs.len().max(at + 1), 0);
+            end = until;
+        }
+        longer.cycles = Cycles(end);
+        longer
+    }
+
+    /// Bins of a run that is extended, at the most.
+    const MOST_EXTENDED: u64 = 1024;
+
+    /// Makes two bins one.
+    fn widen(&mut self) {
+        fn pairs<B>(bins: &mut Vec<B>, join: impl Fn(&[B]) -> B) {
+            *bins = bins.chunks(2).map(join).collect();
+        }
+        let joined = |bins: &[StateTimes]| {
+            let mut sum = StateTimes::default();
+            bins.iter().for_each(|bin| sum.add(bin));
+            sum
+        };
+        self.bin = Cycles(2 * self.bin.0);
+        self.stations.iter_mut().for_each(|bins| pairs(bins, joined));
+        self.fifos.iter_mut().for_each(|fifo| pairs(&mut fifo.bins, FifoBin::of_all));
+        pairs(&mut self.jobs, |bins| bins.iter().sum());
+    }
 }
 
 /// One FIFO over time.

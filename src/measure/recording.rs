@@ -64,10 +64,25 @@ pub struct JobSpan {
 pub struct FifoLevels {
     /// The first cycle of the window, and each one in which the level changes, with the level at its end.
     pub levels: Vec<(Cycles, Words)>,
+    /// The jobs whose words passed through it, in their order: each from the cycle in which its first word was written to the
+    /// one in which its last was read. Several may be in it at a time.
+    pub jobs: Vec<JobSpan>,
 }
 
 impl Recording {
     /// How many stretches, jobs and moves of words a recording holds at the most: what viewers open with ease, and a
     /// bound on its memory and on its files whatever the length of the run.
     pub const MOST_EVENTS: usize = 400_000;
+
+    /// The end of its beginning: of the cycles before it no more than `most` stretches, jobs and levels begin in; all of the
+    /// window, if it has no more.
+    pub fn end_of_beginning(&self, most: usize) -> Cycles {
+        let stations = || self.host.iter().chain(&self.stations);
+        let states = stations().flat_map(|station| station.states.iter().map(|stretch| stretch.from));
+        let jobs = stations().map(|station| &station.jobs).chain(self.fifos.iter().map(|fifo| &fifo.jobs));
+        let jobs = jobs.chain([&self.answers]).flatten().map(|job| job.from);
+        let levels = self.fifos.iter().flat_map(|fifo| fifo.levels.iter().map(|level| level.0));
+        let mut starts: Vec<Cycles> = states.chain(jobs).chain(levels).collect();
+        if starts.len() <= most { self.window.end } else { *starts.select_nth_unstable(most).1 }
+    }
 }

@@ -1,5 +1,8 @@
 //! A machine in one cycle of a run: who works, and who waits for whom.
 
+use std::str::FromStr;
+
+use super::clock::Clock;
 use super::topology::Actor;
 use crate::quantities::Cycles;
 
@@ -15,6 +18,41 @@ pub enum When {
         /// The job.
         job: u32,
     },
+}
+
+/// A time in a run, as people say it: a cycle, or a simulated time as in `12.3ms`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum At {
+    /// A cycle.
+    Cycle(Cycles),
+    /// Seconds of simulated time.
+    Time(f64),
+}
+
+impl At {
+    /// The cycle that it is in.
+    pub fn cycle(self, clock: Clock) -> Cycles {
+        match self {
+            At::Cycle(cycle) => cycle,
+            At::Time(seconds) => clock.cycle_at(seconds),
+        }
+    }
+}
+
+impl FromStr for At {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<At, String> {
+        let units = [("ns", 1e-9), ("us", 1e-6), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)];
+        match units.iter().find_map(|&(unit, seconds)| Some((text.strip_suffix(unit)?, seconds))) {
+            None => text.parse().map(|cycle| At::Cycle(Cycles(cycle))).ok(),
+            Some((number, unit)) => {
+                let number = number.trim().parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
+                number.map(|number| At::Time(number * unit))
+            }
+        }
+        .ok_or_else(|| "expected a cycle, or a time in ns, us, ms or s, as in 12.3ms".to_owned())
+    }
 }
 
 /// What everybody does in one cycle.

@@ -37,6 +37,9 @@ pub struct FifoStats {
     pub full: Cycles,
     /// Cycles at whose end it was empty.
     pub empty: Cycles,
+    /// The depth from which nothing changes any more, if it was asked for: with as many words in all FIFOs, no word ever waits
+    /// for room.
+    pub enough: Option<Words>,
 }
 
 /// How long the wire of a link, or a bus, was busy.

@@ -1,6 +1,7 @@
 //! What a machine is made of.
 
 use std::fmt;
+use std::str::FromStr;
 
 use super::state::States;
 use crate::quantities::Words;
@@ -101,6 +102,16 @@ impl Topology {
     /// The FIFOs that somebody reads, by their places.
     pub fn inputs_of(&self, to: Actor) -> impl Iterator<Item = usize> + '_ {
         self.fifos.iter().enumerate().filter(move |(_, fifo)| fifo.to == to).map(|(place, _)| place)
+    }
+}
+
+impl FromStr for Actor {
+    type Err = String;
+
+    /// A cell's number, or `host`.
+    fn from_str(text: &str) -> Result<Actor, String> {
+        let cell = || text.parse().map(Actor::Station).map_err(|_| "expected the number of a cell, or host".to_owned());
+        if text == "host" { Ok(Actor::Host) } else { cell() }
     }
 }
 

@@ -169,7 +169,7 @@ impl<'a> Tracer<'a> {
             let at = group.grid.voxel_center(ray.at((t_enter + voxel.t_exit) / 2.0));
             sample.weights.push(Weight { at, amount: (work + workload.costs().of(GRID_VOXEL)).0 as f64 });
             t_enter = voxel.t_exit;
-            in_group.done_in(voxel.t_exit)
+            if in_group.t_done() <= voxel.t_exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
     }
 }
@@ -252,25 +252,20 @@ impl RayInGroup<'_> {
     /// P1: the grid's walk, and what becomes of each candidate.
     fn walk(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
         let workload = self.workload;
-        let mut voxels = 0;
-        group.grid.walk(self.ray, self.surfaces.polygons.beyond_margin(self.ray.origin), |voxel| {
-            voxels += 1;
-            if voxel.polygons.is_empty() {
-                return self.done_in(voxel.t_exit);
-            }
-            self.work(0, GRID_VOXEL, voxels);
-            counts.voxels += voxels;
-            voxels = 0;
-            for &polygon in voxel.polygons {
+        let strayed = self.surfaces.polygons.beyond_margin(self.ray.origin);
+        let behind = group.grid.walk_occupied(self.ray, strayed, |stretch| {
+            self.work(0, GRID_VOXEL, stretch.voxels);
+            counts.voxels += stretch.voxels;
+            for &polygon in stretch.polygons {
                 if !workload.program.mailbox || mailbox.mark(polygon) {
                     self.candidate(polygon, counts);
                 }
             }
-            self.done_in(voxel.t_exit)
+            self.t_done()
         });
-        if voxels > 0 {
-            self.work(0, GRID_VOXEL, voxels);
-            counts.voxels += voxels;
+        if behind > 0 {
+            self.work(0, GRID_VOXEL, behind);
+            counts.voxels += behind;
         }
     }
 
@@ -293,14 +288,11 @@ impl RayInGroup<'_> {
         });
     }
 
-    /// A cell that has both grid and intersection stops when its nearest hit lies inside the voxel just done.
+    /// A cell that has both grid and intersection stops when its nearest hit lies inside the voxel just done: from where on the
+    /// ray on it need not look.
     #[inline]
-    fn done_in(&self, t_exit: f32) -> ControlFlow<()> {
-        if self.workload.stages.intersection == 0 && self.hit.t <= t_exit {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+    fn t_done(&self) -> f32 {
+        if self.workload.stages.intersection == 0 { self.hit.t } else { f32::INFINITY }
     }
 
     /// A polygon from the grid goes through the slabs, if there are any, to the intersection.

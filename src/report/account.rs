@@ -3,13 +3,17 @@
 use super::bottleneck;
 use super::kinds::{self, RaysByKind};
 use super::losses::Losses;
+use super::moment;
+use super::plot::Caption;
 use super::prediction::{self, Row};
 use super::stats::{self, Configuration};
 use super::summary::{self, grouped};
 use super::why;
+use crate::error::InputError;
+use crate::host::color_table::{Color, ColorError, ColorTable, Palette};
 use crate::host::order::Order;
 use crate::machine::{Machine, MachineSpec};
-use crate::measure::{Clock, CriticalPath, Measured};
+use crate::measure::{Actor, Clock, CriticalPath, Measured, Observed};
 use crate::program::{Kernel, Workload};
 use crate::run::{Forecast, Outcome, Rendered, Replay, RunSpec, Setup, Timing};
 use crate::scene::Scene;
@@ -57,6 +61,24 @@ pub fn replay_title(replay: &Replay) -> String {
     format!("replay of {} on {} cells: {} rays", spec.ops.display(), trace.cells(), grouped(trace.jobs()))
 }
 
+/// What pictures of a run with that title tell of it.
+pub fn caption(title: String, setup: &Setup) -> Caption {
+    let Setup { spec: RunSpec { program, .. }, workload, machine, .. } = setup;
+    let partition = (workload.groups() > 1).then(|| program.partition.to_string());
+    Caption { title, partition, machine: machine_line(&machine.spec) }
+}
+
+/// What pictures of a replay tell of it.
+pub fn replay_caption(replay: &Replay) -> Caption {
+    Caption { title: replay_title(replay), partition: None, machine: machine_line(&replay.machine.spec) }
+}
+
+/// The same of a trace whose FIFOs are sized.
+pub fn sized_trace_title(replay: &Replay) -> String {
+    let Replay { spec, trace, .. } = replay;
+    format!("{} on {} cells: {} rays", spec.ops.display(), trace.cells(), grouped(trace.jobs()))
+}
+
 /// What people read of a run of primary rays.
 pub fn text(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> String {
     let (names, clock) = (cell_names(&setup.workload), setup.machine.spec.clock());
@@ -83,7 +105,7 @@ pub fn head(setup: &Setup, outcome: &Outcome) -> String {
         ),
     ];
     lines.push(memory_line(workload) + "\n");
-    lines.join("\n")
+    summary::prose(&lines.join("\n"))
 }
 
 /// Where the cycles of the cells went, what the FIFOs held, what limits the machine, and why it took as long if that is known.
@@ -94,29 +116,80 @@ pub fn body(
     clock: Clock,
 ) -> String {
     let why = path.map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
-    format!("{}\n{}\n{}\n{why}", summary::cells(stats, names), summary::fifos(stats), verdict(stats, losses, clock),)
+    let verdict = summary::prose(&verdict(stats, losses, clock));
+    format!("{}\n{}\n{verdict}\n{why}", summary::cells(stats, names), summary::fifos(stats))
+}
+
+/// What ran, as `head` has it, and why it took as long.
+pub fn why_text(head: &str, stats: &Measured, observed: &Observed, by_cell: bool) -> String {
+    let why = observed.path.as_ref().map(|path| format!("\n{}", why::text(path, by_cell))).unwrap_or_default();
+    let enough = stats.fifos.iter().any(|fifo| fifo.enough.is_some());
+    let fifos = enough.then(|| format!("\n{}", summary::fifos(stats))).unwrap_or_default();
+    format!("{head}{why}{fifos}")
+}
+
+/// What ran, and what somebody did in the moment that was looked for.
+///
+/// # Errors
+///
+/// If there is no such cell, or no such moment.
+pub fn moment_text(
+    head: &str,
+    stats: &Measured,
+    (observed, clock): (&Observed, Clock),
+    actor: Actor,
+) -> Result<String, InputError> {
+    let cells = stats.stations.len();
+    if let Actor::Station(cell) = actor
+        && cell >= cells
+    {
+        let error = InputError::new(format!("there is no cell {cell}: the array has {cells}"));
+        return Err(error.help("cells are counted from 0, from left to right"));
+    }
+    let (Some(path), Some(snapshot)) = (&observed.path, &observed.snapshot) else {
+        let error = InputError::new(format!("{actor} does nothing for that ray"));
+        return Err(error.help(format!("rays are counted from 0; this run has {}", stats.jobs)));
+    };
+    if snapshot.at >= stats.cycles {
+        let error = InputError::new(format!("the run is over before cycle {}", snapshot.at.0));
+        return Err(error.help(format!("its last cycle is {}", stats.cycles.0.saturating_sub(1))));
+    }
+    Ok(format!("{head}\n{}", moment::text(path, snapshot, actor, clock)))
 }
 
 /// What people read of a whole image.
 pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String {
-    let title = image_title(setup, rendered);
+    let title = summary::prose(&image_title(setup, rendered));
     let Some(timing) = &rendered.timing else {
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
     };
     let (spec, stats) = (&setup.machine.spec, &timing.stats);
     let path = timing.observed.path.as_ref();
     let why = path.map(|path| format!("\n{}{}", why::text(path, false), why::OF_AN_IMAGE)).unwrap_or_default();
+    let lines = [machine_line(spec), summary::speed(stats, spec.clock()), memory_line(&setup.workload)];
     [
         title,
-        machine_line(spec),
-        summary::speed(stats, spec.clock()),
-        memory_line(&setup.workload),
+        summary::prose(&lines.join("\n")),
         format!("\n{}", kinds::kinds(&rendered.kinds, Some((timing, spec.clock())))),
         summary::cells(stats, &cell_names(&setup.workload)),
         summary::fifos(stats),
-        format!("{}\n{why}", verdict(stats, losses, spec.clock())),
+        format!("{}\n{why}", summary::prose(&verdict(stats, losses, spec.clock()))),
     ]
     .join("\n")
+}
+
+/// How far a picture of few colours is off, in one line.
+pub fn colors_line(table: &ColorTable, palette: Palette, pixels: &[Color]) -> String {
+    let ColorError { mean_square, largest } = table.error(pixels);
+    let octree = match (table.level, table.bound()) {
+        (Some(level), Some(bound)) => format!("; octree of level {level}, which is off by at most {bound:.1}"),
+        _ => String::new(),
+    };
+    format!(
+        "{} colours by {}: off by {largest:.1} of 255 at most, mean square {mean_square:.2} a pixel{octree}\n\n",
+        table.colors.len(),
+        palette.name(),
+    )
 }
 
 /// What people read of a replay.
@@ -127,7 +200,12 @@ pub fn replay_text(replay: &Replay, seen: (&Measured, Option<&CriticalPath>), lo
 /// What was replayed, and how fast.
 pub fn replay_head(replay: &Replay, stats: &Measured) -> String {
     let spec = &replay.machine.spec;
-    format!("{}\n{}\n{}\n", replay_title(replay), machine_line(spec), summary::speed(stats, spec.clock()))
+    summary::prose(&format!(
+        "{}\n{}\n{}\n",
+        replay_title(replay),
+        machine_line(spec),
+        summary::speed(stats, spec.clock())
+    ))
 }
 
 /// What people read of a prediction: `rows` are its quantities, with those of the run or without.
@@ -146,12 +224,12 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
         grouped(*rays as u64),
         in_order(spec.order),
     );
-    format!(
-        "{title}\n{}\n\n{}\n{}",
-        machine_line(&machine.spec),
-        prediction::to_table(rows),
-        prediction::sentences(predicted, best, array),
-    )
+    let head = format!("{title}\n{}", machine_line(&machine.spec));
+    let mut sentences = prediction::sentences(predicted, best, array);
+    if spec.order != Order::Raster {
+        sentences += "The model knows no order of the rays: what it expects bounds them all.\n";
+    }
+    format!("{}\n\n{}\n{}", summary::prose(&head), prediction::to_table(rows), summary::prose(&sentences))
 }
 
 /// The statistics of a run of primary rays, as JSON.

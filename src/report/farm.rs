@@ -7,7 +7,7 @@ use super::account::plural;
 use super::bottleneck;
 use super::plot::Caption;
 use super::stats::{Configuration, station};
-use super::summary::{self, Rows, grouped, percent, time};
+use super::summary::{self, Rows, grouped, percent, prose, time};
 use crate::machine::{Capitan, CapitanFile, Cycles};
 use crate::measure::LinkStats;
 use crate::program::farm::{HandOut, SceneBy, UNITS};
@@ -26,7 +26,8 @@ pub fn text(setup: &FarmSetup, outcome: &FarmOutcome) -> String {
         buses(outcome),
     ];
     let tasks = summary::cells(&outcome.stats, &[]);
-    format!("{}\n\n{tasks}\n{}\n", lines.join("\n"), bottleneck::sentence(&outcome.stats))
+    let (head, verdict) = (prose(&lines.join("\n")), prose(&bottleneck::sentence(&outcome.stats)));
+    format!("{head}\n\n{tasks}\n{verdict}\n")
 }
 
 /// What people read of farms of several numbers of workers: a row for each, and what limits most of them.
@@ -37,12 +38,13 @@ pub fn compared(setup: &FarmSetup, outcomes: &[FarmOutcome]) -> String {
     let fewest = outcomes.first().map_or(0, |first| first.workers);
     let shares = shares(&setup.spec);
     let title = format!("farm of {fewest} to {} workers: {}", setup.spec.tasks, what(setup));
-    format!("{title}\n{}\n{shares}\n\n{}\n{last}", machine_line(&setup.spec.machine), table(outcomes))
+    let head = prose(&format!("{title}\n{}\n{shares}", machine_line(&setup.spec.machine)));
+    format!("{head}\n\n{}\n{}", table(outcomes), prose(&last))
 }
 
 /// What runs, and on what machine.
 pub fn caption(setup: &FarmSetup, outcome: &FarmOutcome) -> Caption {
-    Caption { title: title(setup, outcome), machine: machine_line(&setup.spec.machine) }
+    Caption { title: title(setup, outcome), partition: None, machine: machine_line(&setup.spec.machine) }
 }
 
 /// What runs, in one line.

@@ -22,7 +22,7 @@ struct Kind {
     hits: u64,
     /// Cycles that the cells computed on them.
     busy: u64,
-    /// In cycles, from the host's write of a ray's last word to its read of the hit's last.
+    /// In cycles, from the host's write of a ray's first word to its read of the hit's last, both counted.
     latency: Latency,
 }
 
@@ -59,22 +59,26 @@ impl Latency {
     }
 }
 
-/// A row a kind, for people: how many, what they cost the cells, and how long they took to come back.
+/// A row a kind, for people: how many, and what they cost the cells; then, how long they took to come back.
 pub fn kinds(counts: &ByKind<KindCounts>, timing: Option<(&Timing, Clock)>) -> String {
-    let latency = ["latency min", "mean", "median", "90 %", "99 %", "max"];
-    let columns =
-        ["rays", "number", "hit", "busy cycles"].into_iter().chain(latency.into_iter().filter(|_| timing.is_some()));
-    let mut table = table(&columns.collect::<Vec<_>>());
-    for kind in RayKind::ALL {
+    let mut table = table(&["rays", "number", "hit", "busy cycles"]);
+    table.add_rows(RayKind::ALL.map(|kind| {
         let KindCounts { rays, hits, busy } = counts[kind as usize];
-        let mut row = vec![kind.name().to_owned(), grouped(rays), grouped(hits), grouped(busy)];
-        if let Some((timing, clock)) = timing {
-            let latencies = &timing.latencies[kind as usize];
-            let cycles = |cycles: f64| time(clock.seconds_of(cycles));
-            let at = |percent| cycles(latencies.percentile(percent).0 as f64);
-            row.extend([at(0), cycles(latencies.mean()), at(50), at(90), at(99), at(100)]);
-        }
-        table.add_row(row);
+        [kind.name().to_owned(), grouped(rays), grouped(hits), grouped(busy)]
+    }));
+    let latencies = timing.map(|(timing, clock)| format!("\n{}", latencies(counts, timing, clock)));
+    aligned(table) + &latencies.unwrap_or_default()
+}
+
+/// A row for each kind that there were rays of.
+fn latencies(counts: &ByKind<KindCounts>, timing: &Timing, clock: Clock) -> String {
+    let mut table = table(&["latency", "min", "mean", "median", "90 %", "99 %", "max"]);
+    for kind in RayKind::ALL.into_iter().filter(|&kind| counts[kind as usize].rays > 0) {
+        let latencies = &timing.latencies[kind as usize];
+        let cycles = |cycles: f64| time(clock.seconds_of(cycles));
+        let at = |percent| cycles(latencies.percentile(percent).0 as f64);
+        let figures = [at(0), cycles(latencies.mean()), at(50), at(90), at(99), at(100)];
+        table.add_row([kind.name().to_owned()].into_iter().chain(figures));
     }
     aligned(table)
 }

@@ -2,6 +2,7 @@
 
 pub mod account;
 pub mod bottleneck;
+pub mod comparison;
 pub mod farm;
 pub mod hits;
 pub mod kinds;

@@ -14,6 +14,9 @@ pub const RANGE: Rgb = Rgb(168, 178, 208);
 /// A FIFO that is full, which blocks its writer.
 pub const FULL: Rgb = Rgb(213, 94, 0);
 
+/// The way of an answer, beside that of what it is the answer to.
+pub const ANSWER: Rgb = Rgb(0, 158, 115);
+
 /// Lines that differ in what a caption says: blue, vermilion, green, orange, sky blue, purple, black.
 pub const LINES: [Rgb; 7] = [
     Rgb(0, 114, 178),
@@ -39,7 +42,7 @@ const WORKS: [Rgb; 8] = [
 /// Black and grey: a station that moves words.
 const MOVES: [Rgb; 2] = [Rgb(0, 0, 0), Rgb(120, 120, 120)];
 /// Yellows: a station that waits.
-const WAITS: [Rgb; 4] = [Rgb(240, 228, 66), Rgb(250, 243, 176), Rgb(196, 180, 60), Rgb(214, 206, 160)];
+pub const WAITS: [Rgb; 4] = [Rgb(240, 228, 66), Rgb(250, 243, 176), Rgb(196, 180, 60), Rgb(214, 206, 160)];
 /// Reds: a station that is blocked.
 const BLOCKED: [Rgb; 3] = [Rgb(213, 94, 0), Rgb(230, 159, 0), Rgb(150, 62, 0)];
 
@@ -54,6 +57,18 @@ pub fn of_state(states: &States, state: &State) -> Rgb {
         StateKind::Blocked => of(&BLOCKED),
         StateKind::Idle => Rgb(225, 225, 225),
     }
+}
+
+/// A colour as it is on white, and as it is on black: what would not be seen there is lighter, or darker.
+pub fn on_both(color: Rgb) -> [String; 2] {
+    let on_black = match color {
+        AMOUNT => Rgb(160, 175, 220),
+        RANGE => Rgb(74, 84, 116),
+        Rgb(0, 0, 0) => Rgb(240, 240, 240),
+        Rgb(225, 225, 225) => Rgb(66, 66, 70),
+        other => other,
+    };
+    [color.to_string(), on_black.to_string()]
 }
 
 impl std::fmt::Display for Rgb {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::summary::{aligned, grouped, table};
+use super::summary::{aligned, grouped, table, wrapped};
 use crate::measure::Measured;
 use crate::model::{ArrayModel, CellLoad, Limit, LinkLoad, Prediction, Stage};
 use crate::program::{ArrayProgram, CellMemory, Counts, Workload};
@@ -149,6 +149,9 @@ fn stage_name(stage: Stage) -> String {
     names.join("+")
 }
 
+/// Columns that a quantity's name has.
+const QUANTITY_WIDTH: usize = 34;
+
 /// The quantities as a table.
 pub fn to_table(rows: &[Row]) -> String {
     let has_run = rows.iter().any(|row| row.counted.is_some() || row.measured.is_some());
@@ -156,7 +159,8 @@ pub fn to_table(rows: &[Row]) -> String {
     let mut text = table(if has_run { &header } else { &header[..3] });
     for row in rows {
         let optional = |value: Option<f64>| value.map_or(String::new(), number);
-        let mut cells = vec![row.quantity.clone(), optional(row.paper), number(row.model)];
+        let quantity = wrapped(&row.quantity, QUANTITY_WIDTH);
+        let mut cells = vec![quantity, optional(row.paper), number(row.model)];
         if has_run {
             let error = row.error().map_or(String::new(), |error| format!("{:+.1} %", 100.0 * error));
             cells.extend([optional(row.counted), optional(row.measured), error]);

@@ -1,10 +1,11 @@
 //! What sizing the FIFOs has found: for people, as a table, as pictures.
 
-use super::plot::curves::{self, Axes};
+use super::account::machine_line;
+use super::plot::curves::{self, Axes, Look};
 use super::plot::{Picture, PlotError};
-use super::summary::{aligned, grouped, table};
+use super::summary::{aligned, grouped, prose, table};
 use super::table::{Column, Kind, Table};
-use crate::machine::MachineSpec;
+use crate::machine::{Machine, MachineFile, MachineSpec};
 use crate::measure::Clock;
 use crate::quantities::{Cycles, Words};
 use crate::run::{Fewer, Front, Point};
@@ -86,7 +87,7 @@ impl SizesTable {
         let draw = |name: &str, table: &Table<'_>, axes: [&str; 2], by: Option<&str>| {
             let axes =
                 Axes::new(table.columns, axes[0], axes[1], by).map_err(|error| PlotError::new(error.to_string()))?;
-            Ok(Picture { name: name.to_owned(), rendered: curves::render(table, &axes, title)? })
+            Ok(Picture { name: name.to_owned(), rendered: curves::render(table, &axes, &Look::default(), title)? })
         };
         Ok([
             draw(of_speed, &front, ["words", "speed"], None)?,
@@ -174,10 +175,42 @@ pub fn name(slower: u64) -> String {
     share(1.0 - slower as f64 / 1000.0).trim_end_matches(" %").to_owned()
 }
 
+/// Machines that stand side by side, as far as there is room for them.
+const SIDE_BY_SIDE: usize = 4;
+
+/// What is sized, above all that is told of it.
+pub fn heading(title: &str) -> String {
+    format!("FIFOs of {title}")
+}
+
+/// All that people read of a front.
+pub fn text(front: &Front, title: &str, machine: &Machine) -> String {
+    let (heading, machine) = (heading(title), machine_line(&machine.spec));
+    let head = prose(&format!("{heading}\n{machine}"));
+    format!("{head}\n\n{}\n{}", to_text(front), sentences(front))
+}
+
+/// The machine file of a point of the front.
+pub fn machine_text(front: &Front, point: &Point, title: &str, file: &MachineFile) -> Result<String, ron::Error> {
+    let text = front.machine(&point.depths.words, file).to_ron()?;
+    Ok(format!(
+        "// The fewest words for {} % of the speed with unlimited FIFOs, found by `pcs-sim size-fifos` for\n\
+         // {title}: {} words, {} cycles.\n{text}",
+        name(point.slower),
+        grouped(point.depths.total()),
+        grouped(point.depths.cycles.0),
+    ))
+}
+
 /// The front for people: a column for each of its machines, a row for each FIFO.
 pub fn to_text(front: &Front) -> String {
     let rows = rows(front);
     let rows: Vec<&Row<'_>> = rows.iter().filter(|row| row.what != ONE_FEWER).collect();
+    rows.chunks(SIDE_BY_SIDE).map(|some| block(front, some)).collect::<Vec<_>>().join("\n")
+}
+
+/// Some of the machines.
+fn block(front: &Front, rows: &[&Row<'_>]) -> String {
     let header = rows.iter().map(|row| row.point.map_or(row.what.to_owned(), |point| share(speed_wanted(point))));
     let header: Vec<String> = ["speed".to_owned()].into_iter().chain(header).collect();
     let mut text = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
@@ -224,5 +257,5 @@ pub fn sentences(front: &Front) -> String {
     if let Fewer::Stuck(stuck) = &front.least.1 {
         text += &format!("With the least depths it never ends: {}.\n", standstill(stuck));
     }
-    text
+    prose(&text)
 }

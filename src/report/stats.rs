@@ -102,6 +102,8 @@ struct Fifo<'a> {
     capacity: u64,
     words: u64,
     max: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    enough: Option<u64>,
     mean: f64,
     full: f64,
     empty: f64,
@@ -131,6 +133,7 @@ impl<'a> Fifo<'a> {
             capacity: info.capacity.0,
             words: stats.words.0,
             max: stats.max.0,
+            enough: stats.enough.map(|words| words.0),
             mean: stats.mean(run.cycles),
             full: run.share(stats.full),
             empty: run.share(stats.empty),

@@ -6,6 +6,49 @@ use super::time_unit::TimeUnit;
 use crate::measure::{Clock, FifoInfo, FifoStats, Measured, State, StateTimes};
 use crate::quantities::Cycles;
 
+/// Columns that terminals and printed logs have.
+pub const WIDTH: usize = 80;
+
+/// Sentences as people read them: a line that is longer than [`WIDTH`] goes on in another one.
+pub fn prose(text: &str) -> String {
+    text.split('\n').map(|line| wrapped(line, WIDTH)).collect::<Vec<_>>().join("\n")
+}
+
+/// The words of a line, in as many lines of up to so many characters as they need.
+pub fn wrapped(line: &str, width: usize) -> String {
+    if line.chars().count() <= width {
+        return line.to_owned();
+    }
+    let mut lines = vec![String::new()];
+    for word in words(line) {
+        let last = lines.len() - 1;
+        let taken = lines[last].chars().count();
+        if taken > 0 && taken + 1 + word.chars().count() > width {
+            lines.push(word.to_owned());
+        } else {
+            let gap = if taken > 0 { " " } else { "" };
+            lines[last] = format!("{}{gap}{word}", lines[last]);
+        }
+    }
+    lines.join("\n")
+}
+
+/// The words of a line. What a space sets off within a number, and before its unit, belongs to it.
+fn words(line: &str) -> Vec<&str> {
+    let is_digit = |at: usize| line.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
+    let mut words = Vec::new();
+    let mut from = 0;
+    for (at, _) in line.match_indices(' ') {
+        let in_number = at > 0 && is_digit(at - 1) && (line[at + 1..].starts_with('%') || is_digit(at + 1));
+        if !in_number {
+            words.push(&line[from..at]);
+            from = at + 1;
+        }
+    }
+    words.push(&line[from..]);
+    words
+}
+
 /// A number with its thousands set off: `262 144`.
 pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
@@ -62,18 +105,15 @@ pub fn cell_rows(run: &Measured, names: &[String]) -> Rows {
 /// What every FIFO held: a row a FIFO.
 pub fn fifo_rows(run: &Measured) -> Rows {
     let row = |(info, fifo): (&FifoInfo, &FifoStats)| {
-        vec![
-            info.name.clone(),
-            grouped(fifo.words.0),
-            info.capacity.0.to_string(),
-            fifo.max.0.to_string(),
-            format!("{:.2}", fifo.mean(run.cycles)),
-            percent(fifo.full, run.cycles),
-            percent(fifo.empty, run.cycles),
-        ]
+        let named = [info.name.clone(), grouped(fifo.words.0), info.capacity.0.to_string(), fifo.max.0.to_string()];
+        let enough = fifo.enough.map(|words| words.0.to_string());
+        let [full, empty] = [fifo.full, fifo.empty].map(|cycles| percent(cycles, run.cycles));
+        named.into_iter().chain(enough).chain([format!("{:.2}", fifo.mean(run.cycles)), full, empty]).collect()
     };
+    let enough = run.fifos.iter().any(|fifo| fifo.enough.is_some()).then_some("enough");
+    let header = ["FIFO", "words through", "holds", "max"].into_iter().chain(enough).chain(["mean", "full", "empty"]);
     Rows {
-        header: ["FIFO", "words through", "holds", "max", "mean", "full", "empty"].map(str::to_owned).to_vec(),
+        header: header.map(str::to_owned).collect(),
         rows: run.topology.fifos.iter().zip(&run.fifos).map(row).collect(),
     }
 }

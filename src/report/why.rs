@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::summary::{Rows, aligned_with, grouped, percent, table};
+use super::summary::{Rows, aligned_with, grouped, percent, prose, table, wrapped};
 use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit};
 use crate::quantities::Cycles;
 
@@ -75,8 +75,16 @@ pub fn times(path: &CriticalPath, by_cell: bool) -> Vec<TimeOnPath> {
     times
 }
 
-/// The name of a cause.
-fn name(path: &CriticalPath, cause: Cause) -> String {
+/// The FIFO that a cause is about, if it is about one.
+pub fn fifo_of(path: &CriticalPath, cause: Cause) -> Option<&str> {
+    match cause {
+        Cause::Work(_) | Cause::Move => None,
+        Cause::Latency(fifo) | Cause::Wire(fifo) | Cause::Slot(fifo) => Some(&path.topology.fifos[fifo].name),
+    }
+}
+
+/// The name of a cause: of a unit of work that of the machine's file, else `cycles_a_word`, `latency_cycles`, `moving` or `slot`.
+pub fn name(path: &CriticalPath, cause: Cause) -> String {
     match cause {
         Cause::Work(unit) => path.units[unit].name.clone(),
         Cause::Move => MOVE.to_owned(),
@@ -197,24 +205,34 @@ pub fn place_rows(path: &CriticalPath) -> Rows {
 
 /// What the figures mean.
 const MEANING: &str = "\
-Each cycle of the run has one cause on this chain, which ends with the last hit. A time that is 10 % less saves so much as
-long as the chain stays a longest one, and never more; one that is 10 % more costs no less.
+Each cycle of the run has one cause on this chain, which ends with the last hit.
+A time that is 10 % less saves so much as long as the chain stays a longest one,
+and never more; one that is 10 % more costs no less.
 ";
 
 /// What an image's path does not tell, in a line.
 pub const OF_AN_IMAGE: &str = "
-The host's order depends on the clock: this holds for the rays in the order in which it sent them, as a replay of the ops keeps it.
+The host's order depends on the clock: this holds for the rays in the order in
+which it sent them, as a replay of the ops keeps it.
 ";
 
 /// All that people read of a path.
 pub fn text(path: &CriticalPath, by_cell: bool) -> String {
     format!(
-        "why {} cycles: {}\n{MEANING}\n{}\n{}",
-        grouped(path.cycles.0),
-        sentence(path),
+        "{}\n{MEANING}\n{}\n{}",
+        prose(&format!("why {} cycles: {}", grouped(path.cycles.0), sentence(path))),
         figures(time_rows(path, by_cell), &[]),
-        figures(place_rows(path), &[3]),
+        figures(in_lines(place_rows(path)), &[3]),
     )
+}
+
+/// The columns that the causes of a place have.
+const CAUSES_WIDTH: usize = 42;
+
+/// The same rows, their causes in as many lines as they need.
+fn in_lines(mut rows: Rows) -> Rows {
+    rows.rows.iter_mut().filter_map(|row| row.last_mut()).for_each(|causes| *causes = wrapped(causes, CAUSES_WIDTH));
+    rows
 }
 
 /// A table as text, with columns of text to the left.
@@ -269,12 +287,7 @@ impl PathJson {
                 Actor::Station(cell) => cell.to_string(),
             },
             cause: name(path, part.cause),
-            fifo: match part.cause {
-                Cause::Work(_) | Cause::Move => None,
-                Cause::Latency(fifo) | Cause::Wire(fifo) | Cause::Slot(fifo) => {
-                    Some(path.topology.fifos[fifo].name.clone())
-                }
-            },
+            fifo: fifo_of(path, part.cause).map(str::to_owned),
             count: part.count,
             cycles: part.cycles.0,
         };

@@ -33,14 +33,6 @@ struct RayPlace {
     ray: u32,
 }
 
-/// A ray on its way.
-#[derive(Clone, Copy, Debug)]
-struct InFlight {
-    place: RayPlace,
-    /// The cycle in which its last word was written.
-    sent_in: u64,
-}
-
 /// A batch of trees under way.
 #[derive(Debug)]
 struct Begun {
@@ -64,7 +56,7 @@ pub(super) struct ClosedLoop {
     sent: u64,
     /// The number of the next hit to be taken.
     taken: u64,
-    in_flight: VecDeque<InFlight>,
+    in_flight: VecDeque<RayPlace>,
     /// Rays that may be sent; by generation if the policy asks for it, else all in the first.
     ready: Vec<VecDeque<(RayPlace, u64)>>,
     batches: VecDeque<Begun>,
@@ -85,7 +77,7 @@ impl ClosedLoop {
     pub fn new(array: Array, workload: &Workload, rules: HostRules) -> ClosedLoop {
         let cells = workload.cells();
         ClosedLoop {
-            array,
+            array: array.noting_departures(),
             cells,
             opening: Some(workload.opening()),
             rules,
@@ -160,12 +152,12 @@ impl ClosedLoop {
     /// Takes the hits that have come back, with those that come back meanwhile.
     fn take_returned(&mut self) {
         while let Some(returned) = self.array.returned_in(self.taken).filter(|cycle| cycle.0 < self.clock) {
-            let Some(InFlight { place, sent_in }) = self.in_flight.pop_front() else { return };
+            let Some(place) = self.in_flight.pop_front() else { return };
             let message = self.taken;
             self.taken += 1;
             let begun = &mut self.batches[place.batch - self.dropped];
             let ray = begun.trees.rays[place.ray as usize];
-            self.latencies[ray.kind as usize].push(returned.0 - sent_in);
+            self.latencies[ray.kind as usize].extend(self.array.next_latency(returned).map(|latency| latency.0));
             if ray.kind == RayKind::Primary {
                 self.known += 1;
                 self.last_known = message;
@@ -249,7 +241,7 @@ impl ClosedLoop {
         self.array.feed(batch)?;
         self.array.run()?;
         self.clock = self.array.host_clock().0;
-        self.in_flight.push_back(InFlight { place, sent_in: self.clock - 1 });
+        self.in_flight.push_back(place);
         self.sent += 1;
         Ok(())
     }

@@ -11,9 +11,10 @@ use super::options::{CellsRun, Switch};
 use super::timed::{RunError, Watching, replay_watched};
 use super::trace::{TracedBatch, trace};
 use super::{RunSpec, Workers};
-use crate::cancel::Cancel;
+use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::{Edges, Hit, Partition, Ray};
+use crate::input::reading::{note_all, noting};
 use crate::machine::{Machine, Observed};
 use crate::measure::Measured;
 use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, work};
@@ -111,6 +112,10 @@ impl Prepared {
         let surfaces = Arc::new(Surfaces::with_edges(&scene.mesh, &rays, edges));
         Prepared { rays, surfaces }
     }
+
+    fn load(spec: &RunSpec, scene: &Scene) -> Result<Arc<Prepared>, InputError> {
+        spec.load_rays(scene, None).map(|rays| Arc::new(Prepared::new(scene, rays, spec.edges)))
+    }
 }
 
 /// The fourth layer: all that the cells do for the rays, without times.
@@ -174,16 +179,48 @@ impl Layers {
         }
         let scene = self.scene(run)?;
         (self.prepared, self.laid_out, self.traced) = (None, None, None);
-        let prepared =
-            run.spec.load_rays(&scene, None).map(|rays| Arc::new(Prepared::new(&scene, rays, run.spec.edges)));
+        let prepared = Prepared::load(&run.spec, &scene);
         self.prepared = Some((run.keys.prepared.clone(), prepared.clone()));
         prepared
+    }
+
+    /// Makes a run's scene, rays and polygons, so that they are at hand. Once it is told to stop it waits for them no longer.
+    ///
+    /// # Errors
+    ///
+    /// If it is told to stop. What is wrong with the scene is told where it is asked for.
+    pub fn load(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<(), Cancelled> {
+        self.load_scene(run, cancel)?;
+        if find(&self.prepared, &run.keys.prepared).is_none()
+            && let Some(Ok(scene)) = find(&self.scene, &run.keys.scene)
+        {
+            (self.prepared, self.laid_out, self.traced) = (None, None, None);
+            let spec = run.spec.clone();
+            let (prepared, files) = cancel.wait_for(move || noting(|| Prepared::load(&spec, &scene)))?;
+            note_all(files);
+            self.prepared = Some((run.keys.prepared.clone(), prepared));
+        }
+        Ok(())
+    }
+
+    /// The same of the scene alone.
+    pub fn load_scene(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<(), Cancelled> {
+        if find(&self.scene, &run.keys.scene).is_some() {
+            return Ok(());
+        }
+        *self = Layers::default();
+        let spec = run.spec.clone();
+        let (scene, files) = cancel.wait_for(move || noting(|| spec.load_scene().map(Arc::new)))?;
+        note_all(files);
+        self.scene = Some((run.keys.scene.clone(), scene));
+        Ok(())
     }
 
     fn laid_out(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Arc<Layout>, NotLaidOut> {
         if let Some(layout) = find(&self.laid_out, &run.keys.laid_out) {
             return Ok(layout?);
         }
+        self.load(run, cancel)?;
         let prepared = self.prepared(run)?;
         (self.laid_out, self.traced) = (None, None);
         let (surfaces, times) = (prepared.surfaces.clone(), run.machine.times);

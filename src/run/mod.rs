@@ -6,6 +6,7 @@
 mod ahead;
 mod closed_loop;
 mod farm;
+mod kept;
 mod layers;
 mod modelled;
 pub mod moot;
@@ -23,6 +24,7 @@ mod trees;
 mod workers;
 
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
+pub use kept::KeptOps;
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};
 pub use options::{
@@ -34,7 +36,7 @@ pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
 pub use replayed::Replay;
 pub use setup::Setup;
 pub use shuffled::{Reordered, Shuffled};
-pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos};
+pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos, slower};
 pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, load_scene, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};

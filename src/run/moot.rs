@@ -60,8 +60,7 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
     }
     if predict_only {
         let (why, help) = (WITHOUT_RUN, "leave out one of the two");
-        let names =
-            ["order", "fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
+        let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
         refuse(typed, &names, why, help)?;
     }
     check_rays(typed)?;

@@ -25,9 +25,9 @@ parameters! {
 parameters! {
     /// How large scene and image are.
     pub struct ShapeOptions under "Scene and rays" {
-        /// Size factor of a built-in scene.
+        /// Size factor of a built-in scene [default: the scene's; `pcs-sim scenes` tells it].
         size_factor: u32, "N", Whole, "size factor of the scene";
-        /// Slices that spheres and cones are cut into.
+        /// Slices that spheres and cones are cut into [default: the scene's; 16 in scene files].
         resolution: u32, "N", Whole, "slices of spheres and cones";
         /// Size of the image, in pixels.
         #[cfg_attr(feature = "cli", arg(default_value = "256x256"))]
@@ -61,21 +61,23 @@ parameters! {
         /// An array program of your own, or the name of a standard one (pipeline, broadcast, hybrid, hybrid-3).
         #[cfg_attr(feature = "cli", arg(conflicts_with = "mode"))]
         program: PathBuf, "FILE", Text, "array program";
-        /// Number of cells: a multiple of the program's cells a group.
+        /// Number of cells: a multiple of the program's cells a group [default: the program's; 3 in pipeline, 8 in the others].
         #[cfg_attr(feature = "cli", arg(conflicts_with = "groups"))]
         cells: usize, "N", Whole, "cells";
-        /// Number of sub-volumes, each with a group of cells.
+        /// Number of sub-volumes, each with a group of cells [default: the program's; 1 in pipeline, 8 in broadcast, 4 in hybrid].
         groups: usize, "G", Whole, "groups of cells";
-        /// How the scene is cut into sub-volumes: regular, polygons (equally many each) or work (equal work each).
+        /// How the scene is cut into sub-volumes: regular, polygons (equally many each) or work (equal work each) [default: the
+        /// program's; regular in the standard ones].
         partition: Partition, "HOW", Text, "partition of the scene";
-        /// Voxels of the grid for each polygon.
+        /// Voxels of the grid for each polygon [default: the program's; 50 in the standard ones].
         grid_coefficient: f64, "N", Number, "grid coefficient (voxels a polygon)";
         /// Let the grid send no polygon twice for the same ray.
         #[cfg_attr(feature = "cli", arg(action = clap::ArgAction::SetTrue))]
         mailbox: bool, "", Truth, "mailbox in the grid";
-        /// Let the intersection's cell tell the grid's to stop, which walks up to W voxels ahead of its words.
+        /// Let the intersection's cell tell the grid's to stop, which walks up to W voxels ahead of its words
+        /// [default: the program's; none in the standard ones].
         stop_words: u32, "W", Whole, "voxels ahead of the stop words";
-        /// Let each cell read and pass on K rays ahead of the one that it begins.
+        /// Let each cell read and pass on K rays ahead of the one that it begins [default: the program's; 0 in the standard ones].
         forward_ahead: u32, "K", Whole, "rays passed on ahead";
     }
 }

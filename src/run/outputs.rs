@@ -9,18 +9,20 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tempfile::TempPath;
 
 use crate::error::InputError;
-use crate::input::STREAM;
+use crate::input::is_stream;
+use crate::input::packed::Packer;
 
 /// Result files under way, which stand in their places all whole or not at all. A handle: clones stand for the same files,
 /// so that a thread that is told to stop everything can remove them, whoever writes them.
 #[derive(Clone, Debug, Default)]
 pub struct Outputs(Arc<Mutex<Desk>>);
 
-/// A file under way: written beside its place, under another name, until it is finished.
+/// A file under way: written beside its place, under another name, until it is finished. One whose name ends in `.gz` or `.zst` is
+/// packed.
 #[derive(Debug)]
 pub struct OutputFile {
     path: PathBuf,
-    writer: BufWriter<Target>,
+    writer: Packer<BufWriter<Target>>,
     overwrite: bool,
 }
 
@@ -67,10 +69,12 @@ struct Desk {
 
 impl Outputs {
     /// Opens a file to be. Fails if it cannot be written there, if it exists and `overwrite` was not asked for, and after
-    /// [`Outputs::abandon`]. The name [`STREAM`] is standard output.
+    /// [`Outputs::abandon`]. A name that [stands for it](is_stream) is standard output.
     pub fn file(&self, path: &Path, overwrite: bool) -> Result<OutputFile, InputError> {
         let target = Target::open(self, &followed(path), path, overwrite)?;
-        Ok(OutputFile { path: path.to_owned(), writer: BufWriter::with_capacity(1 << 16, target), overwrite })
+        let unwritable = |error: std::io::Error| InputError::in_file(path, format!("cannot write the file: {error}"));
+        let writer = Packer::new(path, BufWriter::with_capacity(1 << 16, target)).map_err(unwritable)?;
+        Ok(OutputFile { path: path.to_owned(), writer, overwrite })
     }
 
     /// Makes a folder for result files, unless it is there. Fails if it cannot be made, and after [`Outputs::abandon`].
@@ -121,9 +125,8 @@ impl OutputFile {
 
     /// Puts the whole file in its place. Fails if it cannot stand there, and after [`Outputs::abandon`].
     pub fn finish(self) -> std::io::Result<PathBuf> {
-        let Target::Part(part) = self.writer.into_inner().map_err(|error| error.into_error())? else {
-            return Ok(self.path);
-        };
+        let target = self.writer.finish()?.into_inner().map_err(|error| error.into_error())?;
+        let Target::Part(part) = target else { return Ok(self.path) };
         let mut desk = part.outputs.open_desk()?;
         let Some(path) = desk.parts.remove(&part.number) else { return Ok(self.path) };
         make_readable(&path)?;
@@ -160,7 +163,7 @@ fn remove_empty(folders: &[PathBuf]) {
 impl Target {
     /// Opens `place`, which the user knows as `name`.
     fn open(outputs: &Outputs, place: &Path, name: &Path, overwrite: bool) -> Result<Target, InputError> {
-        if name == Path::new(STREAM) {
+        if is_stream(name) {
             return Ok(Target::Stdout(std::io::stdout()));
         }
         let refuse = |reason: String| InputError::in_file(name, format!("cannot write the file: {reason}"));

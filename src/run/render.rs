@@ -84,8 +84,8 @@ pub struct Timing {
     pub observed: Observed,
 }
 
-/// Latencies in rising order: each from the cycle in which the host writes a ray's last word to that in which it reads
-/// the last word of the ray's hit.
+/// Latencies in rising order: each from the cycle in which the host writes a ray's first word to that in which it reads
+/// the last word of the ray's hit, both counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct KindLatencies(Vec<u64>);
 

@@ -17,8 +17,9 @@ use rayon::prelude::*;
 use super::RunError;
 use super::timed::UNLIMITED;
 use crate::cancel::Cancel;
+use crate::error::InputError;
 use crate::machine::{Array, Cycles, FifoName, MachineFile, MachineSpec, Stuck, Unfinished, Words};
-use crate::measure::{Actor, FifoStats, Measured, StateTimes};
+use crate::measure::{Actor, Measured, StateTimes};
 use crate::quantities::common_divisor;
 use crate::seam::{Channel, Costs, OpBatch, OpKind};
 
@@ -38,6 +39,28 @@ pub struct Recorded<'a> {
 /// How fast machines are that are worth a look, each as the cycles that they may take more than with unlimited FIFOs, in
 /// thousandths. At 1 % more the speed is 99 % at the least, and so on.
 pub const SLOWER: [u64; 5] = [0, 1, 10, 50, 100];
+
+/// Speeds in percent of that with unlimited FIFOs as the thousandths by which a run may be slower: each once, the fastest first. Those
+/// of [`SLOWER`], if none is given.
+///
+/// # Errors
+///
+/// If a speed is none from 50 to 100 %, or has more than a decimal.
+pub fn slower(percent: &[f64]) -> Result<Vec<u64>, InputError> {
+    if percent.is_empty() {
+        return Ok(SLOWER.to_vec());
+    }
+    let slower = |&percent: &f64| {
+        let thousandths = (1000.0 - 10.0 * percent).round();
+        let possible = (50.0..=100.0).contains(&percent) && (1000.0 - thousandths - 10.0 * percent).abs() < 1e-9;
+        possible.then_some(thousandths as u64).ok_or_else(|| {
+            let error = InputError::new(format!("a speed of {percent} % cannot be asked for"));
+            error.help("speeds are from 50 to 100 %, with one decimal at the most")
+        })
+    };
+    let all: BTreeSet<u64> = percent.iter().map(slower).collect::<Result<_, _>>()?;
+    Ok(all.into_iter().collect())
+}
 
 /// The fewest words that were found for each speed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -165,10 +188,6 @@ struct Trial {
     end: End,
     /// The most that each FIFO held.
     most: Vec<Words>,
-    /// The cycles that each cell worked.
-    works: Vec<Cycles>,
-    /// Where the cells' cycles went, and what the FIFOs held: the same, if no word came at another time.
-    seen: (Vec<StateTimes>, Vec<FifoStats>),
 }
 
 enum End {
@@ -178,10 +197,6 @@ enum End {
     TooSlow,
     Stuck(Stuck),
 }
-
-/// With how many words the search for unlimited depths begins, and how many times deeper it makes a FIFO that was full.
-const FIRST_WORDS: u64 = 1024;
-const DEEPER: u64 = 32;
 
 /// A search from one start takes some twenty runs a FIFO. With fewer ops than that, times FIFOs, there is time for a second start, with
 /// half as many for a third, and so on.
@@ -250,47 +265,39 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         (self.timed)();
         let so_far = array.so_far();
         let named = so_far.topology.fifos.iter().zip(&so_far.fifos);
-        let figures: BTreeMap<FifoName, FifoStats> =
-            named.filter_map(|(info, (stats, _))| Some((info.name.parse().ok()?, *stats))).collect();
-        let stats: Vec<FifoStats> = self.fifos.iter().filter_map(|fifo| figures.get(fifo).copied()).collect();
+        let held: BTreeMap<FifoName, Words> =
+            named.filter_map(|(info, (stats, _))| Some((info.name.parse().ok()?, stats.max))).collect();
         Ok(Trial {
             end: end.unwrap_or_else(|| ended(array, most)),
-            most: stats.iter().map(|fifo| fifo.max).collect(),
-            works: so_far.stations.iter().map(|times| so_far.topology.states.works(times)).collect(),
-            // Whether a FIFO was full depends on its depth.
-            seen: (so_far.stations, stats.into_iter().map(|fifo| FifoStats { full: Cycles(0), ..fifo }).collect()),
+            most: self.fifos.iter().filter_map(|fifo| held.get(fifo).copied()).collect(),
         })
     }
 
     /// What each FIFO must hold so that no word ever waits for room.
     fn unlimited(&mut self) -> Result<Depths, SizingError> {
-        let deepest = Words(MachineSpec::MAX_FIFO_WORDS);
-        let mut words: Vec<Words> = self.least.iter().map(|least| (*least).max(Words(FIRST_WORDS))).collect();
-        let (trial, cycles) = loop {
-            let trial = self.time(&words, UNLIMITED)?;
-            let full = |index: usize| trial.most[index] >= words[index] && words[index] < deepest;
-            let full: Vec<usize> = (0..words.len()).filter(|&index| full(index)).collect();
-            match trial.end {
-                End::Stuck(stuck) if full.is_empty() => return Err(stuck.into()),
-                End::Done(cycles) if full.is_empty() => break (trial, cycles),
-                _ => full.into_iter().for_each(|index| words[index] = Words(words[index].0 * DEEPER).min(deepest)),
-            }
+        let recorded = self.recorded;
+        let mut array = Array::unlimited(recorded.spec, recorded.costs, self.cells);
+        let mut copy = OpBatch::default();
+        for batch in recorded.batches {
+            self.cancel.check()?;
+            copy.clone_from(batch);
+            array.feed(std::mem::take(&mut copy))?;
+            array.run()?;
+            copy = array.take_spent().unwrap_or_default();
+        }
+        (self.timed)();
+        let so_far = array.so_far();
+        let names = so_far.topology.fifos.iter().filter_map(|info| info.name.parse().ok());
+        let enough: BTreeMap<FifoName, Words> = names.zip(array.enough()).collect();
+        let own = |(fifo, &least): (&FifoName, &Words)| enough.get(fifo).map_or(least, |&words| words.max(least));
+        let words = self.fifos.iter().zip(&self.least).map(own).collect();
+        let works = so_far.stations.iter().map(|times| so_far.topology.states.works(times)).collect();
+        let cycles = match ended(array, UNLIMITED) {
+            End::Done(cycles) => cycles,
+            End::TooSlow => UNLIMITED,
+            End::Stuck(stuck) => return Err(stuck.into()),
         };
-        // A word finds room if one is read in the cycle before; where one is read in the same cycle, it takes a place more than the
-        // FIFO holds at the end of any cycle.
-        let more = |most: Words| Words(most.0 + 1).min(deepest);
-        let enough: Vec<Words> = trial.most.iter().map(|&most| more(most)).collect();
-        let exact = |index: usize| {
-            let mut words = enough.clone();
-            words[index] = trial.most[index].max(self.least[index]);
-            Ok(if self.time(&words, UNLIMITED)?.seen == trial.seen { words[index] } else { enough[index] })
-        };
-        let held: Vec<Words> = trial.most.iter().zip(&self.least).map(|(&most, &least)| most.max(least)).collect();
-        let words = match self.time(&held, UNLIMITED)?.seen == trial.seen {
-            true => held,
-            false => (0..enough.len()).into_par_iter().map(exact).collect::<Result<Vec<Words>, SizingError>>()?,
-        };
-        self.works = last_op_answers(self.recorded.batches).then_some(trial.works);
+        self.works = last_op_answers(self.recorded.batches).then_some(works);
         Ok(Depths { words, cycles })
     }
 

@@ -231,6 +231,12 @@ impl RunSpec {
         RunSpec::new(options, base.map(|base| base.without_image(help)).transpose()?)
     }
 
+    /// What a run is whose FIFOs are sized: `base` may be no whole image.
+    pub fn of_sizing(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
+        let help = "record it by `pcs-sim image --config FILE --ops OPS`, and take the recording by --ops OPS";
+        RunSpec::new(options, base.map(|base| base.without_image(help)).transpose()?)
+    }
+
     /// What a run is that the cost model predicts: `base` may be no whole image, and none whose cells run programs.
     pub fn of_model(options: &RunOptions, base: Option<RunSpec>) -> Result<RunSpec, InputError> {
         let help = "the model is about primary rays: take the configuration of a run";

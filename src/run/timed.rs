@@ -37,6 +37,8 @@ pub struct Watching {
     pub path: bool,
     /// The cycle that is to be looked at, if one is; the path is then found too.
     pub moment: Option<When>,
+    /// Whether each FIFO's depth is asked for from which nothing changes any more.
+    pub enough: bool,
 }
 
 impl Watching {
@@ -50,6 +52,7 @@ impl Watching {
     pub(super) fn array(&self, spec: &MachineSpec, costs: &Costs, cells: usize, limit: Cycles) -> Array {
         let array = Array::until(spec, costs, cells, limit);
         let array = if self.profile { array.probed() } else { array };
+        let array = if self.enough { array.beside_unlimited(spec, costs) } else { array };
         let explained = self.path || self.moment.is_some();
         let array = if explained { array.explained(CriticalPath::MOST_OPS) } else { array };
         let array = match self.moment {

@@ -189,6 +189,8 @@ pub struct OpLine {
 pub struct OpStream {
     ops: Vec<Op>,
     lines: Vec<OpLine>,
+    /// Where the line under way begins in `ops`.
+    line_start: usize,
     /// The bits of the kinds of all ops, so that nobody need look at each to check them.
     kinds: u16,
 }
@@ -197,31 +199,35 @@ impl OpStream {
     /// Adds an op to the line under way, as part of the op before it where both are of one kind.
     #[inline]
     pub fn push(&mut self, kind: OpKind, count: u64) {
-        if let Some(last) = self.mergeable(kind)
-            && last.count() as u64 + count <= kind.max_count() as u64
-        {
-            last.0 += count as u32;
-        } else {
-            self.append(kind, count);
+        match self.mergeable(kind) {
+            Some(last) if last.count() as u64 + count <= kind.max_count() as u64 => last.0 += count as u32,
+            _ if count <= kind.max_count() as u64 => self.append(kind, count as u32),
+            _ => self.append_several(kind, count),
         }
     }
 
     /// The last op of the line under way, if it is of that kind. Waits are for a message each, and never add up.
     #[inline]
     fn mergeable(&mut self, kind: OpKind) -> Option<&mut Op> {
-        let line_start = self.lines.last().map_or(0, |line| line.end as usize);
-        let same = |op: &&mut Op| op.is(kind) && kind != OpKind::Await;
-        self.ops[line_start..].last_mut().filter(same)
+        let is_in_line = self.ops.len() > self.line_start;
+        let same = |op: &&mut Op| is_in_line && op.is(kind) && kind != OpKind::Await;
+        self.ops.last_mut().filter(same)
     }
 
-    fn append(&mut self, kind: OpKind, mut count: u64) {
+    #[inline]
+    fn append(&mut self, kind: OpKind, count: u32) {
         self.kinds |= kind.bit();
+        self.ops.push(Op::new(kind, count));
+    }
+
+    #[cold]
+    fn append_several(&mut self, kind: OpKind, mut count: u64) {
         let most = kind.max_count();
         while count > most as u64 {
-            self.ops.push(Op::new(kind, most));
+            self.append(kind, most);
             count -= most as u64;
         }
-        self.ops.push(Op::new(kind, count as u32));
+        self.append(kind, count as u32);
     }
 
     /// Adds a whole line.
@@ -235,13 +241,14 @@ impl OpStream {
     /// The ops of a line, by its place among the lines.
     #[inline]
     pub fn line(&self, index: usize) -> &[Op] {
-        &self.ops[self.line_start(index)..self.lines[index].end as usize]
+        &self.ops[self.start_of(index)..self.lines[index].end as usize]
     }
 
     /// Ends the line under way: all since the line before it was done for `job`.
     #[inline]
     pub fn end_line(&mut self, job: u32) {
-        self.lines.push(OpLine { job, end: self.ops.len() as u32 });
+        self.line_start = self.ops.len();
+        self.lines.push(OpLine { job, end: self.line_start as u32 });
     }
 
     /// All ops of all lines.
@@ -264,7 +271,7 @@ impl OpStream {
     /// The line that op number `index` is in, as the job's number and the op's position in the line.
     pub fn locate(&self, index: usize) -> Option<(u32, usize)> {
         let line = self.lines.partition_point(|line| line.end as usize <= index);
-        self.lines.get(line).map(|found| (found.job, index - self.line_start(line)))
+        self.lines.get(line).map(|found| (found.job, index - self.start_of(line)))
     }
 
     /// The line that op number `index` is in.
@@ -272,7 +279,7 @@ impl OpStream {
         self.lines.get(self.lines.partition_point(|line| line.end as usize <= index)).copied()
     }
 
-    fn line_start(&self, line: usize) -> usize {
+    fn start_of(&self, line: usize) -> usize {
         if line == 0 { 0 } else { self.lines[line - 1].end as usize }
     }
 
@@ -280,6 +287,7 @@ impl OpStream {
     pub fn clear(&mut self) {
         self.ops.clear();
         self.lines.clear();
+        self.line_start = 0;
         self.kinds = 0;
     }
 }

@@ -67,6 +67,12 @@ pub(super) fn columns(of: Points, parameters: &[Parameter]) -> Vec<Column<'stati
     }
 }
 
+/// All columns that sweeps can have.
+pub(super) fn all() -> impl Iterator<Item = Column<'static>> {
+    let of_arrays = OF_ARRAYS.into_iter().map(|effective| effective.column);
+    of_arrays.chain(OF_FARMS.into_iter().map(|effective| effective.column))
+}
+
 /// The cells of these columns.
 pub(super) fn cells<M>(all: &'static [Effective<M>], parameters: &[Parameter], machine: &M) -> Vec<String> {
     asked(all, parameters).map(|effective| (effective.of)(machine).to_string()).collect()

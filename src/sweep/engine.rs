@@ -13,6 +13,7 @@ use super::parameters::Points;
 use super::point::{self, Outcome};
 use crate::cancel::Cancelled;
 use crate::run::{Key, Keys, Layers, PlannedRun, Workers};
+use crate::scene::Scene;
 
 /// What had to be rounded, in some points of a sweep.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,7 +93,8 @@ impl Sweep {
             let run = |point: &FarmPoint| {
                 let results = point.run(scene.as_ref().map_err(String::clone)?, &workers.cancel)?;
                 let effective = effective::cells(&OF_FARMS, &self.parameters, &point.machine);
-                Ok(([effective, results].concat(), point.machine.notes.clone()))
+                let of_scene = scene.iter().flat_map(|scene| of_scene(&scene.name, &scene.notes));
+                Ok(([effective, results].concat(), point.machine.notes.iter().cloned().chain(of_scene).collect()))
             };
             same_work.par_iter().for_each(|(index, point)| done(*index, run(point)));
         }
@@ -118,10 +120,11 @@ impl Sweep {
                 Err(reason) => done(index, Err(reason)),
             }
         }
-        let done = |index, planned: &PlannedRun, outcome: Result<Outcome, String>| {
+        let done = |index, planned: &PlannedRun, outcome: Result<Outcome, String>, scene: Option<&Scene>| {
             let effective = || effective::cells(&OF_ARRAYS, &self.parameters, &planned.machine);
-            let given = |outcome: Outcome| ([effective(), outcome.results()].concat(), planned.machine.notes.clone());
-            done(index, outcome.map(given));
+            let of_scene = scene.into_iter().flat_map(|scene| of_scene(&planned.spec.scene, &scene.notes));
+            let notes = planned.machine.notes.iter().cloned().chain(of_scene).collect();
+            done(index, outcome.map(|outcome| ([effective(), outcome.results()].concat(), notes)));
         };
         let mut layers = Layers::default();
         for same_ops in by_layers(&possible) {
@@ -135,6 +138,11 @@ impl Sweep {
     fn planned(&self, index: usize) -> Result<PlannedRun, String> {
         point::planned(self.values(index))
     }
+}
+
+/// What was changed in a scene when it was read, which a sweep may have several of.
+fn of_scene<'a>(scene: &'a str, notes: &'a [String]) -> impl Iterator<Item = String> + 'a {
+    notes.iter().map(move |note| format!("{scene}: {note}"))
 }
 
 /// Does something on so many threads as there are workers.
@@ -153,18 +161,22 @@ fn run_same_ops(
     points: &[&Point],
     layers: &mut Layers,
     workers: &Workers,
-    done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>) + Sync),
+    done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>, Option<&Scene>) + Sync),
 ) {
     let (first, others) = match points {
         [first, others @ ..] => (&first.1, others),
         [] => return,
     };
+    // They share their scene, too.
+    let scene = layers.scene(first).ok();
+    let scene = scene.as_deref();
     if others.is_empty() || first.spec.image.is_some() {
-        return points.iter().for_each(|(index, planned)| done(*index, planned, point::run(planned, layers, workers)));
+        let run = |(index, planned): &&Point| done(*index, planned, point::run(planned, layers, workers), scene);
+        return points.iter().for_each(run);
     }
     let traced = layers.traced(first, workers).map_err(point::reason);
     let time = |planned| point::time(planned, traced.as_ref().map_err(String::clone)?, &workers.cancel);
-    points.par_iter().for_each(|(index, planned)| done(*index, planned, time(planned)));
+    points.par_iter().for_each(|(index, planned)| done(*index, planned, time(planned), scene));
 }
 
 /// The points by the ops that they share, those of the same scene one after the other, and among them those of the same

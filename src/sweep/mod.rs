@@ -9,8 +9,10 @@ mod parameters;
 mod point;
 mod range;
 mod record;
+mod told;
 
 pub use engine::Note;
 pub use file::Sweep;
 pub use parameters::{Parameter, Points};
 pub use record::{Record, Unrecorded};
+pub use told::{label, what_ran};

@@ -67,6 +67,11 @@ static KNOWN: LazyLock<Vec<&'static ParameterInfo>> = LazyLock::new(|| {
     Points::Arrays.parameters().into_iter().chain(farms).collect()
 });
 
+/// What the column of a parameter is called, if there is one of that name.
+pub(super) fn label(name: &str) -> Option<&'static str> {
+    KNOWN.iter().find(|known| known.name == name).map(|known| known.label)
+}
+
 /// Their names.
 static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| KNOWN.iter().map(|known| known.name).collect());
 

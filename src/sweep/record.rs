@@ -40,6 +40,8 @@ pub struct Record {
 struct Places {
     csv: PathBuf,
     parquet: PathBuf,
+    /// What the table is of, for CSV, in which it cannot be told.
+    sweep: PathBuf,
     journal: PathBuf,
 }
 
@@ -142,6 +144,14 @@ impl Record {
         replace(&self.places.csv, |file| table::write_csv(file, &table).map_err(std::io::Error::other))?;
         replace(&self.places.parquet, |file| {
             table::write_parquet(file, &table, &[("pcs_sim.sweep", &self.sweep)]).map_err(std::io::Error::other)
+        })?;
+        replace(&self.places.sweep, |file| {
+            write!(
+                file,
+                "// Made by pcs-sim {}: the sweep of the table beside it.\n{}",
+                env!("CARGO_PKG_VERSION"),
+                self.sweep
+            )
         })
     }
 
@@ -150,9 +160,9 @@ impl Record {
         Table { columns: &self.columns, rows: self.rows.values().map(Vec::as_slice).collect() }
     }
 
-    /// Where the table is: as CSV, as Parquet.
-    pub fn table_paths(&self) -> [&Path; 2] {
-        [&self.places.csv, &self.places.parquet]
+    /// Where the table is, as CSV and as Parquet, and what it is of.
+    pub fn table_paths(&self) -> [&Path; 3] {
+        [&self.places.csv, &self.places.parquet, &self.places.sweep]
     }
 }
 
@@ -161,7 +171,8 @@ impl Places {
         match path.extension().and_then(|ending| ending.to_str()) {
             Some("csv" | "parquet") => {
                 let with = |ending| path.with_extension(ending);
-                Ok(Places { csv: with("csv"), parquet: with("parquet"), journal: with("journal") })
+                let [csv, parquet, journal] = ["csv", "parquet", "journal"].map(with);
+                Ok(Places { csv, parquet, sweep: with("sweep.ron"), journal })
             }
             _ => {
                 let error = InputError::in_file(path, "a table's name must end in .csv or .parquet");
@@ -171,7 +182,7 @@ impl Places {
     }
 
     fn check_free(&self) -> Result<(), InputError> {
-        match [&self.csv, &self.parquet].into_iter().find(|path| path.exists()) {
+        match [&self.csv, &self.parquet, &self.sweep].into_iter().find(|path| path.exists()) {
             Some(path) => {
                 let error = InputError::in_file(path, "the file exists already");
                 Err(error.help("give another name, or --force to replace it"))

@@ -103,7 +103,7 @@ proptest! {
                     prop_assert_eq!(fault.address < length, !outside);
                     // `pcs object` and `code` are the first two lines.
                     let line = fault.source.as_ref().map(|source| source.line);
-                    prop_assert_eq!(line, (!outside).then_some(fault.address + 3));
+                    prop_assert_eq!(line, (!outside).then(|| fault.address + 3));
                     let says = fault.to_string();
                     prop_assert!(says.starts_with(&format!("cell 0, ray 0, address {}", fault.address)), "{}", says);
                     break;

@@ -119,20 +119,30 @@ fn the_quiet_say_nothing() {
     assert!(folder.run("--quiet --scene atlantis").refused().contains("atlantis"));
 }
 
-/// What people read of a run fits a terminal of 80 columns, sentences apart.
+/// What people read fits a terminal of 80 columns: tables and sentences.
 #[test]
-fn tables_fit_80_columns() {
+fn results_fit_80_columns() {
     let folder = Folder::new();
+    folder.run("--scene room --size 8x6 --ops a.ops --stats a.json").success();
     for run in [
-        "--scene room --size 8x6",
+        "--scene room --size 8x6 --why",
+        "--scene room --size 4x4 --cells-run programs",
         "--scene teapot --size 48x48 --mode hybrid --cells 12 --fifo-words 4 --link-mb-s 10",
+        "image room --size 8x6 -o i.png --why",
         "farm rectangles --size 40x30 --tasks 3",
+        "farm rectangles --size 40x30 --tasks 1..3",
+        "replay a.ops --fifo-words 8",
+        "size-fifos --ops a.ops",
+        "why a.ops --cell 1 --at 20000",
+        "why a.ops --by-cell",
+        "model room --size 8x6",
+        "compare a.json a.json --all",
+        "scenes",
+        "figure7",
     ] {
         let text = folder.run(run).success();
-        let tables = text.lines().skip_while(|line| !line.is_empty());
-        let rows = tables.filter(|line| line.contains("  ") && !line.ends_with('.'));
-        let widest = rows.max_by_key(|row| row.chars().count()).unwrap();
-        assert!(widest.chars().count() <= 80, "{widest}");
+        let widest = text.lines().max_by_key(|row| row.chars().count()).unwrap();
+        assert!(widest.chars().count() <= 80, "{run}: {widest}");
     }
 }
 
@@ -146,7 +156,41 @@ fn help_tells_defaults() {
     assert!(flat.contains("Figure 7: the grid's work, in µs a voxel [default: the machine file's; 7.8"), "{help}");
     assert!(!help.contains("--host-hit-us"), "{help}");
     assert!(folder.run("image --help").success().contains("--host-hit-us"));
-    assert!(!folder.run("replay --help").success().contains("--memory-words"));
+    for (command, refused) in [
+        ("replay", "--memory-words"),
+        ("farm", "--adaptive"),
+        ("farm", "--why"),
+        ("model", "--mailbox"),
+        ("model", "--stop-words"),
+        ("model", "--forward-ahead"),
+        ("size-fifos", "--fifo-words"),
+        ("size-fifos", "--z-fifo-words"),
+    ] {
+        assert!(!folder.run(&format!("{command} --help")).success().contains(&format!(" {refused} ")), "{command}");
+    }
+}
+
+/// Each heading stands once, and what is about no part of a run stands under the first.
+#[test]
+fn flags_stand_under_their_headings() {
+    let folder = Folder::new();
+    for command in ["", "image", "farm", "replay", "size-fifos", "why", "sweep", "model", "plot", "compare", "asm"] {
+        let help = folder.run(&format!("{command} --help")).success();
+        let is_heading = |line: &&str| line.ends_with(':') && line.starts_with(|c: char| c.is_alphabetic());
+        let mut headings: Vec<&str> = help.lines().filter(is_heading).collect();
+        let all = headings.len();
+        headings.sort_unstable();
+        headings.dedup();
+        assert_eq!(headings.len(), all, "{command}: {help}");
+        let under = |flag: &str| {
+            let before: Vec<&str> = help.lines().take_while(|line| !line.contains(flag)).collect();
+            before.into_iter().rev().find(is_heading)
+        };
+        assert_eq!(under("-q, --quiet"), Some("Options:"), "{command}");
+        for flag in ["      --threads", "      --config"].into_iter().filter(|flag| help.contains(flag)) {
+            assert_eq!(under(flag), Some("Options:"), "{command}");
+        }
+    }
 }
 
 #[test]

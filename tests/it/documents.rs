@@ -151,7 +151,7 @@ fn tables_md_lists_every_field() {
         columns.map(name).collect::<BTreeSet<String>>()
     };
     let runs = [
-        "--scene room --size 8x6 --mode broadcast --cells 2 --why --ops a.ops",
+        "--scene room --size 8x6 --mode broadcast --cells 2 --why --enough --ops a.ops",
         "replay a.ops",
         "image room --size 8x6 -o i.png",
         "--scene tetra --size-factor 3 --size 8x8 --cells-run programs",

@@ -14,7 +14,7 @@ use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::policy::{HostRules, Policy};
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::{Branch, Limits, RayKind, Shader, reflect, refract};
-use pcs_sim::machine::{Cycles, KernelTimes, MachineFile, MachineSpec};
+use pcs_sim::machine::{Cycles, KernelTimes, MachineFile, MachineSpec, Words};
 use pcs_sim::program::Workload;
 use pcs_sim::run::{self, Picture, Rendered, Seen, Timed, Timing, Watching, Workers};
 use pcs_sim::scene::{Material, Mesh, ReadOptions, Scene, builtin};
@@ -203,6 +203,28 @@ fn latencies_and_counts_by_kind_add_up() {
         // At the least the ray's words travel, the grid starts (600 cycles), and 5 words come back.
         assert!(least > 600 && least <= middle && middle <= most);
         assert!((least as f64) <= latencies.mean() && latencies.mean() <= most as f64);
+    }
+}
+
+/// A ray's latency is one thing, whoever tells of it: what the profile counts are the latencies of all kinds.
+#[test]
+fn latencies_of_kinds_are_those_of_the_profile() {
+    let scene = glass();
+    for (program, groups, fifo_words) in [("pipeline", 1, 512), ("broadcast", 3, 16), ("pipeline", 1, 1)] {
+        let workload = workload(&scene, program, groups, crate::support::machine().times);
+        let picture = picture(&scene, &workload, 16, plain(1));
+        let spec = &MachineSpec { fifo_words: Words(fifo_words), ..MachineSpec::default() };
+        let watching = Watching { profile: true, ..Watching::default() };
+        let timed = Timed { spec, rules: HostRules::default(), watching };
+        let rendered = run::render(&picture, Some(timed), &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap();
+        let Timing { latencies, observed, .. } = rendered.timing.unwrap();
+        let profile = observed.profile.unwrap().latency;
+        let of_kinds = || latencies.iter().zip(&rendered.kinds).filter(|(_, kind)| kind.rays > 0);
+        let total: f64 = of_kinds().map(|(kind, counts)| kind.mean() * counts.rays as f64).sum();
+        assert_eq!(profile.jobs, rendered.kinds.iter().map(|kind| kind.rays).sum::<u64>());
+        assert_eq!(of_kinds().map(|(kind, _)| kind.percentile(0)).min(), Some(profile.min));
+        assert_eq!(of_kinds().map(|(kind, _)| kind.percentile(100)).max(), Some(profile.max));
+        assert!((total / profile.total as f64 - 1.0).abs() < 1e-12, "{total} {}", profile.total);
     }
 }
 

@@ -48,7 +48,7 @@ fn a_killed_sweep_goes_on() {
         let _ = child.kill();
         if child.wait().unwrap().success() {
             check_end(&folder);
-            for name in ["t.csv", "t.parquet", "t.journal"] {
+            for name in ["t.csv", "t.parquet", "t.sweep.ron", "t.journal"] {
                 std::fs::remove_file(folder.path(name)).unwrap();
             }
         } else {

@@ -18,7 +18,7 @@ fn any_table_is_drawn() {
     assert_eq!(stdout, "wrote rooms.svg\nwrote rooms.png\n");
     let svg = folder.read("rooms.svg");
     let text = |text: &str| svg.contains(&format!("\n{text}\n"));
-    assert!(text("Rooms") && text("Speed up over cells, by mode") && text("broadcast"), "{svg}");
+    assert!(text("Rooms") && text("Times as fast as one worker over cells, by mode") && text("broadcast"), "{svg}");
     assert!(text("-2") && !text("70"), "rows of another scene are left out: {svg}");
     let error = folder.run("plot t.csv x=cells y=speed_up -o rooms").refused();
     assert!(error.contains("exists already"), "{error}");
@@ -29,10 +29,19 @@ fn mistakes_are_told() {
     let folder = Folder::new();
     folder.file("t.csv", TABLE);
     folder.file("torn.csv", "a,b\n1\n");
+    folder.file("damaged.parquet", "PAR1 and nothing else");
     for (words, complaint) in [
         ("t.csv x=cell y=speed_up", "did you mean `cells`?"),
         ("t.csv x=cells y=mode", "column 'mode' holds no numbers"),
         ("t.csv x=cells by=mode", "expected x=COLUMN y=COLUMN"),
+        ("t.csv x=cells y=speed_up y=cells", "not 'y=cells'"),
+        ("t.csv x=cells y=speed_up log=up", "log= takes x, y, xy or none"),
+        ("t.csv x=cells y=speed_up cm=16", "cm= takes a width and a height in cm"),
+        ("t.csv x=cells y=speed_up cm=1x900", "a side has 4 to 100 cm"),
+        ("t.csv x=cells y=speed_up log=y scene=room", "a logarithmic axis has numbers above 0"),
+        ("t.csv x=cells y=speed_up relative=two scene=room", "relative= names no line 'two'"),
+        ("t.csv x=cells y=speed_up by=mode", "differ in scene"),
+        ("damaged.parquet x=cells y=speed_up", "is no table"),
         ("t.csv x=cells y=speed_up sene=room", "did you mean `scene`?"),
         ("t.csv x=cells y=speed_up scene=attic", "nothing to draw"),
         ("torn.csv x=a y=b", "is no table"),
@@ -40,6 +49,62 @@ fn mistakes_are_told() {
     ] {
         let error = folder.run(&format!("plot {words} -o p")).refused();
         assert!(error.contains(complaint), "{words}: {error}");
-        assert_eq!(folder.names(), ["t.csv", "torn.csv"], "{words}");
+        assert_eq!(folder.names(), ["damaged.parquet", "t.csv", "torn.csv"], "{words}");
     }
+}
+
+/// The texts of a picture.
+fn texts(svg: &str) -> Vec<&str> {
+    svg.split("<text").skip(1).filter_map(|text| text.split('\n').nth(1)).collect()
+}
+
+#[test]
+fn no_point_is_an_average_over_what_is_not_shown() {
+    let folder = Folder::new();
+    folder.file("t.csv", TABLE);
+    // The scene alone tells the rows apart: it has lines.
+    folder.run("plot t.csv x=cells y=speed_up -o scenes").success();
+    let svg = folder.read("scenes.svg");
+    assert!(
+        ["Times as fast as one worker over cells, by scene", "room", "lake"]
+            .iter()
+            .all(|text| texts(&svg).contains(text))
+    );
+    folder.run("plot t.csv x=cells y=speed_up by=mode facet=scene -o panels").success();
+    let panels = folder.read("panels.svg");
+    assert!(["scene room", "scene lake", "broadcast"].iter().all(|text| texts(&panels).contains(text)), "{panels}");
+}
+
+#[test]
+fn sizes_are_in_cm_and_pictures_can_be_pages() {
+    let folder = Folder::new();
+    folder.file("t.csv", TABLE);
+    let plot = "plot t.csv x=cells y=speed_up scene=room cm=16x9 relative=first --plot-format svg,pdf -o p";
+    assert_eq!(folder.run(plot).success(), "wrote p.svg\nwrote p.pdf\n");
+    assert!(folder.read("p.svg").contains("<svg width=\"16cm\" height=\"9cm\" viewBox=\"0 0 605 340\""));
+    let pdf = std::fs::read(folder.path("p.pdf")).unwrap();
+    assert!(pdf.starts_with(b"%PDF-") && pdf.ends_with(b"%%EOF"));
+    let text = String::from_utf8_lossy(&pdf);
+    // 16 cm are 454 points.
+    let page = text.split("/MediaBox [0 0 ").nth(1).unwrap().split(']').next().unwrap();
+    assert_eq!(page, "453.75 255", "{page}");
+}
+
+/// A sweep's tables in both formats give the same picture, which is the sweep's own.
+#[test]
+fn parquet_is_read_and_all_doors_speak_with_one_voice() {
+    let folder = Folder::new();
+    folder.file(
+        "sweep.ron",
+        r#"(scene: "room", size: 8, mode: "broadcast", cells: [1, 2], partition: ["regular", "work"])"#,
+    );
+    folder.run("sweep sweep.ron -o t.csv --plot x=cells y=rays_per_second by=partition log=y").success();
+    let words = "x=cells y=rays_per_second by=partition log=y";
+    folder.run(&format!("plot t.csv {words} -o csv")).success();
+    folder.run(&format!("plot t.parquet {words} -o parquet")).success();
+    let sweeps = folder.read("t-rays_per_second-over-cells-by-partition-log-y.svg");
+    assert!(folder.read("csv.svg") == sweeps && folder.read("parquet.svg") == sweeps);
+    let what = "4 points: scene room; size 8x8; mode broadcast; cells 1, 2; partition regular, work";
+    assert!(texts(&sweeps).contains(&what), "{:?}", texts(&sweeps));
+    assert!(texts(&sweeps).contains(&"rays a second of simulated time, logarithmic"));
 }

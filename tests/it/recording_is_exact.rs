@@ -6,8 +6,10 @@ use crate::support::random_ops::{batches_of, case, costs};
 use crate::support::ticking::{self, History, Ticked};
 use pcs_sim::machine::line::{IDLE, MOVING, waiting};
 use pcs_sim::machine::{Array, Cycles, MachineSpec, Unfinished, Words};
-use pcs_sim::measure::{JobSpan, Measured, Moment, Recording, StateId, StationMoment, StationRecord, Stretch};
-use pcs_sim::seam::{Channel, Costs, OpBatch};
+use pcs_sim::measure::{
+    Actor, FifoInfo, JobSpan, Measured, Moment, Recording, StateId, StationMoment, StationRecord, Stretch,
+};
+use pcs_sim::seam::{Channel, Costs, OpBatch, OpKind, OpStream};
 use proptest::prelude::*;
 
 /// The whole run, and more.
@@ -88,6 +90,31 @@ fn clipped(visits: &[JobSpan], window: &Range<Cycles>) -> Vec<JobSpan> {
     visits.iter().map(clip).filter(|visit| visit.from < visit.until).collect()
 }
 
+/// The jobs whose words passed through a FIFO, as the model has them: from their first word's write to their last one's read.
+fn naive_passages(batches: &[OpBatch], info: &FifoInfo, history: &History) -> Vec<JobSpan> {
+    let channel = Channel::ALL.into_iter().find(|channel| channel.to_string() == info.group).unwrap();
+    let last = batches[0].cells.len() - 1;
+    let (link, stream): (usize, fn(&OpBatch, usize) -> &OpStream) = match (info.from, info.to) {
+        (Actor::Host, _) => (0, |batch, _| &batch.host),
+        (Actor::Station(cell), _) if channel == Channel::Z => (cell, |batch, link| &batch.cells[link]),
+        (Actor::Station(cell), _) => (cell + 1, |batch, link| &batch.cells[link - 1]),
+    };
+    let is_last = info.from == Actor::Station(last);
+    let [writes, reads] = history.words.get(&(link, channel as usize)).cloned().unwrap_or_default();
+    let (mut passages, mut first) = (Vec::new(), 0);
+    for (job, ops) in batches.iter().flat_map(|batch| stream(batch, link).lines()) {
+        let written = ops.iter().filter(|op| !(is_last && op.kind() == OpKind::PassX));
+        let words: u32 = written.filter(|op| op.kind().writes() == Some(channel)).map(|op| op.count()).sum();
+        let end = first + words as usize;
+        if let Some(&from) = writes.get(first).filter(|_| words > 0) {
+            let until = reads.get(end - 1).map_or(u64::MAX, |read| read + 1);
+            passages.push(JobSpan { job, from: Cycles(from), until: Cycles(until) });
+        }
+        first = end;
+    }
+    passages
+}
+
 /// Everything in a recording is what happened in its window.
 fn assert_exact(recording: &Recording, batches: &[OpBatch], history: &History) {
     let window = &recording.window;
@@ -102,6 +129,8 @@ fn assert_exact(recording: &Recording, batches: &[OpBatch], history: &History) {
     let fifos = recording.topology.fifos.iter().zip(&recording.fifos);
     for ((info, fifo), naive) in fifos.zip(&history.occupancies) {
         assert_eq!(levels(&fifo.levels, window), naive[cycles.clone()], "levels of {}", info.name);
+        let passages = clipped(&naive_passages(batches, info, history), window);
+        assert_eq!(fifo.jobs, passages, "jobs through {}", info.name);
     }
     let host = states(recording.host.as_ref().unwrap(), window);
     let moving = cycles.clone().zip(host).filter(|(_, state)| *state == MOVING).map(|(cycle, _)| cycle as u64);

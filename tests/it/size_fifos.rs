@@ -44,7 +44,7 @@ proptest! {
         let with = |words: &[Words]| ticked(&deep(&front, words, &spec));
         // With the unlimited depths nothing changes, and with one word fewer something does.
         let seen = |words: &[Words]| with(words).map(|run| {
-            let fifos: Vec<_> = run.fifos.iter().map(|(name, _, held)| (name.clone(), held.max, held.word_cycles)).collect();
+            let fifos: Vec<_> = run.fifos.iter().map(|(name, _, held)| (name.clone(), held.max, held.word_cycles, held.empty)).collect();
             (run.cycles, run.stations, fifos)
         });
         // What happens after the host's last read is in no statistics.
@@ -137,6 +137,53 @@ fn the_machines_it_writes_are_what_it_says() {
             folder.run("size-fifos --ops a.ops -o o.csv").success();
             assert_eq!(folder.read("o.csv"), folder.read("t.csv"));
         }
+    }
+}
+
+/// Any run tells the depths from which nothing changes any more: those that sizing finds, and with them nothing does.
+#[test]
+fn what_is_enough_is_told_beside_any_run() {
+    let folder = Folder::new();
+    let stats = |name: &str| -> Value { serde_json::from_str(&folder.read(name)).unwrap() };
+    let of = |name: &str, what: &str| -> Vec<(String, u64)> {
+        let fifos = stats(name)["fifos"].as_array().unwrap().clone();
+        fifos.iter().map(|fifo| (fifo["name"].as_str().unwrap().to_owned(), fifo[what].as_u64().unwrap())).collect()
+    };
+    let machine = "--fifo-words 9 --latency-cycles 3 --link-mb-s 30";
+    for run in [
+        "--mode broadcast --cells 3 --scene teapot --size-factor 3 --size 24x18".to_owned(),
+        "image room -o a.png --size 12x9 --mode hybrid --cells 4 --in-flight 6 --stop-words 2".to_owned(),
+    ] {
+        let told = folder.run(&format!("{run} {machine} --ops a.ops --stats a.json --force --enough")).success();
+        assert!(told.contains("  enough  "), "{told}");
+        let enough = of("a.json", "enough");
+        let unlimited = "--latency-cycles 3 --link-mb-s 30";
+        folder.run(&format!("size-fifos --ops a.ops {unlimited} --speed 50 -o t.csv --force")).success();
+        let rows = rows(&folder, "t.csv");
+        for (name, words) in enough.iter().filter(|(name, _)| rows[0].contains_key(name)) {
+            assert_eq!(rows[0][name], words.to_string(), "{run} {name}");
+        }
+        // The same whatever the run's own depths are, and beside a critical path.
+        for words in [1 << 10, 1 << 20] {
+            let replay = format!("why a.ops {unlimited} --fifo-words {words} --stats b.json --force --enough");
+            assert!(folder.run(&replay).success().contains("  enough  "));
+            assert_eq!(of("b.json", "enough"), enough, "{run}");
+        }
+        let least = &rows[0]["cycles"];
+        assert_eq!(&stats("b.json")["cycles"].to_string(), least);
+        folder.run(&format!("{run} {machine} --stats c.json --force")).success();
+        let mut told = stats("a.json");
+        told["fifos"].as_array_mut().unwrap().iter_mut().for_each(|fifo| {
+            fifo.as_object_mut().unwrap().remove("enough");
+        });
+        assert_eq!(told, stats("c.json"), "nothing else changes");
+    }
+    for refused in [
+        "image room -o b.png --size 4x4 --timing off --enough",
+        "farm rectangles --size 8x8 --enough",
+        "why a.ops --cell 0 --at 5 --enough",
+    ] {
+        assert!(folder.run(refused).refused().contains("--enough is about"), "{refused}");
     }
 }
 

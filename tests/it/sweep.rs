@@ -31,8 +31,8 @@ fn a_point_is_what_a_run_with_its_flags_is() {
     let folder = Folder::new();
     folder.file("sweep.ron", SWEEP);
     let stdout = folder.run("sweep sweep.ron --table t.csv").success();
-    assert_eq!(stdout, "12 points: 12 done\nwrote t.csv\nwrote t.parquet\n");
-    assert_eq!(folder.names(), ["s.json", "sweep.ron", "t.csv", "t.journal", "t.parquet"][1..]);
+    assert_eq!(stdout, "12 points: 12 done\nwrote t.csv\nwrote t.parquet\nwrote t.sweep.ron\n");
+    assert_eq!(folder.names(), ["sweep.ron", "t.csv", "t.journal", "t.parquet", "t.sweep.ron"]);
     let rows = rows(&folder.read("t.csv"));
     assert_eq!(rows[0][..5], ["scene", "size", "mode", "fifo_words", "link_mb_s"]);
     assert_eq!(column(&rows, "fifo_words")[..6], ["2", "2", "8", "8", "32", "32"]);
@@ -422,18 +422,29 @@ fn a_scene_is_read_once() {
     assert_eq!(column(&rows, "error"), [""; 8]);
 }
 
+/// A table in CSV has the version and the sweep beside it, which makes the same table again.
 #[test]
-fn two_runs_are_compared() {
+fn a_table_tells_what_it_is_of() {
     let folder = Folder::new();
-    folder.run("--scene room --size 8x6 --stats a.json").success();
-    folder.run("--scene room --size 8x6 --fifo-words 4 --stats b.json").success();
-    let same = folder.run("compare a.json a.json").success();
-    assert!(same.contains("values are the same"), "{same}");
-    let text = folder.run("compare a.json b.json").success();
-    let line = text.lines().find(|line| line.starts_with("configuration.machine.fifo_words")).unwrap();
-    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["512", "4", "-508", "-99.22", "%"]);
-    assert!(text.lines().any(|line| line.starts_with("cycles ")), "{text}");
-    folder.file("c.json", "{}");
-    let error = folder.run("compare a.json c.json").refused();
-    assert!(error.contains("it has no cycles"), "{error}");
+    folder.file("s.ron", "(scene: \"room\", size: 4, fifo_words: [4, 8], grid_voxel: (from: 5, to: 10, step: 5))");
+    folder.run("sweep s.ron -o t.csv").success();
+    let told = folder.read("t.sweep.ron");
+    assert!(told.starts_with(&format!("// Made by pcs-sim {}", env!("CARGO_PKG_VERSION"))), "{told}");
+    folder.run("sweep t.sweep.ron -o again.csv").success();
+    assert_eq!(folder.read("again.csv"), folder.read("t.csv"));
+    let error = folder.run("sweep t.sweep.ron -o t.csv --force").refused();
+    assert!(error.contains("is an input"), "{error}");
+}
+
+/// What was changed in a scene when it was read is told once, with the scene and in how many points.
+#[test]
+fn notes_of_scenes_are_told() {
+    let folder = Folder::new();
+    folder.file("bent.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3 4\n");
+    folder.file("s.ron", "(scene: [\"bent.obj\", \"room\"], size: 4, fifo_words: [4, 8, 16])");
+    let run = folder.run("--scene bent.obj --size 4x4");
+    let note = run.stderr.lines().find(|line| line.contains("face")).unwrap().trim_start_matches("note: ").to_owned();
+    let sweep = folder.run("sweep s.ron -o t.csv");
+    assert_eq!(sweep.stderr.matches(&note).count(), 1, "{}", sweep.stderr);
+    assert!(sweep.stderr.contains(&format!("note: bent.obj: {note} (in 3 points)")), "{}", sweep.stderr);
 }

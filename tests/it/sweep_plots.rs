@@ -10,17 +10,24 @@ const SWEEP: &str = r#"(
     link_mb_s: [80, 20],
 )"#;
 
+/// The name of a plot.
+const BY_MODE: &str = "t-rays_per_second-over-fifo_words-by-mode-link_mb_s-80";
+
 #[test]
 fn columns_are_plotted_over_each_other() {
     let folder = Folder::new();
     folder.file("sweep.ron", SWEEP);
-    let plots = "--plot x=fifo_words y=rays_per_second by=mode --plot x=mode y=cycles";
+    let plots =
+        "--plot x=fifo_words y=rays_per_second by=mode link_mb_s=80 --plot x=mode y=cycles fifo_words=4 link_mb_s=80";
     let stdout = folder.run(&format!("sweep sweep.ron -o t.csv {plots}")).success();
-    for name in ["t-rays_per_second-over-fifo_words-by-mode", "t-cycles-over-mode"] {
+    for name in [BY_MODE, "t-cycles-over-mode-fifo_words-4-link_mb_s-80"] {
         assert!(stdout.contains(&format!("wrote {name}.svg\nwrote {name}.png\n")), "{stdout}");
         let svg = folder.read(&format!("{name}.svg"));
-        let caption = "sweep of 20 points: scene room; size 8x8; mode pipeline, broadcast; fifo_words 4 to 64";
-        assert!(svg.contains(caption), "{name} tells what ran");
+        assert!(svg.contains("points: scene room; size 8x8; "), "{name} tells what ran");
+        assert!(
+            svg.contains("mode pipeline, broadcast") && svg.contains("; cells 3"),
+            "{name} tells of how many cells"
+        );
         let png = std::io::BufReader::new(std::fs::File::open(folder.path(&format!("{name}.png"))).unwrap());
         let mut reader = png::Decoder::new(png).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -28,9 +35,9 @@ fn columns_are_plotted_over_each_other() {
         // Blue is the first line's, vermilion the second's.
         let has = |color: [u8; 3]| pixels.chunks(3).any(|pixel| pixel == color);
         assert!(has([0, 114, 178]), "{name}");
-        assert_eq!(has([213, 94, 0]), name.ends_with("by-mode"), "{name}");
+        assert_eq!(has([213, 94, 0]), name == BY_MODE, "{name}");
     }
-    let svg = folder.read("t-rays_per_second-over-fifo_words-by-mode.svg");
+    let svg = folder.read(&format!("{BY_MODE}.svg"));
     let text = |text: &str| svg.contains(&format!("\n{text}\n"));
     assert!(["4", "8", "16", "32", "64", "pipeline", "broadcast"].iter().all(|tick| text(tick)), "{svg}");
     assert!(text("depth of each FIFO (words), logarithmic") && text("rays a second of simulated time"), "{svg}");
@@ -41,12 +48,17 @@ fn a_finished_table_is_plotted_without_running_again() {
     let folder = Folder::new();
     folder.file("sweep.ron", SWEEP);
     folder.run("sweep sweep.ron -o t.csv").success();
-    let stdout = folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works").success();
+    let plot = "sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works by=mode facet=fifo_words";
+    let stdout = folder.run(plot).success();
     assert!(stdout.starts_with("20 points: 20 done (0 now)\n"), "{stdout}");
-    assert!(folder.read("t-mean_works-over-link_mb_s.svg").contains("bars go from the least to the most"));
-    let error = folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works").refused();
-    assert!(error.contains("exists already") && error.contains("t-mean_works-over-link_mb_s.svg"), "{error}");
-    folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works --force").success();
+    let name = "t-mean_works-over-link_mb_s-by-mode-facet-fifo_words.svg";
+    assert!(folder.read(name).contains("\ndepth of each FIFO 64\n"));
+    let error = folder.run(plot).refused();
+    assert!(error.contains("exists already") && error.contains(name), "{error}");
+    folder.run(&format!("{plot} --force")).success();
+    // What would be averages is not drawn.
+    let averages = folder.run("sweep sweep.ron -o t.csv --plot x=link_mb_s y=mean_works by=mode").failed();
+    assert!(averages.contains("differ in fifo_words") && averages.contains("facet=fifo_words"), "{averages}");
 }
 
 #[test]
@@ -57,8 +69,8 @@ fn plots_that_cannot_be_are_refused_before_anything_runs() {
         ("x=fifo_word y=cycles", "did you mean `fifo_words`?"),
         ("x=fifo_words y=seconds by=modes", "did you mean `mode`?"),
         ("x=fifo_words y=mode", "column 'mode' holds no numbers"),
-        ("x=fifo_words by=mode", "takes x=COLUMN y=COLUMN and optionally by=COLUMN"),
-        ("x=fifo_words y=cycles z=mode", "not 'z=mode'"),
+        ("x=fifo_words by=mode", "expected x=COLUMN y=COLUMN"),
+        ("x=fifo_words y=cycles z=mode", "the table has no column 'z'"),
         ("x=fifo_words y=cycles y=seconds", "not 'y=seconds'"),
     ] {
         let error = folder.run(&format!("sweep sweep.ron -o t.csv --plot {plot}")).refused();

@@ -45,7 +45,7 @@ impl Run {
 
     /// The trace's bytes and its notes.
     fn trace(&self, format: Format) -> (Vec<u8>, Vec<String>) {
-        let caption = &Caption { title: "a run".to_owned(), machine: "a machine".to_owned() };
+        let caption = &Caption { title: "a run".to_owned(), partition: None, machine: "a machine".to_owned() };
         let cell_names = &NAMES.map(str::to_owned);
         let trace = Trace { caption, clock: self.spec.clock(), cell_names, recording: &self.recording };
         let mut bytes = Vec::new();
@@ -91,6 +91,14 @@ mod perfetto {
         pub name: String,
         #[prost(uint64, tag = "5")]
         pub parent_uuid: u64,
+        #[prost(message, optional, tag = "8")]
+        pub counter: Option<CounterDescriptor>,
+    }
+
+    #[derive(Clone, PartialEq, prost::Message)]
+    pub struct CounterDescriptor {
+        #[prost(string, tag = "7")]
+        pub y_axis_share_key: String,
     }
 
     /// Lists are not packed: a reader that expects one number must find it.
@@ -122,6 +130,8 @@ mod perfetto {
         pub name_iid: u64,
         #[prost(uint64, tag = "3")]
         pub uint_value: u64,
+        #[prost(string, tag = "6")]
+        pub string_value: String,
     }
 
     #[derive(Clone, PartialEq, prost::Message)]
@@ -152,13 +162,25 @@ struct Slice {
     from: u64,
     until: u64,
     arguments: BTreeMap<String, u64>,
-    flow: Option<u64>,
+    /// Who waits for whom, a line each.
+    chain: Vec<String>,
 }
 
-/// The slices, in the order in which they begin in the file, and each counter's values.
+/// A mark without length, from which arrows lead to the next one with the same flow.
+#[derive(Clone, Debug)]
+struct Mark {
+    track: String,
+    name: String,
+    at: u64,
+    flow: u64,
+}
+
+/// The slices, in the order in which they begin in the file, the marks, and each counter's values and what its scale is shared by.
 struct Read {
     slices: Vec<Slice>,
+    marks: Vec<Mark>,
     counters: HashMap<String, Vec<(u64, i64)>>,
+    scales: HashMap<String, String>,
 }
 
 fn read_perfetto(bytes: &[u8]) -> Read {
@@ -168,7 +190,10 @@ fn read_perfetto(bytes: &[u8]) -> Read {
         trace.packet.iter().filter_map(|p| p.track_descriptor.as_ref()).map(|t| (t.uuid, t.name.clone())).collect();
     let interned = trace.packet.iter().find_map(|packet| packet.interned_data.as_ref()).unwrap();
     let named = |names: &[perfetto::Name], iid: u64| names.iter().find(|name| name.iid == iid).unwrap().name.clone();
-    let mut read = Read { slices: Vec::new(), counters: HashMap::new() };
+    let tracked = trace.packet.iter().filter_map(|packet| packet.track_descriptor.as_ref());
+    let scales = tracked.filter_map(|track| Some((track.name.clone(), track.counter.clone()?.y_axis_share_key)));
+    let (slices, marks, scales) = (Vec::new(), Vec::new(), scales.collect());
+    let mut read = Read { slices, marks, counters: HashMap::new(), scales };
     let mut open: HashMap<u64, Vec<usize>> = HashMap::new();
     let mut now: HashMap<u64, u64> = HashMap::new();
     for packet in &trace.packet {
@@ -184,19 +209,31 @@ fn read_perfetto(bytes: &[u8]) -> Read {
                 } else {
                     event.name.clone()
                 };
-                let arguments = event.debug_annotations.iter();
-                let arguments = arguments.map(|a| (named(&interned.debug_annotation_names, a.name_iid), a.uint_value));
-                let flow = Some(event.flow_ids.max(event.terminating_flow_ids)).filter(|&flow| flow > 0);
-                assert_eq!(event.terminating_flow_ids > 0, name.starts_with("HIT"));
+                let (texts, arguments): (Vec<_>, Vec<_>) =
+                    event.debug_annotations.iter().partition(|a| !a.string_value.is_empty());
+                for (number, text) in (1..).zip(&texts) {
+                    assert_eq!(named(&interned.debug_annotation_names, text.name_iid), format!("who {number}"));
+                }
+                let chain = texts.into_iter().map(|text| text.string_value.clone()).collect();
+                let arguments =
+                    arguments.into_iter().map(|a| (named(&interned.debug_annotation_names, a.name_iid), a.uint_value));
+                assert_eq!((event.flow_ids, event.terminating_flow_ids), (0, 0), "an arrow would lead from its end");
                 if event.name.is_empty() {
                     let category = named(&interned.event_categories, event.category_iids);
                     assert!(category == category_of(&name) || category == "busy", "{name} is {category}");
                 }
                 let arguments = arguments.collect();
                 stack.push(read.slices.len());
-                read.slices.push(Slice { track, name, depth: stack.len() - 1, from: at, until: 0, arguments, flow });
+                read.slices.push(Slice { track, name, depth: stack.len() - 1, from: at, until: 0, arguments, chain });
             }
             2 => read.slices[stack.pop().expect("a slice ends that has begun")].until = at,
+            3 => {
+                let (name, flow) = (event.name.clone(), event.flow_ids.max(event.terminating_flow_ids));
+                assert_eq!(event.terminating_flow_ids > 0, name.starts_with("HIT"));
+                let slice = &read.slices[*stack.last().expect("a mark is in a slice")];
+                assert_eq!((&slice.name, slice.from), (&name, at), "a mark is the start of its slice");
+                read.marks.push(Mark { track, name, at, flow });
+            }
             4 => read.counters.entry(track).or_default().push((at, event.counter_value)),
             other => panic!("no event is of type {other}"),
         }
@@ -271,11 +308,45 @@ fn perfetto_slices_are_the_cells_states_and_sum_up_to_the_statistics() {
     }
 }
 
+/// Each wait tells who waits for whom in its middle, as `why` does of that cycle.
+#[test]
+fn perfetto_waits_tell_who_waits_for_whom() {
+    let folder = Folder::new();
+    for machine in ["--fifo-words 16", "--fifo-words 16 --link-mb-s 20 --latency-cycles 9"] {
+        let run = format!("--mode pipeline --scene teapot --size-factor 3 --size 6x6 {machine} --host-ray-us 1");
+        folder.run(&format!("{run} --trace a.pftrace --force")).success();
+        let read = read_perfetto(&std::fs::read(folder.path("a.pftrace")).unwrap());
+        let waits = |slice: &&Slice| slice.name.starts_with("waiting") || slice.name.starts_with("blocked");
+        assert!(read.slices.iter().all(|slice| waits(&slice) != slice.chain.is_empty()));
+        let links: std::collections::BTreeSet<usize> = read.slices.iter().map(|slice| slice.chain.len()).collect();
+        assert!(links.len() >= 4, "chains of {links:?} links");
+        let all: Vec<&Slice> = read.slices.iter().filter(waits).collect();
+        for slice in all.iter().step_by(all.len() / 25) {
+            let cell = slice.track.strip_prefix("cell ").map_or("host", |cell| cell.split(' ').next().unwrap());
+            let at = slice.arguments["in cycle"];
+            let told = folder.run(&format!("why {run} --cell {cell} --at {at}")).success();
+            let told: Vec<&str> = told.lines().skip_while(|line| !line.starts_with("cycle ")).skip(1).collect();
+            assert_eq!(told.len(), slice.chain.len(), "{told:#?} {:#?}", slice.chain);
+            let (last, links) = slice.chain.split_last().unwrap();
+            for (ours, theirs) in links.iter().zip(&told) {
+                assert_eq!(ours.replace(", ray", ""), theirs.replace(", ray", ""));
+            }
+            let who = |line: &str| line.split([',', '(']).next().unwrap().trim_end().to_owned();
+            let theirs = who(told.last().unwrap());
+            let on_its_way = |line: &str| line.split(" in cycle").next().unwrap().to_owned();
+            assert_eq!(who(last).replace("moves words", "moves a word"), on_its_way(&theirs), "{told:#?}");
+        }
+    }
+}
+
 #[test]
 fn perfetto_counters_are_the_fifos_levels() {
     let run = run(50.0);
     let read = read_perfetto(&run.trace(Format::Perfetto).0);
-    assert_eq!(read.counters.len(), 8);
+    assert_eq!(read.counters.len(), 8 + 1);
+    let scale = "the scale of FIFOs of 20 words";
+    assert_eq!(read.counters[scale], [(0, 20)], "a FIFO's scale ends with its capacity");
+    assert!(read.counters.keys().all(|name| read.scales[name] == read.scales[scale]));
     for (name, levels) in run.fifos() {
         let levels: Vec<_> = levels.iter().map(|(cycle, words)| (50 * cycle.0, words.0 as i64)).collect();
         assert_eq!(read.counters[&format!("{name} (of 20 words)")], levels);
@@ -283,18 +354,17 @@ fn perfetto_counters_are_the_fifos_levels() {
 }
 
 #[test]
-fn perfetto_flows_lead_each_ray_from_the_host_through_every_cell_and_back() {
+fn perfetto_arrows_lead_each_ray_from_the_host_through_every_cell_and_back_and_forward_in_time() {
     let run = run(50.0);
     let read = read_perfetto(&run.trace(Format::Perfetto).0);
-    let mut flows: BTreeMap<u64, Vec<&Slice>> = BTreeMap::new();
-    for slice in read.slices.iter().filter(|slice| slice.depth == 0) {
-        slice.flow.into_iter().for_each(|flow| flows.entry(flow).or_default().push(slice));
-    }
+    let mut flows: BTreeMap<u64, Vec<&Mark>> = BTreeMap::new();
+    read.marks.iter().for_each(|mark| flows.entry(mark.flow).or_default().push(mark));
     assert_eq!(flows.len() as u64, run.stats.jobs);
     for mut steps in flows.into_values() {
-        steps.sort_by_key(|slice| slice.from);
-        assert!(steps.windows(2).all(|pair| pair[0].from < pair[1].from), "no two steps begin together: {steps:?}");
-        assert!(steps.iter().all(|step| step.arguments["ray"] == steps[0].arguments["ray"]));
+        steps.sort_by_key(|mark| mark.at);
+        assert!(steps.windows(2).all(|pair| pair[0].at < pair[1].at), "no two steps begin together: {steps:?}");
+        let number = |step: &Mark| step.name.split(' ').nth(1).map(str::to_owned);
+        assert!(steps.iter().all(|step| number(step) == number(steps[0])));
         let tracks: Vec<&str> = steps.iter().map(|step| step.track.as_str()).collect();
         let cells = ["cell 0 grid+slabs", "cell 1 intersection", "cell 2 grid+slabs", "cell 3 intersection"];
         assert_eq!(tracks, [&["host sends"], &cells[..], &["host reads HITs"]].concat());
@@ -342,22 +412,57 @@ fn waves_are_the_states_the_rays_and_the_levels() {
             let mut states: Vec<_> = activity.states.iter().map(|s| (ticks * s.from.0, run.state(s.state))).collect();
             states.dedup_by_key(|state| state.1);
             let states: Vec<_> = states.into_iter().map(|(at, name)| (at, name.replace(' ', "_"))).collect();
-            assert_eq!(waves[&format!("{scope}.state")], states, "{scope}");
+            assert_eq!(waves[&format!("{scope}.{}_state", &scope["array.".len()..])], states, "{scope}");
             let mut rays = BTreeMap::from([(0, "none".to_owned())]);
             for visit in &activity.jobs {
                 rays.insert(ticks * visit.from.0, visit.job.to_string());
                 rays.insert(ticks * visit.until.0, "none".to_owned());
             }
-            assert_eq!(waves[&format!("{scope}.ray")], rays.into_iter().collect::<Vec<_>>(), "{scope}");
+            assert_eq!(
+                waves[&format!("{scope}.{}_ray", &scope["array.".len()..])],
+                rays.into_iter().collect::<Vec<_>>(),
+                "{scope}"
+            );
         }
         for (fifo, levels) in run.fifos() {
             let levels: Vec<_> = levels.iter().map(|(at, words)| (ticks * at.0, words.0.to_string())).collect();
-            let (_, wave) = waves.iter().find(|(name, _)| name.ends_with(&format!(".{fifo}"))).unwrap();
+            let (_, wave) = waves.iter().find(|(name, _)| name.ends_with(&format!("_{fifo}"))).unwrap();
             assert_eq!(wave, &levels, "{fifo}");
         }
-        let hits = waves["array.host_reads.hit"].iter().filter(|(_, value)| value != "none");
+        let hits = waves["array.host_reads.host_reads_hit"].iter().filter(|(_, value)| value != "none");
         assert_eq!(hits.count() as u64, run.stats.jobs);
     }
+}
+
+/// The save file names each signal as GTKWave does, which gives a range to what has several bits, in decimal or as text.
+#[test]
+fn a_save_file_shows_all_waves() {
+    let folder = Folder::new();
+    let stdout = folder.run(&format!("{RUN} --trace run.vcd")).success();
+    assert!(stdout.ends_with("wrote run.vcd\nwrote run.gtkw\n"), "{stdout}");
+    let (vcd, save) = (folder.read("run.vcd"), folder.read("run.gtkw"));
+    assert!(save.contains("[dumpfile] \"run.vcd\"\n") && save.contains("\n-cell 1 intersection\n"), "{save}");
+    let mut scopes = Vec::new();
+    let mut shown = 0;
+    for line in vcd.lines() {
+        match line.split(' ').collect::<Vec<_>>()[..] {
+            ["$scope", _, name, _] => scopes.push(name),
+            ["$upscope", _] => drop(scopes.pop()),
+            ["$var", kind, bits, _, name, _] => {
+                let path = format!("{}.{name}", scopes.join("."));
+                let line = match (kind, bits.parse::<u32>().unwrap()) {
+                    ("string", _) => format!("@820\n{path}\n"),
+                    (_, 1) => format!("@24\n{path}\n"),
+                    (_, bits) => format!("@24\n{path}[{}:0]\n", bits - 1),
+                };
+                assert!(save.contains(&line), "{line}");
+                shown += 1;
+            }
+            _ => {}
+        }
+    }
+    assert_eq!(save.matches("\narray.").count(), shown);
+    assert!(folder.run(&format!("{RUN} --trace run.vcd")).refused().contains("the file exists already"));
 }
 
 #[test]

@@ -3,8 +3,10 @@
 use std::process::Command;
 
 use crate::support::command::Folder;
-use pcs_sim::machine::{Array, MachineSpec};
-use pcs_sim::report::plot::{self, Caption};
+use pcs_sim::machine::{Array, Cycles, MachineSpec};
+use pcs_sim::report::plot::{self, Caption, Run};
+
+const ALL: std::ops::Range<Cycles> = Cycles(0)..Cycles(u64::MAX);
 
 const RUN: &str = "--mode hybrid --cells 4 --scene room --size 12x10 --fifo-words 16";
 
@@ -12,10 +14,13 @@ const RUN: &str = "--mode hybrid --cells 4 --scene room --size 12x10 --fifo-word
 fn plots_are_pictures_in_both_formats() {
     let folder = Folder::new();
     let stdout = folder.run(&format!("{RUN} --plot plots")).success();
-    for name in ["fifos", "fifo-histograms", "cells", "rays", "latency"] {
+    for name in ["fifos", "fifo-histograms", "cells", "space-time", "rays", "latency"] {
         assert!(stdout.contains(&format!("wrote plots/{name}.svg\nwrote plots/{name}.png\n")), "{stdout}");
         let svg = folder.read(&format!("plots/{name}.svg"));
-        assert!(svg.contains("hybrid on 4 cells in 2 groups of 2: scene room"), "{name} tells what ran");
+        assert!(
+            svg.contains("hybrid on 4 cells in 2 groups of 2: scene room (45 polygons), 120 rays, partition regular"),
+            "{name} tells what ran"
+        );
         assert!(svg.contains("@font-face"), "{name} brings its font");
         assert!(!svg.contains("href"), "{name} asks for nothing");
         let file = std::io::BufReader::new(std::fs::File::open(folder.path(&format!("plots/{name}.png"))).unwrap());
@@ -54,17 +59,41 @@ fn a_replay_has_the_same_views_as_its_run() {
     assert_eq!(figures("run.html"), figures("replay.html"));
 }
 
-/// What a page does once it is open: turns the wheel over one chart, tells on which stretch each of them then stands and
-/// whether anything is wider than the window, and hides a cell's charts by a click.
+/// What a page does once it is open: turns the wheel over one chart, at first without Ctrl, tells on which stretch each of them
+/// then stands, whether anything is wider than the window or cut off, and which colours its overviews have that no legend
+/// tells; it moves in a chart by keys, and hides a cell's charts by a click.
 const USE: &str = "<script>
 setTimeout(() => {
   const { over } = charts[0].chart, { left, top, width } = over.getBoundingClientRect();
-  over.dispatchEvent(new WheelEvent('wheel', { deltaY: -1, clientX: left + width / 2, clientY: top + 5, bubbles: true }));
   const told = document.body.dataset;
+  const turned = { deltaY: -1, clientX: left + width / 2, clientY: top + 5, bubbles: true, cancelable: true };
+  told.scrolls = over.dispatchEvent(new WheelEvent('wheel', turned));
+  told.stays = view.max - view.min === run.end;
+  const known = [...document.querySelectorAll('.legend i')].map((square) => getComputedStyle(square).backgroundColor);
+  const ours = new Set([...known, 'rgb(255, 255, 255)']);
+  const foreign = new Set();
+  for (const { chart: { ctx, bbox }, place } of charts.filter(({ place }) => place.parentElement.id === 'overview').slice(1)) {
+    const { data } = ctx.getImageData(bbox.left, bbox.top, bbox.width, bbox.height);
+    for (let at = 0; at < data.length; at += 4) {
+      const color = `rgb(${data[at]}, ${data[at + 1]}, ${data[at + 2]})`;
+      if (!ours.has(color)) foreign.add(`${color} in ${place.getAttribute('aria-label')}`);
+    }
+  }
+  told.foreign = [...foreign].slice(0, 9).join('; ');
+  const drawing = document.querySelector('#array svg'), around = document.getElementById('array');
+  told.whole = around.scrollHeight <= around.clientHeight && drawing.getBoundingClientRect().height <= around.clientHeight;
+  over.dispatchEvent(new WheelEvent('wheel', { ...turned, ctrlKey: true }));
   setTimeout(() => {
+    told.window = document.getElementById('window').textContent;
     const near = (a, b) => Math.abs(a - b) < 0.01 * run.end;
     told.zoomed = charts.filter(({ chart: { scales: { x } } }) => near(x.min, run.end / 8) && near(x.max, run.end * 7 / 8)).length;
     told.fits = document.documentElement.scrollWidth <= innerWidth;
+    charts[0].place.focus();
+    const press = (key) => charts[0].place.dispatchEvent(new KeyboardEvent('keydown', { key, cancelable: true }));
+    press('d');
+    told.moved = near(view.min, run.end / 4) || near(view.min, run.end * 5 / 16);
+    press('0');
+    told.back = view.min === 0 && view.max === run.end;
     document.querySelector('.station.selected').dispatchEvent(new MouseEvent('click'));
   }, 200);
 }, 200);
@@ -74,16 +103,30 @@ setTimeout(() => {
 fn a_page_opens_in_a_browser_and_its_charts_move_together() {
     let Some(browser) = browser() else { return };
     let folder = Folder::new();
-    // Four cells, the rays, eight FIFOs.
+    // Four cells, the rays done and those on their way, eight FIFOs.
     folder.run(&format!("{RUN} --page few.html")).success();
     let few = opened(browser, &folder, "few", "1280,800");
-    assert!(few.contains("data-zoomed=\"13\""), "all charts stand on the stretch that one was zoomed to");
-    assert!(few.contains("data-charts=\"11\""), "a click has hidden a cell and its FIFO");
+    assert!(few.contains("data-scrolls=\"true\"") && few.contains("data-stays=\"true\""), "the wheel scrolls the page");
+    assert!(few.contains("data-zoomed=\"14\""), "all charts stand on the stretch that one was zoomed to");
+    assert!(few.contains("data-moved=\"true\"") && few.contains("data-back=\"true\""), "keys move along the run");
+    assert!(few.contains("data-charts=\"12\""), "a click has hidden a cell and its FIFO");
+    let shown = few.split("data-window=\"").nth(1).unwrap().split('"').next().unwrap();
+    folder.run(&format!("{RUN} {shown} --page part.html")).success();
+    let part = folder.read("part.html");
+    let (from, until) = shown.trim_start_matches("--trace-window ").split_once("..").unwrap();
+    assert!(
+        part.contains(&format!("\"window\":{{\"from\":{from},\"until\":{until},")),
+        "{shown} is what the page says"
+    );
     assert!(few.contains("cell 3") && few.contains("data:image/png"), "the array and the picture are there");
-    folder.run("--mode broadcast --cells 40 --scene teapot --size 12x10 --page many.html").success();
-    for window in ["1280,800", "900,800", "1920,1080"] {
+    for (cells, window) in [(40, "1280,800"), (130, "900,800"), (256, "1920,1080")] {
+        let run = format!("--mode broadcast --cells {cells} --scene teapot --size 8x6 --page many.html --force");
+        folder.run(&run).success();
         let many = opened(browser, &folder, "many", window);
         assert!(many.contains("data-fits=\"true\""), "nothing is wider than a window of {window}");
+        assert!(many.contains("data-whole=\"true\""), "the array is not cut off");
+        let foreign = many.split("data-foreign=\"").nth(1).unwrap().split('"').next().unwrap();
+        assert_eq!(foreign, "", "{cells} cells have no colour that the legend lacks");
         assert!(many.contains("all FIFOs on Y") && many.contains("class=\"station"), "{window}");
     }
 }
@@ -103,6 +146,57 @@ fn a_farms_page_opens_in_a_browser() {
     }
 }
 
+/// The moments that a page tells of: of some cells at some times.
+const ASK: &str = "<script>
+const asked = [];
+for (const station of [0, 1, 3]) {
+  for (const share of [0.02, 0.11, 0.3, 0.57, 0.9]) {
+    const cycle = Math.floor(share * run.cycles);
+    asked.push(`ask ${station} ${cycle}`, ...chainOf(station, cycle).map(sentenceOf));
+  }
+}
+document.body.append(element('pre', { id: 'asked' }, asked.join(String.fromCharCode(10))));
+</script>";
+
+/// The page and `why` tell the same of a moment, but that the page knows states where `why` knows units of work.
+#[test]
+fn a_page_tells_who_waits_for_whom_as_why_does() {
+    let Some(browser) = browser() else { return };
+    let folder = Folder::new();
+    let run = "--mode hybrid --cells 4 --scene room --size 12x10 --fifo-words 8";
+    folder.run(&format!("{run} --page a.html")).success();
+    let page = opened_with(browser, &folder, "a", "1280,800", ASK);
+    let asked = page.split("<pre id=\"asked\">").nth(1).unwrap().split("</pre>").next().unwrap();
+    let mut waits = 0;
+    for block in asked.split("ask ").skip(1) {
+        let mut lines = block.trim_end().lines();
+        let (cell, cycle) = lines.next().unwrap().split_once(' ').unwrap();
+        let why = folder.run(&format!("why {run} --cell {cell} --at {cycle}")).success();
+        let told: Vec<String> = why.lines().skip_while(|line| !line.starts_with("cycle ")).skip(1).map(plain).collect();
+        let told_by_page: Vec<String> = lines.map(plain).collect();
+        assert_eq!(told_by_page, told, "cell {cell} in cycle {cycle}");
+        waits += told.iter().filter(|line| line.contains("is full") || line.contains("is empty")).count();
+    }
+    assert!(waits >= 6, "only {waits} waits");
+}
+
+/// A line on what somebody does, without what only one of the two knows: what exactly a cell works on, or moves.
+fn plain(line: &str) -> String {
+    for (what, kept) in [(" works (", " works"), (" moves a word", " moves a word")] {
+        if let Some((who, rest)) = line.split_once(what) {
+            let ray = rest.rsplit_once(", ray ").map_or("", |ray| ray.1);
+            return format!("{who}{kept}, ray {ray}");
+        }
+    }
+    match line.split_once(" waits for a word that ") {
+        Some((who, rest)) => {
+            let (_, times) = rest.split_once(", from cycle ").unwrap();
+            format!("{who} waits for a word on its way, from cycle {times}")
+        }
+        None => line.to_owned(),
+    }
+}
+
 /// A browser, if there is one.
 fn browser() -> Option<&'static str> {
     let browsers = ["chromium", "chromium-browser", "google-chrome"];
@@ -117,13 +211,18 @@ fn browser() -> Option<&'static str> {
 
 /// What is in a page after it was opened in a window of that size, and used.
 fn opened(browser: &str, folder: &Folder, name: &str, window: &str) -> String {
+    opened_with(browser, folder, name, window, USE)
+}
+
+/// What is in it after a script has run in it.
+fn opened_with(browser: &str, folder: &Folder, name: &str, window: &str, script: &str) -> String {
     let page = folder.read(&format!("{name}.html"));
     assert!(page.matches("http://").count() == page.matches("http://www.w3.org").count());
     assert!(
         !page.contains("src=\"http") && !page.contains("<link rel=\"stylesheet\""),
         "it asks the network for nothing"
     );
-    folder.file("used.html", page.replace("</body>", &format!("{USE}</body>")));
+    folder.file("used.html", page.replace("</body>", &format!("{script}</body>")));
     let profile = tempfile::tempdir().unwrap();
     let output = Command::new(browser)
         .args("--headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking".split(' '))
@@ -156,9 +255,15 @@ fn next_to_nothing_can_be_seen() {
 fn a_run_of_no_cycles_can_be_drawn() {
     for cells in [1, 20] {
         let spec = MachineSpec::default();
-        let (_, observed) =
-            Array::new(&spec, &crate::support::random_ops::costs(), cells).probed().finish_observed().unwrap();
-        let caption = Caption { title: "nothing".to_owned(), machine: "none".to_owned() };
-        assert!(plot::pictures(&observed.profile.unwrap(), None, spec.clock(), &caption, &[]).unwrap().len() >= 5);
+        let (_, observed) = Array::new(&spec, &crate::support::random_ops::costs(), cells)
+            .probed()
+            .recorded(ALL, 9)
+            .finish_observed()
+            .unwrap();
+        let caption = Caption { title: "nothing".to_owned(), partition: None, machine: "none".to_owned() };
+        let profile = &observed.profile.unwrap();
+        let recording = observed.recording.as_ref();
+        let run = Run { caption: &caption, clock: spec.clock(), profile, recording, path: None, cell_names: &[] };
+        assert!(plot::pictures(&run).unwrap().len() >= 6);
     }
 }

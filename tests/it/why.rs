@@ -58,7 +58,7 @@ fn tells_the_parts_of_an_image() {
     let machine = "--host-ray-us 40 --host-hit-us 200 --in-flight 3";
     let run = format!("image room -o a.png --size 12x12 {machine} --why --ops a.ops --stats image.json");
     let told = folder.run(&run).success();
-    assert!(told.contains("in the order in which it sent them"), "{told}");
+    assert!(told.contains("in the order in\nwhich it sent them"), "{told}");
     let image = stats(&folder, "image.json");
     assert_eq!(sum(&image["why"]["times"]), image["cycles"].as_u64().unwrap());
     folder.run("why a.ops --stats replay.json").success();

@@ -17,7 +17,10 @@ from ._native import (
     Program,
     Run,
     Scene,
+    Sizes,
+    Stepping,
     Table,
+    Why,
     __version__,
     assemble,
     farm,
@@ -27,7 +30,9 @@ from ._native import (
     replay,
     run,
     scenes,
+    size_fifos,
     sweep,
+    why,
 )
 
 __all__ = [
@@ -41,7 +46,10 @@ __all__ = [
     "Program",
     "Run",
     "Scene",
+    "Sizes",
+    "Stepping",
     "Table",
+    "Why",
     "__version__",
     "assemble",
     "farm",
@@ -51,5 +59,7 @@ __all__ = [
     "replay",
     "run",
     "scenes",
+    "size_fifos",
     "sweep",
+    "why",
 ]

@@ -17,10 +17,11 @@ from ._parameters import (
     ModelParameters,
     RunParameters,
 )
-from ._types import CellState, Counts, Timelines, Wait
+from ._types import CellState, Counts, Doing, Timelines, Wait
 
 _Path = str | PathLike[str]
 _Point = tuple[float, float, float]
+_Words = _Path | Iterable[float]
 
 __version__: str
 
@@ -90,7 +91,7 @@ class Picture:
     def png(self) -> bytes:
         """As PNG."""
     def save(self, path: _Path, *, force: bool = False) -> None:
-        """Writes the picture: a name that ends in .svg or .png says as what."""
+        """Writes the picture: a name that ends in .svg, .png or .pdf says as what."""
     def _repr_png_(self) -> bytes: ...
 
 @final
@@ -179,7 +180,8 @@ class Run:
     def fifos(self) -> Table:
         """What every FIFO held: a row a FIFO.
 
-        `capacity`, `words` (through it), `max` and `mean` are in words; `full` and `empty` are shares of the run.
+        `capacity`, `words` (through it), `max` and `mean` are in words; `full` and `empty` are shares of the run. Asked
+        for by `enough`, that is the depth from which nothing changes any more, in words.
         """
     @property
     def hits(self) -> NDArray[np.void]:
@@ -271,8 +273,8 @@ class CellProgram:
         """Writes the object file, the listing."""
     def step(
         self,
-        x: _Path | Iterable[float] | None = None,
-        y: _Path | Iterable[float] | None = None,
+        x: _Words | None = None,
+        y: _Words | None = None,
         *,
         instructions: int | None = None,
         instruction_limit: int | None = None,
@@ -282,6 +284,102 @@ class CellProgram:
         Words are integers, floating-point numbers, or a file as `pcs-sim step` takes it. It goes on from message to
         message until it halts, wants a word where no more come, or has executed so many `instructions`.
         """
+    def start(
+        self, x: _Words | None = None, y: _Words | None = None, *, instruction_limit: int | None = None
+    ) -> Stepping:
+        """Begins to run the program on words, an instruction at a time."""
+
+@final
+class Stepping:
+    """A cell's program under way, an instruction at a time, on words that may come later.
+
+    `CellProgram.start` makes it. What a cell does depends on its words alone, so all that is kept is how far it is:
+    each call runs the program from its start to there.
+    """
+
+    def step(self, instructions: int = 1) -> CellState:
+        """Executes so many instructions, or fewer if the cell then stands still or comes to a breakpoint.
+
+        Gives what `CellProgram.step` does; `stopped` may also be "done" (with a message) and "breakpoint".
+        """
+    def run(self) -> CellState:
+        """Goes on to a breakpoint, or until the cell stands still.
+
+        It does when it is done with a message, has halted, or is without a word that it wants.
+        """
+    def feed(self, x: _Words | None = None, y: _Words | None = None) -> None:
+        """Lets more words come on X and Y."""
+    def break_at(self, *places: int | str) -> None:
+        """Sets breakpoints, in place of those that were set.
+
+        They are addresses, labels, or lines of the program's own file as texts.
+        """
+    @property
+    def state(self) -> CellState:
+        """What the cell is at now, without executing anything."""
+
+@final
+class Why:
+    """Why a run took as long as it did: its critical path, or what happened in one moment of it."""
+
+    @property
+    def run(self) -> Run:
+        """The run: its statistics, plots and page have the critical path, too."""
+    @property
+    def cycles(self) -> int:
+        """The length of the run and of the path, in cycles."""
+    @property
+    def sentence(self) -> str:
+        """What the path is made of, for the most part."""
+    @property
+    def times(self) -> Table:
+        """The machine's times on the path, the longest first.
+
+        The `time`, the cell that it is `at` (with `by_cell`), `count` (how often it lies there, so by how many cycles
+        the run gets shorter if it does by one), `each` in cycles, `cycles` of all, and whether it `varies` from machine
+        to machine.
+        """
+    @property
+    def parts(self) -> Table:
+        """The parts of the path by place and cause.
+
+        Who it is `at`, the `cause`, the `fifo` if it is about one, `count`, `cycles`, and the `share` of the run. The
+        cycles sum to the run.
+        """
+    @property
+    def waits(self) -> list[Doing] | None:
+        """Who waits for whom in the moment that was asked for, down to one that does not wait. None without one."""
+    def _repr_html_(self) -> str: ...
+
+@final
+class Sizes:
+    """The fewest words that the FIFOs of a run need for each speed."""
+
+    @property
+    def table(self) -> Table:
+        """What was found, as the command writes it.
+
+        A row for the unlimited depths, for each speed, for each of its FIFOs with a word fewer, and for the least
+        machine.
+        """
+    @property
+    def replays(self) -> int:
+        """How often the recording was timed."""
+    def words(self, speed: float) -> dict[str, int]:
+        """The depths of the FIFOs for a speed, by their names."""
+    def machine(self, speed: float) -> Machine:
+        """The machine for a speed."""
+    def plots(self) -> dict[str, Picture]:
+        """Pictures.
+
+        `front` is the speed over the words of all FIFOs, `depths` that of each FIFO for each speed.
+        """
+    def save(self, table: _Path, *, plot: bool = False, machines: bool = False, force: bool = False) -> list[Path]:
+        """Writes the table, as CSV and as Parquet, and beside it the pictures and the machine of each speed.
+
+        Gives the files that it wrote.
+        """
+    def _repr_html_(self) -> str: ...
 
 def assemble(file: _Path, *, machine: _Path | Mapping[str, Any] | Machine | None = None) -> CellProgram:
     """Assembles a cell's program: source text, or an object file. `machine` says what instructions cost."""
@@ -292,6 +390,8 @@ def run(
     config: _Path | Mapping[str, Any] | Run | None = None,
     ops: _Path | None = None,
     ops_form: str = "units",
+    why: bool = False,
+    enough: bool = False,
     force: bool = False,
     threads: int | None = None,
     progress: bool | None = None,
@@ -303,6 +403,7 @@ def run(
     what is left out is as the command has it. `scene` is a built-in scene, a file or a `Scene`; `rays` a file or an
     array; `machine` and `program` a file, a dict, or a `Machine` or `Program`. `config` is a run to be repeated, with
     changes: a file of statistics, `Run.stats`, or a `Run`. `ops` names a file for what every cell did, for `replay`.
+    `why` and `enough` add to text, statistics, plots and page what the command's flags of these names do.
     """
 
 def image(
@@ -311,6 +412,8 @@ def image(
     config: _Path | Mapping[str, Any] | Run | None = None,
     ops: _Path | None = None,
     ops_form: str = "units",
+    why: bool = False,
+    enough: bool = False,
     force: bool = False,
     threads: int | None = None,
     progress: bool | None = None,
@@ -339,6 +442,8 @@ def replay(
     ops: _Path | None = None,
     *,
     config: _Path | Mapping[str, Any] | Run | None = None,
+    why: bool = False,
+    enough: bool = False,
     progress: bool | None = None,
     **parameters: Unpack[MachineParameters],
 ) -> Run:
@@ -361,6 +466,43 @@ def model(
 
     Takes the parameters of `run`, but for those of cells that run programs. With `predict_only` nothing is simulated:
     seconds where the simulation may take minutes.
+    """
+
+def why(
+    scene: _Path | Scene | None = None,
+    *,
+    ops: _Path | None = None,
+    config: _Path | Mapping[str, Any] | Run | None = None,
+    by_cell: bool = False,
+    cell: int | str | None = None,
+    at: int | str | None = None,
+    ray: int | None = None,
+    enough: bool = False,
+    threads: int | None = None,
+    progress: bool | None = None,
+    **parameters: Unpack[RunParameters],
+) -> Why:
+    """Finds out why a run, or a recorded trace, took as long as it did.
+
+    Takes the parameters of `run`; or `ops`, a recorded trace to be timed again, and those of the machine. `by_cell`
+    tells the times of each cell by themselves. With `cell` (a number, or "host") it is about one moment, and who then
+    waits for whom: `at` a cycle or a time as "12.3ms", or in the middle of the longest wait of the cell while it is at
+    a `ray`.
+    """
+
+def size_fifos(
+    scene: _Path | Scene | None = None,
+    *,
+    ops: _Path | None = None,
+    config: _Path | Mapping[str, Any] | Run | None = None,
+    speed: float | Sequence[float] | None = None,
+    progress: bool | None = None,
+    **parameters: Unpack[RunParameters],
+) -> Sizes:
+    """Finds the fewest words that the FIFOs of a run, or of a recorded trace, need for some speeds.
+
+    Takes the parameters of `run`, but for the FIFOs' depths; or `ops`, a recorded trace, and parameters of the machine.
+    `speed` is a percentage of the speed with unlimited FIFOs, or several (100, 99.9, 99, 95 and 90).
     """
 
 def sweep(

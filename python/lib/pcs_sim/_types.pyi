@@ -61,11 +61,32 @@ class Timelines(TypedDict):
     rays: NDArray[np.uint64]
     """How many answers came back in each bin."""
 
+class Doing(TypedDict):
+    """What somebody does in one cycle."""
+
+    actor: str
+    """Who it is: "cell 3", "the host"."""
+    does: str
+    """ "works", "moves", "waits" or "done"."""
+    fifo: str | None
+    """The FIFO that it waits at."""
+    ray: int | None
+    """The ray that it is for."""
+    since: int
+    """The cycle since when."""
+    until: int
+    """The first cycle after it."""
+    text: str
+    """All of it, as a sentence."""
+
 class CellState(TypedDict):
     """A cell that has run a program."""
 
     stopped: str | None
-    """Why it stands still: "halted", or "x" or "y" for a word from there; None if it does not."""
+    """Why it stands still: "halted", or "x" or "y" for a word from there; None if it does not.
+
+    Of a program that is run an instruction at a time also "done" (with a message) and "breakpoint".
+    """
     messages: int
     """Messages that are done."""
     executed: int

@@ -27,7 +27,7 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
 }
 
 fn run(args: &SweepArgs, sweep: &Sweep, table: &Path) -> Result<(), Failure> {
-    let results = ["csv", "parquet", "journal"].map(|ending| table.with_extension(ending));
+    let results = ["csv", "parquet", "sweep.ron", "journal"].map(|ending| table.with_extension(ending));
     let inputs: Vec<Option<&Path>> = sweep.files().chain([args.sweep.as_path()]).map(Some).collect();
     outputs::check_distinct(&results.each_ref().map(Some), &inputs)?;
     let plots = Plots::open(args, table, &sweep.columns())?;
@@ -45,7 +45,7 @@ fn run(args: &SweepArgs, sweep: &Sweep, table: &Path) -> Result<(), Failure> {
     bar.finish_and_clear();
     tell(&notes);
     let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();
-    plots.write(sweep, &record.table(), &mut written)?;
+    plots.write(&record.table(), &mut written)?;
     print(&format!("{}{}", account(&record, before), outputs::list(&written)))?;
     match record.failures().count() {
         failed if failed > 0 && !args.accept_failures => {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::causes::{Causes, Past, Stand};
 use super::cell::Cell;
 use super::cursor::Halt;
+use super::departures::Departures;
 use super::fifo::Fifo;
 use super::link::{Link, ends};
 use super::observers::Observers;
@@ -15,8 +16,11 @@ use super::probe::Probe;
 use super::recorder::Recorder;
 use super::states::{blocked, states, waiting};
 use super::stuck::{self, Stuck};
+use super::unlimited::Coming;
 use crate::machine::{FifoName, MachineSpec};
-use crate::measure::{Actor, FifoInfo, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology, When};
+use crate::measure::{
+    Actor, FifoInfo, FifoStats, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology, When,
+};
 use crate::quantities::{Cycles, Words};
 use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 
@@ -52,9 +56,9 @@ use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
 #[derive(Debug)]
 pub struct Array {
     /// `links[i]` leads into cell i, and on Z out of it to the left; the last one leads back to the host, on Y only.
-    links: Vec<Link>,
-    host: CellAt,
-    cells: Vec<CellAt>,
+    pub(super) links: Vec<Link>,
+    pub(super) host: CellAt,
+    pub(super) cells: Vec<CellAt>,
     batches: VecDeque<OpBatch>,
     /// How many batches have been dropped from the front of `batches`.
     dropped: usize,
@@ -67,12 +71,16 @@ pub struct Array {
     limit: u64,
     /// See what happens when, if asked to. Boxed, as most arrays have none.
     observers: Option<Box<Observers>>,
+    /// What its FIFOs must have room for, if they have no limit.
+    pub(super) coming: Option<Coming>,
+    /// The same ops without such a limit, if it is asked for.
+    unlimited: Option<Box<Array>>,
 }
 
 /// A cell and its place in the batches.
 #[derive(Debug)]
-struct CellAt {
-    cell: Cell,
+pub(super) struct CellAt {
+    pub(super) cell: Cell,
     /// The number of the batch that it is in, counted from the start of the run.
     batch: usize,
     halt: Halt,
@@ -118,6 +126,8 @@ impl Array {
             returned: Vec::new(),
             limit: limit.0,
             observers: None,
+            coming: None,
+            unlimited: None,
         }
     }
 
@@ -144,11 +154,25 @@ impl Array {
         self
     }
 
+    /// The same, noting when jobs leave, so that [`Array::next_latency`] can tell how long each took. To be asked for before any ops
+    /// are fed.
+    pub fn noting_departures(mut self) -> Array {
+        self.observers.get_or_insert_default().departures = Some(Departures::default());
+        self
+    }
+
     /// The same for an array that is [explained](Array::explained): it also looks for what everybody does in one cycle. Of a
     /// job, [`Array::finish_observed`] tells the cycle; only one that is known before can be looked at.
     pub fn looking_at(mut self, when: When) -> Array {
         let causes = self.observers.as_mut().and_then(|observers| observers.causes.as_mut());
         causes.into_iter().for_each(|causes| causes.look(when));
+        self
+    }
+
+    /// The same, beside one that is [unlimited](Array::unlimited) and does the same ops, so that the statistics tell of each FIFO
+    /// the depth from which nothing changes any more. To be asked for before any ops are fed.
+    pub fn beside_unlimited(mut self, spec: &MachineSpec, costs: &Costs) -> Array {
+        self.unlimited = Some(Box::new(Array::unlimited(spec, costs, self.cells.len())));
         self
     }
 
@@ -160,6 +184,12 @@ impl Array {
     pub fn feed(&mut self, batch: OpBatch) -> Result<(), BatchError> {
         batch.check(self.cells.len())?;
         self.jobs += batch.host.lines().len() as u64;
+        self.make_room(&batch);
+        if let Some(unlimited) = &mut self.unlimited {
+            let mut copy = unlimited.take_spent().unwrap_or_default();
+            copy.clone_from(&batch);
+            unlimited.feed(copy)?;
+        }
         if let Some(observers) = &mut self.observers {
             observers.fed(&batch);
         }
@@ -180,7 +210,10 @@ impl Array {
         }
         let stations = || std::iter::once(&self.host).chain(&self.cells);
         let helpless = stations().all(|s| !matches!(s.halt, Halt::OutOfOps | Halt::Limit));
-        if helpless { Err(self.stuck()) } else { Ok(()) }
+        if helpless {
+            return Err(self.stuck());
+        }
+        self.unlimited.as_mut().map_or(Ok(()), |unlimited| unlimited.run())
     }
 
     /// The first cycle that the host has not spent on the ops fed so far, as far as they have been done.
@@ -191,6 +224,13 @@ impl Array {
     /// The cycle in which the host reads the last word of the n-th message (from 0), if it is known.
     pub fn returned_in(&self, message: u64) -> Option<Cycles> {
         self.returned.get(message as usize).copied().map(Cycles)
+    }
+
+    /// How long the next job took whose answer came back in cycle `returned`, in an array that [notes](Array::noting_departures)
+    /// when jobs leave: jobs are told in the order in which they were sent, each once.
+    pub fn next_latency(&mut self, returned: Cycles) -> Option<Cycles> {
+        let sent = self.observers.as_mut()?.departures.as_mut()?.next()?;
+        Some(Departures::latency(sent, returned.0))
     }
 
     /// What has been worked out by now. Takes no longer than a few reads for each cell.
@@ -317,7 +357,7 @@ impl Array {
     /// Brings what is known of a link's FIFOs up to date, after a stretch of reads or of writes.
     fn follow_link(&mut self, index: usize) {
         let link = &mut self.links[index];
-        link.track_max();
+        link.follow();
         if let Some(observers) = &mut self.observers {
             observers.follow(index, link);
         }
@@ -327,7 +367,7 @@ impl Array {
     fn collect_returns(&mut self) {
         let inbox = &mut self.links[self.cells.len()].y;
         while let Some(ready) = inbox.ready().filter(|ready| *ready < self.limit) {
-            inbox.read_one(ready, ready);
+            inbox.read_one(ready);
             if inbox.words_read().is_multiple_of(self.vocabulary.answer_words) {
                 self.returned.push(ready);
                 if let Some(observers) = &mut self.observers {
@@ -374,20 +414,25 @@ impl Array {
     }
 
     fn measured(&self, cycles: u64) -> Measured {
+        let enough = self.unlimited.as_ref().map(|unlimited| unlimited.enough());
+        let fifo = |(index, (link, channel)): (usize, (usize, Channel))| FifoStats {
+            enough: enough.as_ref().and_then(|enough| enough.get(index).copied()),
+            ..self.links[link].fifo(channel).stats(cycles)
+        };
         let links = self.links.iter().zip((0..self.cells.len()).map(Actor::Station).chain([Actor::Host]));
         Measured {
             topology: Arc::new(self.topology()),
             cycles: Cycles(cycles),
             jobs: self.jobs,
             stations: self.cells.iter().map(|at| at.cell.times(cycles)).collect(),
-            fifos: self.fifos().map(|(link, channel)| self.links[link].fifo(channel).stats(cycles)).collect(),
+            fifos: self.fifos().enumerate().map(fifo).collect(),
             links: links.map(|(link, into)| LinkStats { into: Some(into), busy: Cycles(link.busy(cycles)) }).collect(),
         }
     }
 
     /// The FIFOs, by link and channel: `X0`, `X1`, ..., then `Y1`, `Y2`, ..., `Yhost`; then those of `Z0`, `Z1`, ... once
     /// they have carried a word.
-    fn fifos(&self) -> impl Iterator<Item = (usize, Channel)> + '_ {
+    pub(super) fn fifos(&self) -> impl Iterator<Item = (usize, Channel)> + '_ {
         let count = self.cells.len();
         let xs = (0..count).map(|link| (link, Channel::X));
         let ys = (1..=count).map(|link| (link, Channel::Y));

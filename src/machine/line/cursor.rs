@@ -127,7 +127,7 @@ impl Cursor {
             if self.clock >= self.limit {
                 return self.halt(Halt::Limit, left);
             }
-            input.read_one(self.clock, ready);
+            input.read_one(self.clock);
             self.clock += 1;
             left -= 1;
         }
@@ -153,7 +153,7 @@ impl Cursor {
             if self.clock >= self.limit {
                 return self.halt(Halt::Limit, left);
             }
-            output.write_one(channel, self.clock, room);
+            output.write_one(channel, self.clock);
             self.clock += 1;
             left -= 1;
         }
@@ -205,8 +205,8 @@ impl Cursor {
             if self.clock >= self.limit {
                 return self.halt(Halt::Limit, left);
             }
-            input.read_one(self.clock, ready);
-            output.write_one(Channel::X, self.clock, room);
+            input.read_one(self.clock);
+            output.write_one(Channel::X, self.clock);
             self.clock += 1;
             left -= 1;
         }

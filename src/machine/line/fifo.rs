@@ -7,6 +7,9 @@ use crate::quantities::{Cycles, Words};
 ///
 /// Contract: words are written in rising cycles, at most one a cycle, and read likewise; a word is read no earlier than
 /// its write plus the latency, and written no earlier than the cycle after the read that freed its slot.
+///
+/// To write or read a word does no more than note its time. What the times come to is counted afterwards, many words at once
+/// ([`Fifo::follow`]): in one long run there are billions of them.
 #[derive(Debug)]
 pub(super) struct Fifo {
     capacity: u64,
@@ -18,22 +21,40 @@ pub(super) struct Fifo {
     free_from: Box<[u64]>,
     written: u64,
     read: u64,
-    last_write: u64,
-    last_read: u64,
-    /// Sums of all read and of all write times: their difference is the time that words spent inside. A deep FIFO in a long
-    /// run holds more than 2^64 words times cycles.
-    read_times: u128,
-    write_times: u128,
-    full: u64,
+    passed: Passed,
+    peak: Peak,
+    /// Whether the peak counts a word that is read in the cycle in which another is written: these two need a place each.
+    counts_places: bool,
+}
+
+/// What the words have come to that have been read.
+#[derive(Clone, Copy, Debug, Default)]
+struct Passed {
+    /// All words before this one are counted.
+    words: u64,
+    /// How long they were inside, all together. A deep FIFO in a long run holds more than 2^64 words times cycles.
+    word_cycles: u128,
+    /// Cycles at whose end nothing was inside, before the last of them was written.
     empty: u64,
+    /// The cycle in which the last of them was read.
+    last_read: u64,
+}
+
+/// How high the FIFO rose, and how long it stood at its capacity.
+#[derive(Clone, Copy, Debug, Default)]
+struct Peak {
+    /// All reads before that of this word have been looked at.
+    words: u64,
     max: u64,
-    /// All reads before this one have been looked at for `max`.
-    max_scanned: u64,
+    full: u64,
 }
 
 /// Words that are looked at together for the maximum: enough for vector instructions, few enough that one that raises it
 /// does not make many be looked at again.
 const MAX_STRETCH: usize = 64;
+
+/// The fewest words that are remembered. More than a shallow FIFO holds, so that there, too, many are counted at once.
+const LEAST_RING: u64 = 64;
 
 /// A ring's length is a power of two.
 #[inline(always)]
@@ -43,7 +64,7 @@ fn slot(word: u64, ring: &[u64]) -> usize {
 
 impl Fifo {
     pub fn new(capacity: u64, latency: u64) -> Fifo {
-        let ring = capacity.next_power_of_two() as usize;
+        let ring = capacity.max(LEAST_RING).next_power_of_two() as usize;
         Fifo {
             capacity,
             latency,
@@ -51,15 +72,49 @@ impl Fifo {
             free_from: vec![0; ring].into(),
             written: 0,
             read: 0,
-            last_write: 0,
-            last_read: 0,
-            read_times: 0,
-            write_times: 0,
-            full: 0,
-            empty: 0,
-            max: 0,
-            max_scanned: 0,
+            passed: Passed::default(),
+            peak: Peak::default(),
+            counts_places: false,
         }
+    }
+
+    /// One that holds all there is, up to so many words: to be [made deep enough](Fifo::make_room) before words are written.
+    pub fn growing(latency: u64) -> Fifo {
+        Fifo { counts_places: true, ..Fifo::new(1, latency) }
+    }
+
+    /// Makes it deep enough for no word to wait until word `until`, if the writer stands at cycle `clock`; but no deeper than
+    /// `most`, a power of two.
+    pub fn make_room(&mut self, until: u64, clock: u64, most: u64) {
+        let oldest = self.written.saturating_sub(self.capacity);
+        let (mut free, mut held) = (oldest, self.read);
+        while free < held {
+            let middle = free + (held - free) / 2;
+            // What was forgotten as it got deeper is free from cycle 0 on.
+            if self.free_from[slot(middle, &self.free_from)] <= clock { free = middle + 1 } else { held = middle }
+        }
+        let needed = (until - free).next_power_of_two().min(most);
+        if needed <= self.capacity {
+            return;
+        }
+        (self.passed, self.peak) = (self.passed(), self.peak());
+        // No word that is written has needed more places than there were; the next ones may.
+        self.peak.words = self.peak.words.min(oldest);
+        let moved = |from: &[u64], until: u64| {
+            let mut ring: Box<[u64]> = vec![0; needed.max(LEAST_RING) as usize].into();
+            for word in oldest..until {
+                let place = slot(word, &ring);
+                ring[place] = from[slot(word, from)];
+            }
+            ring
+        };
+        (self.ready_at, self.free_from) = (moved(&self.ready_at, self.written), moved(&self.free_from, self.read));
+        self.capacity = needed;
+    }
+
+    /// The places that were needed at once: with as many, no word has to wait for one.
+    pub fn places(&self) -> u64 {
+        self.peak().max.max(self.fill()).max(1)
     }
 
     pub fn capacity(&self) -> u64 {
@@ -112,18 +167,18 @@ impl Fifo {
 
     /// The cycle of the last write; 0 before the first.
     pub fn last_write(&self) -> u64 {
-        self.last_write
+        self.written.checked_sub(1).map_or(0, |last| self.write_time(last))
     }
 
     /// The cycle of the last read; 0 before the first.
     pub fn last_read(&self) -> u64 {
-        self.last_read
+        self.read.checked_sub(1).map_or(0, |last| self.read_time(last))
     }
 
     /// The first cycle after the last read and the last write so far.
     pub fn known_until(&self) -> u64 {
-        let first_unread = if self.read > 0 { self.last_read + 1 } else { 0 };
-        let first_unwritten = if self.written > 0 { self.last_write + 1 } else { 0 };
+        let first_unread = if self.read > 0 { self.last_read() + 1 } else { 0 };
+        let first_unwritten = if self.written > 0 { self.last_write() + 1 } else { 0 };
         first_unread.max(first_unwritten)
     }
 
@@ -160,125 +215,129 @@ impl Fifo {
         self.free_from[slot(word.wrapping_sub(self.capacity), &self.free_from)]
     }
 
-    /// The cycle in which the next word to be read was written.
+    /// Writes a word in cycle `at`, in which there is [room](Fifo::room).
     #[inline(always)]
-    fn next_written_in(&self) -> u64 {
-        self.write_time(self.read)
-    }
-
-    /// Writes a word in cycle `at`. It found room from cycle `room` on, as [`Fifo::room`] told.
-    #[inline(always)]
-    pub fn write_one(&mut self, at: u64, room: u64) {
+    pub fn write_one(&mut self, at: u64) {
         self.ready_at[slot(self.written, &self.ready_at)] = at + self.latency;
-        self.count_writes(at, 1, room);
+        self.written += 1;
     }
 
-    /// Reads a word in cycle `at`. It was ready from cycle `ready` on, as [`Fifo::ready`] told.
+    /// Reads a word in cycle `at`, in which it is [ready](Fifo::ready).
     #[inline(always)]
-    pub fn read_one(&mut self, at: u64, ready: u64) {
+    pub fn read_one(&mut self, at: u64) {
         self.free_from[slot(self.read, &self.free_from)] = at + 1;
-        self.count_reads(at, 1, ready - self.latency);
+        self.read += 1;
     }
 
     /// Writes `count` words, one a cycle, the first in cycle `at`; [`Fifo::can_write`] has allowed it.
     #[inline(always)]
     pub fn write_burst(&mut self, at: u64, count: u64) {
-        let room = self.slot_free_from(self.written);
         for k in 0..count {
             self.ready_at[slot(self.written + k, &self.ready_at)] = at + k + self.latency;
         }
-        self.count_writes(at, count, room);
+        self.written += count;
     }
 
     /// Reads `count` words, one a cycle, the first in cycle `at`; [`Fifo::can_read`] has allowed it.
     #[inline(always)]
     pub fn read_burst(&mut self, at: u64, count: u64) {
-        let written_in = self.next_written_in();
         for k in 0..count {
             self.free_from[slot(self.read + k, &self.free_from)] = at + k + 1;
         }
-        self.count_reads(at, count, written_in);
-    }
-
-    #[inline(always)]
-    fn count_writes(&mut self, at: u64, count: u64, room: u64) {
-        // Full from the write before this one until the read that made room. Inside a burst each word finds room at
-        // once, so only its first can end such a time.
-        self.full += room.saturating_sub(self.last_write + 1);
-        self.write_times += sum_of_run(at, count);
-        self.written += count;
-        self.last_write = at + count - 1;
-    }
-
-    #[inline(always)]
-    fn count_reads(&mut self, at: u64, count: u64, written_in: u64) {
-        // Empty from the read before this one until the write of this word; as with `full`, only a burst's first.
-        self.empty += written_in.saturating_sub(self.last_read);
-        self.read_times += sum_of_run(at, count);
         self.read += count;
-        self.last_read = at + count - 1;
     }
 
-    /// Brings the maximum up to date with the words whose times are known. To be called after every stretch of reads and
-    /// after every stretch of writes, before the ring forgets them.
+    /// Brings the statistics up to date before the rings forget a word that is not counted. To be called after every stretch
+    /// of reads and after every stretch of writes.
+    #[inline]
+    pub fn follow(&mut self) {
+        // As far as words can be written, and read, in the next stretch.
+        let next = self.read + self.capacity;
+        if next > self.passed.words.min(self.peak.words) + self.ready_at.len() as u64 {
+            self.passed = self.passed();
+            self.peak = self.peak();
+        }
+    }
+
+    /// What all words that have been read come to.
+    fn passed(&self) -> Passed {
+        let mut passed = self.passed;
+        while passed.words < self.read {
+            let first = slot(passed.words, &self.ready_at);
+            let stretch = ((self.read - passed.words) as usize).min(self.ready_at.len() - first);
+            let times = self.ready_at[first..first + stretch].iter().zip(&self.free_from[first..first + stretch]);
+            for (ready_at, free_from) in times {
+                let (write, read) = (ready_at - self.latency, free_from - 1);
+                passed.word_cycles += u128::from(read - write);
+                // Empty from the read before this one until the write of this word.
+                passed.empty += write.saturating_sub(passed.last_read);
+                passed.last_read = read;
+            }
+            passed.words += stretch as u64;
+        }
+        passed
+    }
+
+    /// The maximum among the words whose times are known, and once that is the capacity, how long it lasts.
     ///
     /// The occupancy falls only by reads, so its maximum stands just before one: before the read of word i it is above m
     /// if word i + m was written in an earlier cycle.
-    pub fn track_max(&mut self) {
-        while self.max < self.capacity {
-            let known = self.read.min(self.written.saturating_sub(self.max));
-            let early = slot(self.max_scanned, &self.free_from);
-            let late = slot(self.max_scanned + self.max, &self.ready_at);
-            let length = known.saturating_sub(self.max_scanned) as usize;
-            let stretch = length.min(self.free_from.len() - early.max(late)).min(MAX_STRETCH);
+    fn peak(&self) -> Peak {
+        let mut peak = self.peak;
+        while peak.max < self.capacity {
+            let (reads, writes) = self.known_from(peak.words, peak.max);
+            let stretch = reads.len().min(MAX_STRETCH);
             if stretch == 0 {
-                return;
+                return peak;
             }
-            let reads = &self.free_from[early..early + stretch];
-            let writes = &self.ready_at[late..late + stretch];
-            // Written before read: ready_at - latency < free_from - 1, here as the sign of the difference.
-            let offset = 1u64.wrapping_sub(self.latency);
+            // Written before read: ready_at - latency < free_from - 1, here as the sign of the difference; where places are
+            // counted, no later than read.
+            let offset = u64::from(!self.counts_places).wrapping_sub(self.latency);
             let above = |(write, read): (&u64, &u64)| write.wrapping_add(offset).wrapping_sub(*read) as i64;
+            let (reads, writes) = (&reads[..stretch], &writes[..stretch]);
             if writes.iter().zip(reads).map(above).fold(0, |any, sign| any | sign) >= 0 {
-                self.max_scanned += stretch as u64;
+                peak.words += stretch as u64;
             } else if let Some(first) = writes.iter().zip(reads).position(|pair| above(pair) < 0) {
-                self.max_scanned += first as u64;
-                self.max += 1;
+                peak.words += first as u64;
+                peak.max += 1;
             }
         }
+        loop {
+            let (reads, writes) = self.known_from(peak.words, self.capacity - 1);
+            if reads.is_empty() {
+                return peak;
+            }
+            // Full from the write of the word that took the last place until the read of the one that was the first then.
+            let full = |(ready_at, free_from): (&u64, &u64)| (free_from - 1).saturating_sub(ready_at - self.latency);
+            peak.full += writes.iter().zip(reads).map(full).sum::<u64>();
+            peak.words += reads.len() as u64;
+        }
+    }
+
+    /// Of words from `word` on, as far as they lie in a row: the reads, and of each the write of the word so many places
+    /// `behind` it.
+    fn known_from(&self, word: u64, behind: u64) -> (&[u64], &[u64]) {
+        let (early, late) = (slot(word, &self.free_from), slot(word + behind, &self.ready_at));
+        let known = self.read.min(self.written.saturating_sub(behind));
+        let length = known.saturating_sub(word) as usize;
+        let stretch = length.min(self.free_from.len() - early.max(late));
+        (&self.free_from[early..early + stretch], &self.ready_at[late..late + stretch])
     }
 
     /// The statistics of a run that ended after `cycles` cycles: none of its words was written or read in a later one, which
     /// [`Array::until`](super::Array::until) sees to.
     pub fn stats(&self, cycles: u64) -> FifoStats {
-        let inside = self.fill();
-        let unread = inside as u128 * cycles as u128;
+        let (passed, peak) = (self.passed(), self.peak());
+        let inside = (self.read..self.written).map(|word| u128::from(cycles - self.write_time(word)));
+        let filled_in = if self.fill() == 0 { cycles } else { self.write_time(self.read) };
+        let full = if self.fill() == self.capacity { cycles - self.last_write() } else { 0 };
         FifoStats {
             words: Words(self.written),
-            max: Words(self.max.max(inside)),
-            word_cycles: self.read_times + unread - self.write_times,
-            full: Cycles(self.full_cycles(cycles)),
-            empty: Cycles(self.empty_cycles(cycles)),
+            max: Words(peak.max.max(self.fill())),
+            word_cycles: passed.word_cycles + inside.sum::<u128>(),
+            full: Cycles(peak.full + full),
+            empty: Cycles(passed.empty + filled_in.saturating_sub(self.last_read())),
+            enough: None,
         }
     }
-
-    fn full_cycles(&self, cycles: u64) -> u64 {
-        let since_last_write = if self.fill() == self.capacity {
-            cycles - self.last_write
-        } else {
-            self.slot_free_from(self.written).saturating_sub(self.last_write + 1)
-        };
-        self.full + since_last_write
-    }
-
-    fn empty_cycles(&self, cycles: u64) -> u64 {
-        let filled_in = if self.fill() == 0 { cycles } else { self.next_written_in() };
-        self.empty + filled_in.saturating_sub(self.last_read)
-    }
-}
-
-/// at + (at + 1) + ... of `count` terms.
-#[inline(always)]
-fn sum_of_run(at: u64, count: u64) -> u128 {
-    at as u128 * count as u128 + (count * (count - 1) / 2) as u128
 }

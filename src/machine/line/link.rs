@@ -87,10 +87,10 @@ impl Link {
         self.rate.cycles_per_word == 1 && self.fifo(channel).can_write(at, count)
     }
 
-    /// Writes a word in cycle `at`, which found room in the FIFO from cycle `room` on.
+    /// Writes a word in cycle `at`, in which there is room in the FIFO and the wire is free.
     #[inline(always)]
-    pub fn write_one(&mut self, channel: Channel, at: u64, room: u64) {
-        self.fifo_mut(channel).write_one(at, room);
+    pub fn write_one(&mut self, channel: Channel, at: u64) {
+        self.fifo_mut(channel).write_one(at);
         // The writer's own clock keeps words one cycle apart.
         if self.rate.cycles_per_word > 1 {
             self.occupy_wire(channel, at);
@@ -106,12 +106,12 @@ impl Link {
         }
     }
 
-    /// Brings the FIFOs' maxima up to date; see [`Fifo::track_max`].
-    pub fn track_max(&mut self) {
-        self.x.track_max();
-        self.y.track_max();
+    /// Brings the FIFOs' statistics up to date; see [`Fifo::follow`].
+    pub fn follow(&mut self) {
+        self.x.follow();
+        self.y.follow();
         if self.z.words_written() > 0 {
-            self.z.track_max();
+            self.z.follow();
         }
     }
 }

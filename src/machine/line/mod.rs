@@ -18,6 +18,7 @@ mod array;
 mod causes;
 mod cell;
 mod cursor;
+mod departures;
 mod fifo;
 mod hold;
 mod link;
@@ -27,6 +28,7 @@ mod probe;
 mod recorder;
 mod states;
 mod stuck;
+mod unlimited;
 mod watcher;
 
 pub use array::{Array, Unfinished};

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::causes::{Causes, Past};
 use super::cell::Cell;
 use super::cursor::Halt;
+use super::departures::Departures;
 use super::link::Link;
 use super::prices::Prices;
 use super::probe::Probe;
@@ -18,14 +19,16 @@ pub(super) struct Observers {
     pub probe: Option<Probe>,
     pub recorder: Option<Recorder>,
     pub causes: Option<Causes>,
+    pub departures: Option<Departures>,
 }
 
 impl Observers {
     /// The next ops are known.
     pub fn fed(&mut self, batch: &OpBatch) {
         self.probe.iter_mut().for_each(|probe| probe.fed(&batch.host));
-        self.recorder.iter_mut().for_each(|recorder| recorder.fed(&batch.host));
+        self.recorder.iter_mut().for_each(|recorder| recorder.fed(batch));
         self.causes.iter_mut().for_each(|causes| causes.fed(batch));
+        self.departures.iter_mut().for_each(|departures| departures.fed(&batch.host));
     }
 
     /// Does the host's ops of a batch as [`Cell::run_host`], if somebody watches it at this time.
@@ -111,6 +114,9 @@ impl Observers {
     pub fn follow(&mut self, index: usize, link: &Link) {
         self.probe.iter_mut().for_each(|probe| probe.follow(index, link));
         self.recorder.iter_mut().for_each(|recorder| recorder.follow(index, link));
+        if index == 0 {
+            self.departures.iter_mut().for_each(|departures| departures.follow(&link.x));
+        }
     }
 
     /// The host read the last word of the next answer in that cycle.

@@ -9,11 +9,16 @@ const svg = (name, attributes, text) => {
   return element;
 };
 
-// White to the colour of amounts.
-const shade = (percent) => {
-  const mix = (to) => Math.round(255 + (to - 255) * percent / 100);
-  return `rgb(${run.colors.amount_rgb.map(mix).join(",")})`;
-};
+// From the page's ground to the colour of amounts, and what is written on it.
+const shade = (percent) => mixed(ground("ground"), seen(run.colors.amount), percent / 100);
+const inkOn = (percent) => percent > (isDark() ? 65 : 50) ? ground("ground") : ground("ink");
+
+// A key that presses a button.
+function onPress(event, action) {
+  if (event.key !== "Enter" && event.key !== " ") return;
+  event.preventDefault();
+  action();
+}
 
 // Sizes in pixels: for a few cells, and for many.
 const LARGE = { box: 76, height: 92, link: 72, row: 122, bar: 15, x: 30, y: 72, z: 108, font: 13 };
@@ -28,7 +33,7 @@ function drawArray() {
   const plain = count <= 24 ? LARGE : SMALL, more = zs.length ? plain.z - plain.y : 0;
   const size = { ...plain, height: plain.height + more, row: plain.row + more };
   const step = size.box + size.link;
-  const across = Math.max(2, Math.min(Math.floor((place.clientWidth - 8) / step), count + 2));
+  const across = Math.max(2, Math.min(Math.floor(((paperWidth ?? place.clientWidth) - 8) / step), count + 2));
   const lines = Math.ceil((count + 2) / across);
   const drawing = svg("svg", { width: across * step + 4, height: lines * size.row + 4 });
   const left = (at) => (at % across) * step + size.link;
@@ -39,31 +44,31 @@ function drawArray() {
     const group = svg("g", {});
     group.append(svg("title", {}, `${fifo.name}: mean ${fifo.average.toFixed(2)}, at most ${fifo.most} of ` +
       `${fifo.capacity} words, full ${fifo.full_share.toFixed(1)} % of the time`));
-    group.append(svg("line", { x1: from - 4, x2: from + length + 4, y1: middle, y2: middle, stroke: "#444" }));
+    group.append(svg("line", { x1: from - 4, x2: from + length + 4, y1: middle, y2: middle, stroke: ground("line") }));
     const bar = { y: middle - size.bar / 2, height: size.bar };
-    group.append(svg("rect", { ...bar, x: from, width: length, fill: "#fff", stroke: "#444" }));
-    group.append(svg("rect", { ...bar, x: from, width: filled(fifo.most), fill: run.colors.range }));
-    group.append(svg("rect", { ...bar, x: from, width: filled(fifo.average), fill: run.colors.amount }));
+    group.append(svg("rect", { ...bar, x: from, width: length, fill: ground("ground"), stroke: ground("line") }));
+    group.append(svg("rect", { ...bar, x: from, width: filled(fifo.most), fill: seen(run.colors.range) }));
+    group.append(svg("rect", { ...bar, x: from, width: filled(fifo.average), fill: seen(run.colors.amount) }));
     const isFull = fifo.full_share >= 0.05;
-    if (isFull) group.append(svg("rect", { ...bar, x: from + length - 3, width: 3, fill: run.colors.full }));
+    if (isFull) group.append(svg("rect", { ...bar, x: from + length - 3, width: 3, fill: seen(run.colors.full) }));
     if (plain === LARGE) {
-      group.append(svg("text", { x: from, y: middle - size.bar / 2 - 4 }, fifo.name));
+      group.append(svg("text", { x: from, y: middle - size.bar / 2 - 4, fill: ground("ink") }, fifo.name));
       if (isFull) group.append(svg("text", { x: from + length, y: middle - size.bar / 2 - 4, "text-anchor": "end",
-        fill: run.colors.full }, fifo.full_share < 1 ? "< 1 %" : `${Math.round(fifo.full_share)} %`));
+        fill: seen(run.colors.full) }, fifo.full_share < 1 ? "< 1 %" : `${Math.round(fifo.full_share)} %`));
     }
     drawing.append(group);
   };
   const drawBox = (at, fill, ink, lines, hint, station) => {
-    const group = svg("g", station === null ? {} : { class: "station", "data-station": station, tabindex: 0, role: "button" });
+    const group = svg("g", station === null ? {} : { class: "station", "data-station": station, tabindex: 0, role: "button", "aria-label": hint });
     group.append(svg("title", {}, hint));
-    group.append(svg("rect", { x: left(at), y: top(at), width: size.box, height: size.height, rx: 5, fill, stroke: "#444" }));
+    group.append(svg("rect", { x: left(at), y: top(at), width: size.box, height: size.height, rx: 5, fill, stroke: ground("line") }));
     const spacing = size.font + 6;
     const first = top(at) + size.height / 2 - spacing * (lines.length - 1) / 2 + size.font / 3;
     lines.forEach((line, row) => group.append(
       svg("text", { x: left(at) + size.box / 2, y: first + spacing * row, "text-anchor": "middle", fill: ink }, line)));
     if (station !== null) {
       group.addEventListener("click", () => toggle(station));
-      group.addEventListener("keydown", (event) => { if (event.key === "Enter") toggle(station); });
+      group.addEventListener("keydown", (event) => { onPress(event, () => toggle(station)); });
       group.addEventListener("mouseenter", () => point(station));
       group.addEventListener("mouseleave", () => point(null));
     }
@@ -75,14 +80,14 @@ function drawArray() {
   }
   zs.forEach((fifo) => drawFifo(fifo, Number(fifo.name.slice(1)) + 2, size.z));
   const host = (what) => plain === LARGE ? ["host", what] : ["host"];
-  drawBox(0, "#fff", "#000", host("rays"), "The host sends the rays", null);
+  drawBox(0, ground("ground"), ground("ink"), host("rays"), "The host sends the rays", null);
   run.cells.forEach((cell, index) => {
     const name = cell.name === "intersection" ? "inters." : cell.name;
     const lines = plain === LARGE ? [`cell ${index}`, name, `${cell.works.toFixed(1)} %`] : [`${index}`];
-    drawBox(index + 1, shade(cell.works), cell.works > 50 ? "#fff" : "#000", lines.filter((line) => line !== ""),
+    drawBox(index + 1, shade(cell.works), inkOn(cell.works), lines.filter((line) => line !== ""),
       `Cell ${index} ${cell.name} works ${cell.works.toFixed(1)} % of the time`, index);
   });
-  drawBox(count + 1, "#fff", "#000", host("hits"), "The host reads the hits", count);
+  drawBox(count + 1, ground("ground"), ground("ink"), host("hits"), "The host reads the hits", count);
   place.replaceChildren(drawing);
   markSelected();
 }
@@ -93,28 +98,28 @@ function drawArray() {
   const count = run.cells.length;
   const size = count <= 24 ? LARGE : SMALL;
   const step = size.box + 12, buses = 3 * run.buses.length;
-  const across = Math.max(1, Math.min(Math.floor((place.clientWidth - 8) / step), count));
+  const across = Math.max(1, Math.min(Math.floor(((paperWidth ?? place.clientWidth) - 8) / step), count));
   const height = size.height + 16 + buses;
   const drawing = svg("svg", { width: across * step + 4, height: Math.ceil(count / across) * height + 4 });
   run.cells.forEach((cell, index) => {
     const left = (index % across) * step + 2, top = Math.floor(index / across) * height + 2;
-    const group = svg("g", { class: "station", "data-station": index, tabindex: 0, role: "button" });
+    const group = svg("g", { class: "station", "data-station": index, tabindex: 0, role: "button", "aria-label": `${cell.name} works ${cell.works.toFixed(1)} % of the time` });
     group.append(svg("title", {}, `${cell.name} works ${cell.works.toFixed(1)} % of the time`));
-    const box = { width: size.box, height: size.height, rx: 5, fill: shade(cell.works), stroke: "#444" };
+    const box = { width: size.box, height: size.height, rx: 5, fill: shade(cell.works), stroke: ground("line") };
     group.append(svg("rect", { x: left, y: top, ...box }));
     const lines = size === LARGE ? [cell.name, `${cell.works.toFixed(1)} %`] : [`${index}`];
-    const middle = top + size.height / 2 + size.font / 3, ink = cell.works > 50 ? "#fff" : "#000";
+    const middle = top + size.height / 2 + size.font / 3, ink = inkOn(cell.works);
     lines.forEach((line, row) => group.append(svg("text", { x: left + size.box / 2, "text-anchor": "middle", fill: ink,
       y: middle + (size.font + 6) * (row - (lines.length - 1) / 2) }, line)));
     group.addEventListener("click", () => toggle(index));
-    group.addEventListener("keydown", (event) => { if (event.key === "Enter") toggle(index); });
+    group.addEventListener("keydown", (event) => { onPress(event, () => toggle(index)); });
     group.addEventListener("mouseenter", () => point(index));
     group.addEventListener("mouseleave", () => point(null));
     const stem = left + size.box / 2, foot = top + size.height;
-    drawing.append(svg("line", { x1: stem, x2: stem, y1: foot, y2: foot + 4 + buses, stroke: "#444" }), group);
+    drawing.append(svg("line", { x1: stem, x2: stem, y1: foot, y2: foot + 4 + buses, stroke: ground("line") }), group);
     run.buses.forEach((busy, bus) => {
       const y = foot + 6 + 3 * bus;
-      const line = svg("line", { x1: left, x2: left + step, y1: y, y2: y, stroke: run.colors.amount, "stroke-width": 2 });
+      const line = svg("line", { x1: left, x2: left + step, y1: y, y2: y, stroke: seen(run.colors.amount), "stroke-width": 2 });
       line.append(svg("title", {}, `bus ${bus + 1} carries messages for ${busy.toFixed(1)} % of the time`));
       drawing.append(line);
     });
@@ -125,7 +130,9 @@ function drawArray() {
 
 {% endif %}function markSelected() {
   for (const group of document.querySelectorAll(".station")) {
-    group.classList.toggle("selected", selected.has(Number(group.dataset.station)));
+    const isSelected = selected.has(Number(group.dataset.station));
+    group.classList.toggle("selected", isSelected);
+    group.setAttribute("aria-pressed", isSelected);
   }
 }
 

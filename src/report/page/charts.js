@@ -4,14 +4,20 @@
 const decode = (text, Type) => new Type(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
 // Shares of each bin in percent, from hundredths; null stands for none.
 const shares = (text) => text === null ? new Float32Array(run.bins) : Float32Array.from(decode(text, Uint16Array), (part) => part / 100);
-const memo = (make) => { let made; return () => made ??= make(); };
 
 const times = Array.from({ length: run.bins }, (_, bin) => bin * run.bin).concat([run.end]);
 // A curve holds its value to the end of its bin; so does the last one.
 const held = (values) => [...values, values[values.length - 1]];
 const stepped = uPlot.paths.stepped({ align: 1 });
-const binAt = (chart) => chart.cursor.idx == null ? null : Math.min(chart.cursor.idx, run.bins - 1);
-const figure = (value) => `${+value.toPrecision(4)}`;
+// The cycle under a chart's cursor, and its bin; null where there is none.
+const cycleAt = (chart) => {
+  if (chart.cursor.left == null || chart.cursor.left < 0) return null;
+  return Math.max(0, Math.min(Math.floor(chart.posToVal(chart.cursor.left, "x") / run.cycle), run.cycles - 1));
+};
+const binAt = (chart) => {
+  const cycle = cycleAt(chart);
+  return cycle === null ? null : Math.max(0, Math.min(Math.floor(cycle * run.cycle / run.bin + 1e-9), run.bins - 1));
+};
 
 run.cells.forEach((cell) => { cell.shares = memo(() => cell.states.map(shares)); });
 run.fifos.forEach((fifo) => {
@@ -23,70 +29,103 @@ run.fifos.forEach((fifo) => {
 
 const charts = [];
 let view = { min: 0, max: run.end };
-let moving = false;
 
 // Shows a part of the run in all charts.
 function zoom(min, max) {
-  const length = Math.min(Math.max(max - min, run.end * 1e-9), run.end);
+  const length = Math.min(Math.max(max - min, run.end * 1e-9, run.cycle), run.end);
   const start = Math.max(0, Math.min(min, run.end - length));
   view = { min: start, max: start + length };
-  moving = true;
-  for (const { chart } of charts) chart.setScale("x", view);
-  moving = false;
+  for (const { chart, range } of charts) chart.setScale("x", range(view));
+  tellWindow();
 }
 
-const chartWidth = () => document.getElementById("charts").clientWidth;
+// Zooms about a place, which stays where it is.
+const zoomAbout = (at, factor) => zoom(at - (at - view.min) * factor, at + (view.max - at) * factor);
 
-// A chart in a place of its own. `describe` tells what there is in a bin.
+// Which part of the run is on screen, and what makes a page of just that.
+function tellWindow() {
+  const from = Math.max(0, Math.floor(view.min / run.cycle + 1e-6));
+  const until = Math.min(run.cycles, Math.ceil(view.max / run.cycle - 1e-6));
+  document.getElementById("from").textContent = grouped(from);
+  document.getElementById("until").textContent = grouped(until);
+  document.getElementById("window").textContent = `--trace-window ${from}..${until}`;
+}
+
+// A time as the axis tells it: in a unit that suits what is on screen, and in cycles.
+const UNITS = [["s", 1], ["ms", 1e-3], ["µs", 1e-6], ["ns", 1e-9]];
+const secondsOfUnit = Object.fromEntries(UNITS)[run.unit];
+function inBoth(tick, { min, max }) {
+  const [name, seconds] = UNITS.find(([, seconds]) => (max - min) * secondsOfUnit >= 0.5 * seconds) ?? UNITS[3];
+  return `${+(tick * secondsOfUnit / seconds).toPrecision(8)} ${name}\n${grouped(tick / run.cycle)} cycles`;
+}
+
+let paperWidth = null;
+const chartWidth = () => paperWidth ?? document.getElementById("charts").clientWidth;
+
+// Height of all that is not the drawing itself: the title above, two lines of axis below.
+const AROUND = 20 + 40;
+
+// A chart in a place of its own. `describe` tells what there is in a bin; `stationAt` whose moment is under the cursor.
 function addChart(title, station, data, series, options, describe) {
-  const place = document.createElement("div"), name = document.createElement("b");
-  const values = document.createElement("output");
-  place.className = "chart";
+  const stationAt = options.stationAt ?? (() => station === null ? undefined : station < count ? station : null);
+  const range = options.range ?? ((view) => view);
+  const values = element("output", { "aria-live": "off" });
+  const place = element("div", { class: "chart", tabindex: 0, role: "group", "aria-label": title }, element("b", {}, title), values);
   if (station !== null) {
     place.dataset.station = station;
     place.addEventListener("mouseenter", () => point(station));
     place.addEventListener("mouseleave", () => point(null));
   }
-  name.textContent = title;
-  place.append(name, values);
   document.getElementById(options.into ?? "charts").append(place);
-  const axis = { font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
+  const axis = {
+    font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", stroke: () => ground("ink"),
+    grid: { stroke: () => ground("grid"), width: 1 }, ticks: { stroke: () => ground("grid"), width: 1, size: 5 },
+  };
   const chart = new uPlot({
     width: chartWidth(),
     height: options.height,
-    padding: [20, 14, 0, 0],
+    padding: [20, 40, 0, 0],
     cursor: { sync: { key: "run", setSeries: false }, drag: { x: true, y: false }, points: { show: false } },
     legend: { show: false },
     scales: { x: { time: false, range: (chart, min, max) => [min, max] }, y: options.scale },
     axes: [
-      { ...axis, size: 24, values: (chart, ticks) => ticks.map((tick) => `${+tick.toPrecision(8)} ${run.unit}`) },
+      { ...axis, size: 40, space: 104, values: (chart, ticks) => ticks.map((tick) => inBoth(tick, chart.scales.x)) },
       { ...axis, size: 58, label: options.label, labelSize: 18, ...options.axis },
     ],
     series: [{}, ...series.map((one) => ({ ...one, points: { show: false } }))],
     bands: options.bands,
     hooks: {
+      // A stretch that was dragged over: no other chart shows it yet.
       setScale: [(chart, key) => {
-        if (key === "x" && !moving) zoom(chart.scales.x.min, chart.scales.x.max);
+        const { min, max } = chart.scales.x, told = range(view), near = (a, b) => Math.abs(a - b) <= 1e-9 * run.end;
+        if (key === "x" && charts.some((other) => other.chart === chart) && !(near(min, told.min) && near(max, told.max))) zoom(min, max);
       }],
       setCursor: [(chart) => {
         const bin = binAt(chart), text = bin === null ? null : describe(bin, chart);
-        values.textContent = text === null ? "" : `${+times[bin].toPrecision(6)} ${run.unit}: ${text}`;
+        const time = bin === null ? "" : `${+times[bin].toPrecision(6)} ${run.unit}`;
+        values.textContent = text ? `${time}: ${text}` : text === null ? "" : time;
+        if (pointed === chart) tell(bin === null ? undefined : stationAt(chart), cycleAt(chart));
       }],
       draw: options.draw ? [options.draw] : [],
     },
   }, [times, ...data], place);
   addMoves(chart);
-  charts.push({ chart, place, station });
+  addKeys(chart, place, options.rows ?? 1);
+  charts.push({ chart, place, station, range, describe: () => values.textContent });
   return chart;
 }
 
-// Wheel: zoom about the pointer. Shift and drag: move.
+// The chart that the pointer is in, or the keyboard.
+let pointed = null;
+
+// Wheel with Ctrl: zoom about the pointer; without, the page scrolls. Shift and drag: move.
 function addMoves(chart) {
+  chart.over.addEventListener("mouseenter", () => { pointed = chart; });
+  chart.over.addEventListener("mouseleave", () => { pointed = null; hush(); });
   chart.over.addEventListener("wheel", (event) => {
+    if (!event.ctrlKey && !event.metaKey) return;
     event.preventDefault();
-    const at = chart.posToVal(event.offsetX, "x");
-    const factor = event.deltaY < 0 ? 0.75 : 1 / 0.75;
-    zoom(at - (at - view.min) * factor, at + (view.max - at) * factor);
+    zoomAbout(chart.posToVal(event.offsetX, "x"), event.deltaY < 0 ? 0.75 : 1 / 0.75);
   }, { passive: false });
   chart.over.addEventListener("mousedown", (event) => {
     if (!event.shiftKey || event.button !== 0) return;
@@ -99,6 +138,37 @@ function addMoves(chart) {
     addEventListener("mousemove", move);
     addEventListener("mouseup", stop);
   }, true);
+  chart.over.addEventListener("dblclick", () => zoom(0, run.end));
+}
+
+// A chart that has the focus: arrows move its cursor, with Shift by one pixel; + and - zoom about it; A and D move along the
+// run; 0 shows all of it.
+function addKeys(chart, place, rows) {
+  const width = () => chart.over.clientWidth, height = () => chart.over.clientHeight;
+  const at = () => ({ left: chart.cursor.left >= 0 ? chart.cursor.left : width() / 2, top: chart.cursor.top >= 0 ? chart.cursor.top : height() / rows / 2 });
+  const go = (across, down) => {
+    pointed = chart;
+    const { left, top } = at();
+    const row = Math.max(0, Math.min(rows - 1, Math.floor(top / (height() / rows)) + down));
+    chart.setCursor({ left: Math.max(0, Math.min(left + across, width() - 1)), top: (row + 0.5) * height() / rows });
+  };
+  const middle = () => chart.posToVal(at().left, "x");
+  const along = (share) => zoom(view.min + share * (view.max - view.min), view.max + share * (view.max - view.min));
+  place.addEventListener("focus", () => { pointed = chart; });
+  place.addEventListener("blur", () => { pointed = null; chart.setCursor({ left: -10, top: -10 }); hush(); });
+  place.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target !== place) return;
+    const step = event.shiftKey ? 1 : 16;
+    const action = {
+      ArrowLeft: () => go(-step, 0), ArrowRight: () => go(step, 0),
+      ArrowUp: rows > 1 && (() => go(0, -1)), ArrowDown: rows > 1 && (() => go(0, 1)),
+      "+": () => zoomAbout(middle(), 0.75), "=": () => zoomAbout(middle(), 0.75), "-": () => zoomAbout(middle(), 1 / 0.75),
+      a: () => along(-0.25), d: () => along(0.25), 0: () => zoom(0, run.end),
+    }[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  });
 }
 
 const describeCell = (cell, bin) => run.states.map((state, at) => [state.name, cell.shares()[at][bin]])
@@ -137,44 +207,44 @@ function addCell(cell, index) {
   const sums = [];
   cell.shares().forEach((part, state) => sums.push(part.map((share, bin) => share + (state ? sums[state - 1][bin] : 0))));
   const order = run.states.map((_, state) => state).reverse();
-  const series = order.map((state) => ({ fill: run.states[state].color, stroke: "transparent", width: 0, paths: stepped }));
+  const series = order.map((state) => ({ fill: () => seen(run.states[state].color), stroke: "transparent", width: 0, paths: stepped }));
   addChart(`{% if is_line %}cell ${index} {% endif %}${cell.name}`, index, order.map((state) => held(sums[state])), series,
-    { height: 130, scale: { range: [0, path ? 110 : 100] }, label: "% of time",
-      draw: path && ((chart) => mark(chart, "#000", (bin) => Math.min(onPath(index, bin) / 100, 1))) },
+    { height: 146, scale: { range: [0, path ? 110 : 100] }, label: "% of time",
+      draw: path && ((chart) => mark(chart, ground("ink"), (bin) => Math.min(onPath(index, bin) / 100, 1))) },
     (bin) => [describeCell(cell, bin), path && describePath(index, bin)].filter(Boolean).join("; "));
 }
 
-// The level that fills a chart: the capacity belongs into it unless it would press the curve to the ground.
-const levelShown = (most, capacity) => 3 * most >= capacity ? capacity : Math.max(most, 1);
+// All FIFOs have one scale, so that they compare: from 0 to what the deepest holds.
+const deepest = Math.max(1, ...run.fifos.map(({ capacity }) => capacity));
 
 function addFifo(fifo, station, reader) {
   const { min, mean, max, full } = fifo.levels();
+  const [amount, range] = [run.colors.amount, run.colors.range].map((color) => () => seen(color));
   const series = [
-    { stroke: run.colors.range, width: 1, paths: stepped }, { stroke: run.colors.range, width: 1, paths: stepped },
-    { stroke: run.colors.amount, width: 1.5, paths: stepped }];
+    { stroke: range, width: 1, paths: stepped }, { stroke: range, width: 1, paths: stepped },
+    { stroke: amount, width: 1.5, paths: stepped }];
   const draw = (chart) => {
-    mark(chart, run.colors.full, (bin) => full[bin] > 0 ? 1 : 0);
+    mark(chart, seen(run.colors.full), (bin) => full[bin] > 0 ? 1 : 0);
     const { ctx, bbox } = chart;
     ctx.save();
     const capacity = chart.valToPos(fifo.capacity, "y", true);
-    if (capacity >= bbox.top) {
-      ctx.setLineDash([6, 4]);
-      ctx.beginPath();
-      ctx.moveTo(bbox.left, capacity);
-      ctx.lineTo(bbox.left + bbox.width, capacity);
-      ctx.stroke();
-    }
+    ctx.strokeStyle = ground("line");
+    ctx.setLineDash([6, 4]);
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, capacity);
+    ctx.lineTo(bbox.left + bbox.width, capacity);
+    ctx.stroke();
     ctx.restore();
   };
   addChart(`FIFO ${fifo.name} into ${reader}, holds ${fifo.capacity}`, station, [held(max), held(min), held(mean)], series,
-    { height: 116, scale: { range: [0, levelShown(fifo.most, fifo.capacity) * 1.12] }, label: "words", draw,
-      bands: [{ series: [1, 2], fill: run.colors.range }] }, (bin) => describeFifo(fifo, bin));
+    { height: 132, scale: { range: [0, deepest * 1.12] }, label: "words", draw,
+      bands: [{ series: [1, 2], fill: range }] }, (bin) => describeFifo(fifo, bin));
 }
 
 function addRays() {
   const rays = decode(run.rays, Float32Array);
   addChart("{{ job }}s done", null, [held(rays)],
-    [{ stroke: run.colors.amount, fill: run.colors.range, width: 1, paths: stepped }],
-    { height: 130, scale: { range: (chart, min, max) => [0, max * 1.1 || 1] }, label: `per ${run.unit}`, into: "overview" },
+    [{ stroke: () => seen(run.colors.amount), fill: () => seen(run.colors.range), width: 1, paths: stepped }],
+    { height: 146, scale: { range: (chart, min, max) => [0, max * 1.1 || 1] }, label: `per ${run.unit}`, into: "overview" },
     (bin) => `${figure(rays[bin])} {{ job }}s per ${run.unit}`);
 }

@@ -5,9 +5,10 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 use super::Page;
+use super::window::Window;
 use crate::measure::{CriticalPath, FifoInfo, FifoProfile, FifoStats, State as CellState, StateTimes};
 use crate::quantities::Cycles;
-use crate::report::palette::{self, Rgb};
+use crate::report::palette;
 use crate::report::time_unit::TimeUnit;
 
 #[derive(Serialize)]
@@ -19,6 +20,10 @@ pub struct Data<'a> {
     bin: f64,
     /// Length of the run, in that unit.
     end: f64,
+    /// Length of a cycle, in that unit.
+    cycle: f64,
+    /// Length of the run, in cycles.
+    cycles: u64,
     states: Vec<State<'a>>,
     cells: Vec<Cell<'a>>,
     fifos: Vec<Fifo<'a>>,
@@ -30,7 +35,12 @@ pub struct Data<'a> {
     /// Rays done in each bin, per unit of time.
     rays: Numbers,
     colors: Colors,
+    /// What the page holds cycle by cycle.
+    window: Option<Window<'a>>,
 }
+
+/// Colours on white and on black.
+type OnBoth = [String; 2];
 
 /// 32-bit floats, least byte first, in base 64.
 #[derive(Serialize)]
@@ -42,16 +52,17 @@ struct Shares(Option<String>);
 
 #[derive(Serialize)]
 struct Colors {
-    amount: String,
-    amount_rgb: [u8; 3],
-    range: String,
-    full: String,
+    amount: OnBoth,
+    range: OnBoth,
+    full: OnBoth,
+    waits: OnBoth,
+    answer: OnBoth,
 }
 
 #[derive(Serialize)]
 struct State<'a> {
     name: &'a str,
-    color: String,
+    color: OnBoth,
 }
 
 #[derive(Serialize)]
@@ -105,15 +116,16 @@ impl<'a> Data<'a> {
         let fifos = stats.topology.fifos.iter().zip(profile.fifos.iter().zip(&stats.fifos));
         let buses = stats.links.iter().filter(|link| link.into.is_none());
         let rate = |(&rays, &cycles): (&u64, &u64)| rays as f64 / (cycles as f64 * cycle);
-        let Rgb(red, green, blue) = palette::AMOUNT;
         Data {
             unit: unit.name,
             bins: lengths.len(),
             bin: profile.bin.0 as f64 * cycle,
             end: profile.cycles.0 as f64 * cycle,
+            cycle,
+            cycles: profile.cycles.0,
             states: states
                 .iter()
-                .map(|s| State { name: &s.name, color: palette::of_state(all, s).to_string() })
+                .map(|s| State { name: &s.name, color: palette::on_both(palette::of_state(all, s)) })
                 .collect(),
             cells: cells.collect(),
             fifos: fifos.map(|(info, (fifo, whole))| Fifo::new(info, fifo, (whole, stats.cycles), &lengths)).collect(),
@@ -121,11 +133,13 @@ impl<'a> Data<'a> {
             path: places.as_ref().map(|places| places.iter().map(by_state).collect()),
             rays: Numbers::new(profile.jobs.iter().zip(&lengths).map(rate)),
             colors: Colors {
-                amount: palette::AMOUNT.to_string(),
-                amount_rgb: [red, green, blue],
-                range: palette::RANGE.to_string(),
-                full: palette::FULL.to_string(),
+                amount: palette::on_both(palette::AMOUNT),
+                range: palette::on_both(palette::RANGE),
+                full: palette::on_both(palette::FULL),
+                waits: palette::on_both(palette::WAITS[0]),
+                answer: palette::on_both(palette::ANSWER),
             },
+            window: page.recording.map(Window::new),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! One page that shows a run: it opens from disk, in any browser, and asks the network for nothing.
 
 mod data;
+mod window;
 
 use base64::Engine;
 use minijinja::{Environment, Value, context};
@@ -12,7 +13,7 @@ use super::plot::Caption;
 use super::stats::Configuration;
 use super::summary::{self, Rows};
 use super::why;
-use crate::measure::{Clock, CriticalPath, Measured, Profile, Shape};
+use crate::measure::{Clock, CriticalPath, Measured, Profile, Recording, Shape};
 
 /// What a page shows.
 #[derive(Debug)]
@@ -27,6 +28,8 @@ pub struct Page<'a> {
     pub losses: Option<&'a Losses>,
     /// The run over time.
     pub profile: &'a Profile,
+    /// A window of it cycle by cycle, of which the page tells each moment.
+    pub recording: Option<&'a Recording>,
     /// Why it took as long, if that was asked for.
     pub path: Option<&'a CriticalPath>,
     /// What each cell runs, as far as that is known.
@@ -43,8 +46,16 @@ pub struct Page<'a> {
 pub struct PageError(String);
 
 /// What draws it: templates, as they name what the machine is made of.
-const SCRIPTS: [&str; 4] =
-    [include_str!("array.js"), include_str!("charts.js"), include_str!("overview.js"), include_str!("page.js")];
+const SCRIPTS: [&str; 8] = [
+    include_str!("theme.js"),
+    include_str!("window.js"),
+    include_str!("array.js"),
+    include_str!("charts.js"),
+    include_str!("overview.js"),
+    include_str!("space_time.js"),
+    include_str!("moment.js"),
+    include_str!("page.js"),
+];
 
 /// The page as HTML.
 pub fn html(page: &Page<'_>) -> Result<String, PageError> {
@@ -67,7 +78,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     let scripts = scripts.map_err(|error| PageError(error.to_string()))?;
     let template = environment.get_template("page.html").map_err(|error| PageError(error.to_string()))?;
     let rendered = template.render(context! {
-        title => page.caption.title.as_str(),
+        title => page.caption.what_ran(),
         machine => page.caption.machine.as_str(),
         speed => summary::speed(page.stats, page.clock),
         bottleneck => bottleneck::sentence(page.stats),
@@ -75,6 +86,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
         state_colors => state_colors(page.stats),
+        has_window => page.recording.is_some(),
         why => page.path.map(|path| context! {
             sentence => why::sentence(path),
             times => value(why::time_rows(path, false)),
@@ -94,10 +106,18 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     rendered.map_err(|error| PageError(error.to_string()))
 }
 
-/// The colours of the states that the cells' table has.
-fn state_colors(run: &Measured) -> Vec<String> {
+/// Two pages beside one another, whose charts show the same time. What they are of should have one length: see
+/// [`Profile::extended`].
+pub fn side_by_side(a: &str, b: &str) -> Result<String, PageError> {
+    let rendered =
+        Environment::new().render_str(include_str!("pair.html"), context! { runs => [a.to_owned(), b.to_owned()] });
+    rendered.map(|page| page + "\n").map_err(|error| PageError(error.to_string()))
+}
+
+/// The colours of the states that the cells' table has, on white and on black.
+fn state_colors(run: &Measured) -> Vec<[String; 2]> {
     let states = &run.topology.states;
-    states.used().map(|state| palette::of_state(states, state).to_string()).collect()
+    states.used().map(|state| palette::on_both(palette::of_state(states, state))).collect()
 }
 
 /// A table as the template reads it.

@@ -56,37 +56,77 @@ function telling() {
 const telling = () => [...new Set([0, 1, 2, count - 1])];
 
 {% endif %}function drawLegend() {
-  const entries = run.states.map((state) => [state.name, state.color]).concat([
-    {% if is_line %}["mean, rays", run.colors.amount], ["lowest to highest", run.colors.range], ["FIFO full", run.colors.full]]);{% else %}["{{ job }}s done", run.colors.amount]]);{% endif %}
-  for (const [name, color] of entries) {
-    const entry = document.createElement("span"), square = document.createElement("i");
+  const entries = run.states.map((state) => [state.name, seen(state.color)]).concat([
+    {% if is_line %}["mean, rays", seen(run.colors.amount)], ["lowest to highest", seen(run.colors.range)], ["FIFO full", seen(run.colors.full)]]);{% else %}["{{ job }}s done", seen(run.colors.amount)]]);{% endif %}
+{% if is_line %}  // Many FIFOs are drawn by how full they are.
+  if (count * LOWEST_BARS > 420) SHADES.forEach(([name], at) => entries.push([`FIFO ${name}`, shadeOf(at)]));
+{% endif %}  drawEntries("legend", entries);
+{% if is_line %}  drawEntries("ways", [["ray on X", seen(run.colors.amount)], ["its words on Y", seen(run.colors.answer)], ["works on a ray", seen(run.colors.range)],
+    ["waits for words", seen(run.colors.waits)], ["blocked", seen(run.colors.full)]]);
+{% endif %}  document.getElementById("scale").style.background = `linear-gradient(to right, ${shade(0)}, ${shade(100)})`;
+}
+
+function drawEntries(id, entries) {
+  const place = document.getElementById(id);
+  place?.replaceChildren(...entries.map(([name, color]) => {
+    const square = element("i", {});
     square.style.background = color;
-    entry.append(square, name);
-    document.getElementById("legend").append(entry);
-  }
+    return element("span", {}, square, name);
+  }));
+}
+
+function drawButtons() {
   const buttons = [["whole run", () => zoom(0, run.end)], ["{% if is_line %}busiest cells{% else %}some tasks{% endif %}", () => select(telling())], ["no {{ station }}s", () => select([])]];
   if (count <= 32) buttons.splice(1, 0, ["all {{ station }}s", () => select(all())]);
+  if (tape) buttons.splice(1, 0, ["cycles held one by one", () => zoom(tape.from * run.cycle, tape.until * run.cycle)]);
   for (const [name, action] of buttons) {
-    const button = document.createElement("button");
-    button.textContent = name;
+    const button = element("button", { type: "button" }, name);
     button.addEventListener("click", action);
-    document.getElementById("legend").append(button);
+    document.getElementById("buttons").append(button);
   }
 }
 
+// All in the colours of the ground that the page has now.
+function repaint() {
+  drawLegend();
+  drawArray();
+  for (const { chart } of charts) chart.redraw(true, true);
+}
+
+// Charts and array as wide as there is room, on the screen or on paper.
+function resize() {
+  drawArray();
+  for (const { chart } of charts) chart.setSize({ width: chartWidth(), height: chart.height });
+}
+
+function print(isPrinting) {
+  printing = isPrinting;
+  paperWidth = isPrinting ? PAPER : null;
+  resize();
+  repaint();
+}
+
+// Width of what a sheet of A4 has room for, in CSS pixels.
+const PAPER = 700;
+
 drawLegend();
+drawButtons();
 if (run.bins > 0) {
-  addRays();
+{% if is_line %}  if (tape && tape.until > tape.from) addSpaceTime();
+{% endif %}  addRays();
   if (path) addPath();
   if (count > MOST_ALL) addOverviews();
   select(count > MOST_ALL ? telling() : all());
 }
 drawArray();
+tellWindow();
 document.body.dataset.charts = charts.length;
 let width = innerWidth;
 addEventListener("resize", () => {
   if (width === innerWidth) return;
   width = innerWidth;
-  drawArray();
-  for (const { chart } of charts) chart.setSize({ width: chartWidth(), height: chart.height });
+  resize();
 });
+darkness.addEventListener("change", repaint);
+addEventListener("beforeprint", () => print(true));
+addEventListener("afterprint", () => print(false));

@@ -143,7 +143,7 @@ pub fn head<DB: DrawingBackend>(
     legend: &[(&str, Rgb)],
 ) -> Drawn<DB> {
     area.draw_text(what, &font(26), (EDGE as i32, 10))?;
-    area.draw_text(&caption.title, &font(17), (EDGE as i32, 44))?;
+    area.draw_text(&caption.what_ran(), &font(17), (EDGE as i32, 44))?;
     area.draw_text(&caption.machine, &font(SMALL).color(&RGBColor(90, 90, 90)), (EDGE as i32, 68))?;
     let mut x = LEFT as i32;
     for (name, color) in legend {

@@ -25,8 +25,9 @@ impl Figure for Levels<'_> {
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         let panels = chart::panels(area, self.caption, LEVELS, &LEVELS_LEGEND, self.fifos.len())?;
+        let deepest = deepest(self.fifos);
         for (index, (&(info, fifo), panel)) in self.fifos.iter().zip(&panels).enumerate() {
-            self.draw_fifo((info, fifo), panel, index + 1 == self.fifos.len())?;
+            self.draw_fifo((info, fifo), panel, deepest, index + 1 == self.fifos.len())?;
         }
         Ok(())
     }
@@ -37,27 +38,24 @@ impl Levels<'_> {
         &self,
         (info, fifo): (&FifoInfo, &FifoProfile),
         panel: &DrawingArea<DB, Shift>,
+        deepest: u64,
         is_last: bool,
     ) -> Drawn<DB> {
         let highest = highest(fifo);
         let capacity = info.capacity.0;
-        // The capacity belongs into the picture unless it would press the curve to the ground.
-        let shows_capacity = 3 * highest >= capacity;
-        let top = if shows_capacity { capacity } else { highest.max(1) } as f64 * 1.12;
+        let top = deepest as f64 * 1.12;
         let name = format!("{}: at most {highest} of {capacity} words, full {} of the time", info.name, full(fifo));
         let mut chart = chart::builder(panel, &name, is_last).build_cartesian_2d(0.0..self.scale.end(), 0.0..top)?;
         let across = self.scale.label();
-        let values = if highest < 4 { highest as usize + 1 } else { 4 };
+        let values = if deepest < 4 { deepest as usize + 1 } else { 4 };
         chart::axes(&mut chart, (is_last.then_some(&across), "words"), values, &chart::whole_number)?;
         let grain = chart::grain(top);
         let mut outline = self.scale.steps(fifo.bins.iter().map(|bin| bin.max.0 as f64), grain);
         let lowest = self.scale.steps(fifo.bins.iter().map(|bin| bin.min.0 as f64), grain);
         outline.extend(lowest.into_iter().rev());
         chart.draw_series([Polygon::new(outline, rgb(palette::RANGE).filled())])?;
-        if shows_capacity {
-            let line = [(0.0, capacity as f64), (self.scale.end(), capacity as f64)];
-            chart.draw_series(DashedLineSeries::new(line, 6, 4, BLACK.into()))?;
-        }
+        let line = [(0.0, capacity as f64), (self.scale.end(), capacity as f64)];
+        chart.draw_series(DashedLineSeries::new(line, 6, 4, BLACK.into()))?;
         let means = self.scale.steps(means(&fifo.bins, self.scale), grain);
         chart.draw_series(LineSeries::new(means, rgb(palette::AMOUNT).stroke_width(2)))?;
         let marks = full_times(&fifo.bins, self.scale)
@@ -93,6 +91,11 @@ pub fn full_times(bins: &[FifoBin], scale: TimeScale) -> impl Iterator<Item = (f
     })
 }
 
+/// What the deepest of some FIFOs holds: the end of the one scale of a figure, so that its FIFOs compare.
+pub fn deepest(fifos: &[(&FifoInfo, &FifoProfile)]) -> u64 {
+    fifos.iter().map(|(info, _)| info.capacity.0).max().unwrap_or(0).max(1)
+}
+
 /// The highest level of all.
 pub fn highest(fifo: &FifoProfile) -> u64 {
     fifo.bins.iter().map(|bin| bin.max.0).max().unwrap_or(0)
@@ -120,7 +123,7 @@ impl Figure for Histograms<'_> {
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         let legend = [("share of the time with so many words inside", palette::AMOUNT), ("full", palette::FULL)];
         let panels = chart::panels(area, self.caption, HISTOGRAMS, &legend, self.fifos.len())?;
-        let widest = self.fifos.iter().map(|(_, fifo)| highest(fifo)).max().unwrap_or(0);
+        let widest = deepest(self.fifos);
         for (index, (&(info, fifo), panel)) in self.fifos.iter().zip(&panels).enumerate() {
             self.draw_fifo((info, fifo), panel, widest, index + 1 == self.fifos.len())?;
         }

@@ -177,13 +177,11 @@ pub struct Levels<'a> {
 
 impl<'a> Levels<'a> {
     pub fn new(caption: &'a Caption, scale: TimeScale, all: &'a [(&'a FifoInfo, &'a FifoProfile)]) -> Levels<'a> {
-        let highest = all.iter().map(|(_, fifo)| fifos::highest(fifo)).max().unwrap_or(0);
-        let capacity = all.iter().map(|(info, _)| info.capacity.0).max().unwrap_or(0);
         Levels {
             caption,
             scale,
             rows: rows(all, |index| all[index].0.name.clone(), |(_, fifo)| &fifo.bins, FifoBin::of_all),
-            top: if 3 * highest >= capacity { capacity } else { highest }.max(1),
+            top: fifos::deepest(all),
             together: all.len().div_ceil(MOST_ROWS).max(1),
         }
     }
@@ -225,6 +223,8 @@ impl Figure for Levels<'_> {
 pub struct Histograms<'a> {
     caption: &'a Caption,
     rows: Vec<Row<Cycles>>,
+    /// What the deepest holds.
+    deepest: u64,
     cycles: f64,
     /// Occupancies that share an entry of the histograms.
     step: f64,
@@ -257,6 +257,7 @@ impl<'a> Histograms<'a> {
         Histograms {
             caption,
             rows: rows(&histograms, |index| all[index].0.name.clone(), |histogram| histogram, sum),
+            deepest: fifos::deepest(all),
             cycles: cycles.0.max(1) as f64,
             step: step as f64,
             together,
@@ -278,8 +279,7 @@ impl Figure for Histograms<'_> {
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         let what = together(fifos::HISTOGRAMS, "FIFOs", self.together);
         chart::head(area, self.caption, &what, &SHADES.map(|(name, _, shade)| (name, shade)))?;
-        let used = |row: &Row<Cycles>| row.bins.iter().rposition(|held| held.0 > 0).unwrap_or(0) + 1;
-        let widest = self.rows.iter().map(used).max().unwrap_or(1) as f64 * self.step;
+        let widest = self.deepest as f64 + 1.0;
         let names = self.rows.iter().map(|row| row.name.as_str());
         let mut chart = frame(area, names, -0.5..widest - 0.5, "words in the FIFO")?;
         let count = self.rows.len();

@@ -5,22 +5,52 @@ mod chart;
 pub mod curves;
 mod fifos;
 mod many;
+mod pdf;
 mod rays;
 mod render;
+mod scale;
+mod space_time;
 
 use rayon::prelude::*;
 
-use crate::measure::{Clock, CriticalPath, FifoInfo, FifoProfile, Profile};
+use crate::measure::{Clock, CriticalPath, FifoInfo, FifoProfile, Profile, Recording, Shape};
 
-pub use render::{PlotError, Rendered};
+pub use render::{Format, PlotError, Rendered};
 
 /// What ran, in words, above every picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Caption {
     /// Program, array, scene and rays.
     pub title: String,
+    /// How the scene is cut, if it is.
+    pub partition: Option<String>,
     /// The machine.
     pub machine: String,
+}
+
+impl Caption {
+    /// All that ran, in a line.
+    pub fn what_ran(&self) -> String {
+        let cut = self.partition.iter().map(|partition| format!(", partition {partition}"));
+        [self.title.clone()].into_iter().chain(cut).collect()
+    }
+}
+
+/// A run as pictures show it.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// What ran.
+    pub caption: &'a Caption,
+    /// The machine's clock.
+    pub clock: Clock,
+    /// The run over time.
+    pub profile: &'a Profile,
+    /// A window of it cycle by cycle, of which the rays' ways are drawn.
+    pub recording: Option<&'a Recording>,
+    /// The critical path, if that was asked for.
+    pub path: Option<&'a CriticalPath>,
+    /// What each cell runs, as far as that is known.
+    pub cell_names: &'a [String],
 }
 
 /// A picture and its name.
@@ -42,15 +72,10 @@ type Fifo<'a> = (&'a FifoInfo, &'a FifoProfile);
 type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
 
 /// Draws all that a profile shows: the FIFOs' levels, their histograms, the cells' states, the rays done, and how long rays
-/// took; and the critical path, if it is known. `names` tells what each cell runs, as far as that is known. There are eight
-/// pictures at the most (ten with words on Z), however many cells there are. A machine without FIFOs has three.
-pub fn pictures(
-    profile: &Profile,
-    path: Option<&CriticalPath>,
-    clock: Clock,
-    caption: &Caption,
-    names: &[String],
-) -> Result<Vec<Picture>, PlotError> {
+/// took; the rays on their way, of a line that was recorded; and the critical path, if it is known. There are nine
+/// pictures at the most (eleven with words on Z), however many cells there are. A machine without FIFOs has three.
+pub fn pictures(run: &Run<'_>) -> Result<Vec<Picture>, PlotError> {
+    let Run { caption, clock, profile, recording, path, cell_names: names } = *run;
     let scale = chart::TimeScale::new(profile.cycles, profile.bin, clock);
     let fifos: Vec<Fifo<'_>> = profile.topology.fifos.iter().zip(&profile.fifos).collect();
     let cycles = profile.cycles;
@@ -75,6 +100,10 @@ pub fn pictures(
         Box::new(move || render::render(&many::Bands::of_stations(caption, scale, topology, cells)))
     };
     pictures.push((format!("{}s", called.station), draw));
+    if let Some(recording) = recording.filter(|recording| recording.topology.shape == Shape::Line) {
+        let draw = move || render::render(&space_time::SpaceTime::new(caption, clock, recording));
+        pictures.push(("space-time".to_owned(), Box::new(draw)));
+    }
     if let Some(path) = path {
         let scale = chart::TimeScale::new(path.cycles, path.bin, clock);
         let places = path.places();

@@ -4,9 +4,11 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::Caption;
-use super::chart::{self, TimeScale, rgb};
+use super::chart::{self, TimeScale, font, rgb};
 use super::render::{Drawn, Figure};
+use super::scale::Scale;
 use crate::measure::{Clock, Latency, Names};
+use crate::quantities::Cycles;
 use crate::report::palette;
 use crate::report::summary;
 use crate::report::time_unit::TimeUnit;
@@ -68,32 +70,44 @@ impl Figure for Latencies<'_> {
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
         let Names { job, job_time, .. } = self.called;
-        let told = format!("share of the {job}s, as the area of the bars");
+        let told = format!("share of the {job}s that take no longer");
         let what = format!("How long {job}s take, {job_time}");
         let panels = chart::panels(area, self.caption, &what, &[(&told, palette::AMOUNT)], 1)?;
         let latency = self.latency;
         let unit = TimeUnit::of(self.clock.seconds(latency.max));
-        let time = |bucket: usize| self.clock.seconds(Latency::start_of(bucket)) / unit.seconds;
-        let share = |count: u64| 100.0 * count as f64 / latency.jobs.max(1) as f64;
-        // Buckets differ in width: the areas, not the heights, compare.
-        let density = |(bucket, &count): (usize, &u64)| share(count) / (time(bucket + 1) - time(bucket));
-        let densities: Vec<f64> = latency.buckets.iter().enumerate().map(density).collect();
-        let top = densities.iter().copied().fold(0.0, f64::max) * 1.1;
-        let mut chart = chart::builder(&panels[0], &self.figures(), true).build_cartesian_2d(
-            0.0..time(latency.buckets.len()).max(f64::MIN_POSITIVE),
-            0.0..top.max(f64::MIN_POSITIVE),
-        )?;
-        let (across, up) = (format!("latency ({})", unit.name), format!("% of the {job}s per {}", unit.name));
-        chart::axes(&mut chart, (Some(&across), &up), 8, &chart::number)?;
-        let bars = densities.iter().enumerate().filter(|(_, density)| **density > 0.0).map(|(bucket, &density)| {
-            Rectangle::new([(time(bucket), 0.0), (time(bucket + 1), density)], rgb(palette::AMOUNT).filled())
-        });
-        chart.draw_series(bars)?;
+        let time = |cycles: Cycles| self.clock.seconds(cycles) / unit.seconds;
+        // From the shortest to the longest, with a tenth of air, and over a cycle at the least.
+        let (low, high) = (time(latency.min.max(Cycles(1))) / 1.1, time(latency.max.max(Cycles(2))) * 1.1);
+        let scale = Scale::logarithmic(low, high);
+        let mut chart =
+            chart::builder(&panels[0], &self.figures(), true).build_cartesian_2d(scale.clone(), 0.0..100.0)?;
+        let mut mesh = chart.configure_mesh();
+        let name = |tick: &f64| scale.name_of(*tick);
+        mesh.max_light_lines(1).x_label_formatter(&name).y_label_formatter(&chart::number).y_labels(11);
+        mesh.label_style(font(chart::SMALL)).axis_desc_style(font(chart::SMALL));
+        mesh.x_desc(format!("latency ({}), logarithmic", unit.name)).y_desc(format!("% of the {job}s")).draw()?;
+        let steps: Vec<(f64, f64)> = self.steps().into_iter().map(|(at, share)| (time(at), share)).collect();
+        chart.draw_series(LineSeries::new(steps, rgb(palette::AMOUNT).stroke_width(2)))?;
         Ok(())
     }
 }
 
 impl Latencies<'_> {
+    /// The share of the jobs that take no longer than each time, in percent: steps at the ends of the buckets.
+    fn steps(&self) -> Vec<(Cycles, f64)> {
+        let Latency { jobs, min, max, buckets, .. } = self.latency;
+        let mut steps = vec![((*min).max(Cycles(1)), 0.0)];
+        let (mut done, mut share) = (0, 0.0);
+        for (bucket, &count) in buckets.iter().enumerate().filter(|(_, count)| **count > 0) {
+            let end = Cycles(Latency::start_of(bucket + 1).0 - 1).clamp((*min).max(Cycles(1)), *max);
+            done += count;
+            steps.push((end, share));
+            share = 100.0 * done as f64 / (*jobs).max(1) as f64;
+            steps.push((end, share));
+        }
+        steps
+    }
+
     fn figures(&self) -> String {
         let latency = self.latency;
         let time = |cycles| summary::time(self.clock.seconds(cycles));
@@ -109,7 +123,7 @@ impl Latencies<'_> {
 }
 
 /// With a capital letter.
-fn capital(word: &str) -> String {
+pub fn capital(word: &str) -> String {
     let mut letters = word.chars();
     letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()
 }

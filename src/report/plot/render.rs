@@ -5,8 +5,10 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 
+use super::pdf::PdfBackend;
+
 /// DejaVu Sans, cut down to the characters that reports use, so that text looks the same on machines without fonts.
-const FONT: &[u8] = include_bytes!("../../../assets/dejavu-sans-subset.ttf");
+pub const FONT: &[u8] = include_bytes!("../../../assets/dejavu-sans-subset.ttf");
 /// Its name in pictures.
 pub const FONT_NAME: &str = "DejaVu Sans";
 
@@ -28,6 +30,42 @@ pub struct Rendered {
     pub svg: String,
     /// As pixels.
     pub png: Vec<u8>,
+    /// As a page.
+    pub pdf: Vec<u8>,
+}
+
+/// What a picture can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Format {
+    /// Lines and text, for browsers and for other programs to change.
+    Svg,
+    /// Pixels.
+    Png,
+    /// A page, for documents.
+    Pdf,
+}
+
+impl Format {
+    /// How its files end.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Format::Svg => "svg",
+            Format::Png => "png",
+            Format::Pdf => "pdf",
+        }
+    }
+}
+
+impl Rendered {
+    /// The file of a format.
+    pub fn bytes(&self, format: Format) -> &[u8] {
+        match format {
+            Format::Svg => self.svg.as_bytes(),
+            Format::Png => &self.png,
+            Format::Pdf => &self.pdf,
+        }
+    }
 }
 
 /// What can be drawn on any backend.
@@ -47,9 +85,37 @@ pub fn bring_font() -> Result<(), PlotError> {
     register_font(FONT_NAME, FontStyle::Normal, FONT).map_err(|_| PlotError("its font is broken".to_owned()))
 }
 
-/// Draws a figure in both formats.
+/// Draws a figure in all formats.
 pub fn render(figure: &impl Figure) -> Result<Rendered, PlotError> {
-    Ok(Rendered { svg: svg(figure)?, png: png(figure)? })
+    Ok(Rendered { svg: svg(figure)?, png: png(figure)?, pdf: pdf(figure)? })
+}
+
+/// The same with a size in cm, which the files tell, if there is one.
+pub fn render_in(figure: &impl Figure, cm: Option<(f64, f64)>) -> Result<Rendered, PlotError> {
+    let mut rendered = render(figure)?;
+    if let Some((width, height)) = cm {
+        let (across, down) = figure.size();
+        let in_pixels = format!("<svg width=\"{across}\" height=\"{down}\"");
+        rendered.svg = rendered.svg.replacen(&in_pixels, &format!("<svg width=\"{width}cm\" height=\"{height}cm\""), 1);
+    }
+    Ok(rendered)
+}
+
+/// Pixels of an inch, as CSS and PDF have them, and centimetres.
+const PIXELS_AN_INCH: f64 = 96.0;
+const CM_AN_INCH: f64 = 2.54;
+
+/// A size in cm in pixels.
+pub fn pixels((width, height): (f64, f64)) -> (u32, u32) {
+    let pixels = |cm: f64| (cm / CM_AN_INCH * PIXELS_AN_INCH).round() as u32;
+    (pixels(width), pixels(height))
+}
+
+fn pdf(figure: &impl Figure) -> Result<Vec<u8>, PlotError> {
+    let mut bytes = Vec::new();
+    let backend = PdfBackend::new(&mut bytes, figure.size()).map_err(|error| PlotError(error.to_string()))?;
+    draw_on(figure, backend)?;
+    Ok(bytes)
 }
 
 fn svg(figure: &impl Figure) -> Result<String, PlotError> {

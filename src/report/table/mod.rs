@@ -6,7 +6,7 @@ mod read;
 use std::io::Write;
 
 pub use self::parquet::{ParquetError, write_parquet};
-pub use self::read::CsvTable;
+pub use self::read::StoredTable;
 
 /// What the cells of a column hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

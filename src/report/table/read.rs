@@ -1,45 +1,106 @@
-//! Tables that others wrote.
+//! Tables that are there already, as CSV or as Parquet.
 
 use std::path::Path;
+
+use bytes::Bytes;
+use parquet::basic::Type as Physical;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
 
 use super::{Column, Kind};
 use crate::error::InputError;
 use crate::input::fields;
 
-/// A table read from a CSV file, whose columns are told apart by what is in them.
+/// A table that was read from a file.
 #[derive(Clone, Debug)]
-pub struct CsvTable {
+pub struct StoredTable {
     headings: Vec<String>,
     labels: Vec<String>,
+    kinds: Vec<Kind>,
     rows: Vec<Vec<String>>,
 }
 
-impl CsvTable {
-    /// Reads a table; its first line has the headings. Fails if a row is longer or shorter than they are.
-    pub fn read(path: &Path) -> Result<CsvTable, InputError> {
-        let text = fields::read_text(path)?;
-        let faulty = |error: csv::Error| InputError::in_file(path, format!("is no table: {error}"));
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let cells = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
-        let headings = cells(reader.headers().map_err(faulty)?);
-        let labels = headings.iter().map(|heading| heading.replace('_', " ")).collect();
-        let rows = reader.records().map(|row| row.map(|row| cells(&row))).collect::<Result<_, _>>().map_err(faulty)?;
-        Ok(CsvTable { headings, labels, rows })
-    }
+/// What a Parquet file begins with.
+const PARQUET: &[u8] = b"PAR1";
 
-    /// The columns. One in which every cell that is not empty is a number holds numbers.
-    pub fn columns(&self) -> Vec<Column<'_>> {
-        let kind = |index: usize| {
-            let mut cells = self.rows.iter().map(|row| &row[index]).filter(|cell| !cell.is_empty());
-            if cells.all(|cell| cell.parse::<f64>().is_ok()) { Kind::Number } else { Kind::Text }
+impl StoredTable {
+    /// Reads a table: Parquet, or CSV whose first line has the headings. `label` tells what columns of some names are called;
+    /// the others are called by their names.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read or is no table, for example as a row is longer or shorter than the headings.
+    pub fn read(path: &Path, label: impl Fn(&str) -> Option<&'static str>) -> Result<StoredTable, InputError> {
+        let faulty = |error: String| InputError::in_file(path, format!("is no table: {error}"));
+        let bytes = fields::read_bytes(path)?;
+        let (headings, kinds, rows) = if bytes.starts_with(PARQUET) {
+            of_parquet(bytes).map_err(|error| faulty(error.to_string()))?
+        } else {
+            of_csv(&fields::text_of(path, bytes)?).map_err(|error| faulty(error.to_string()))?
         };
-        let names = self.headings.iter().zip(&self.labels).enumerate();
-        names.map(|(index, (name, label))| Column { name, kind: kind(index), label }).collect()
+        let called = |heading: &String| label(heading).map_or_else(|| heading.replace('_', " "), str::to_owned);
+        let labels = headings.iter().map(called).collect();
+        Ok(StoredTable { headings, labels, kinds, rows })
     }
 
-    /// The rows that have all of these values in the columns of these numbers.
-    pub fn rows_with(&self, values: &[(usize, &str)]) -> Vec<&[String]> {
-        let has_all = |row: &&Vec<String>| values.iter().all(|(column, value)| row[*column] == *value);
-        self.rows.iter().filter(has_all).map(Vec::as_slice).collect()
+    /// The columns.
+    pub fn columns(&self) -> Vec<Column<'_>> {
+        let named = self.headings.iter().zip(&self.labels).zip(&self.kinds);
+        named.map(|((name, label), &kind)| Column { name, kind, label }).collect()
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> Vec<&[String]> {
+        self.rows.iter().map(Vec::as_slice).collect()
+    }
+}
+
+/// Headings, kinds and rows.
+type Parts = (Vec<String>, Vec<Kind>, Vec<Vec<String>>);
+
+/// A column in which every cell that is not empty is a number holds numbers.
+fn of_csv(text: &str) -> Result<Parts, csv::Error> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let cells = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
+    let headings = cells(reader.headers()?);
+    let rows: Vec<Vec<String>> = reader.records().map(|row| row.map(|row| cells(&row))).collect::<Result<_, _>>()?;
+    let kind = |index: usize| {
+        let mut cells = rows.iter().map(|row| &row[index]).filter(|cell| !cell.is_empty());
+        if cells.all(|cell| cell.parse::<f64>().is_ok()) { Kind::Number } else { Kind::Text }
+    };
+    let kinds = (0..headings.len()).map(kind).collect();
+    Ok((headings, kinds, rows))
+}
+
+fn of_parquet(bytes: Vec<u8>) -> Result<Parts, ParquetError> {
+    let reader = SerializedFileReader::new(Bytes::from(bytes))?;
+    let schema = reader.metadata().file_metadata().schema_descr();
+    let headings = schema.columns().iter().map(|column| column.name().to_owned()).collect();
+    let kind = |physical: Physical| match physical {
+        Physical::BOOLEAN => Kind::Truth,
+        Physical::INT32 | Physical::INT64 => Kind::Whole,
+        Physical::FLOAT | Physical::DOUBLE => Kind::Number,
+        Physical::INT96 | Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => Kind::Text,
+    };
+    let kinds: Vec<Kind> = schema.columns().iter().map(|column| kind(column.physical_type())).collect();
+    if schema.root_schema().get_fields().iter().any(|field| field.is_group()) {
+        return Err(ParquetError::General("its columns have columns of their own".to_owned()));
+    }
+    let rows = reader.get_row_iter(None)?.map(|row| {
+        let row = row?;
+        Ok(row.get_column_iter().map(|(_, field)| cell(field)).collect::<Vec<String>>())
+    });
+    Ok((headings, kinds, rows.collect::<Result<_, ParquetError>>()?))
+}
+
+/// A value as CSV has it.
+fn cell(field: &Field) -> String {
+    match field {
+        Field::Null => String::new(),
+        Field::Str(text) => text.clone(),
+        Field::Double(number) => number.to_string(),
+        Field::Float(number) => number.to_string(),
+        other => other.to_string(),
     }
 }

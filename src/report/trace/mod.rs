@@ -1,17 +1,19 @@
 //! A run cycle by cycle, for viewers that people have.
 
 mod fst;
+mod gtkwave;
 mod perfetto;
 mod signals;
 mod time_scale;
 mod vcd;
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::plot::Caption;
 use super::summary::grouped;
 use crate::error::InputError;
+use crate::input::is_stream;
 use crate::measure::{Clock, Recording};
 use time_scale::TimeScale;
 
@@ -73,6 +75,16 @@ impl Trace<'_> {
             Format::Vcd => vcd::write(self, scale, out),
             Format::Fst => fst::write(self, scale, out),
         }
+    }
+
+    /// Where the save file of a dump lies that GTKWave reads: which signals it shows, and how. `None` for what it does not read.
+    pub fn save_path(format: Format, dump: &Path) -> Option<PathBuf> {
+        (format != Format::Perfetto && !is_stream(dump)).then(|| dump.with_extension("gtkw"))
+    }
+
+    /// The save file of a dump of that name.
+    pub fn save_file(&self, dump: &Path) -> String {
+        gtkwave::save_file(self, dump)
     }
 
     /// What its reader should know: where it was cut, and what could not be written exactly.

@@ -1,15 +1,22 @@
 //! Perfetto's format: a track for the array and below it, in the array's order, one for each cell and a counter for each
 //! FIFO; for other machines, whatever their topology has in place of these.
 //!
-//! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state. Flows lead from the slice in
-//! which the host sends a ray over those of the cells to the one in which the host reads its HIT.
+//! A cell's track has a slice for each ray and inside it, and between rays, a slice for each state; one in which the cell waits
+//! has in its arguments who waits for whom in its middle, down to one that works. Flows lead from where the host
+//! begins to send a ray over where the cells begin it to where the host begins to read its HIT. Perfetto draws an arrow from the end of
+//! what it leads from, and a cell begins a ray before the one before it has done with it: so they join marks without length, at the
+//! starts of the slices, and none points back in time.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 
 use super::Trace;
 use super::time_scale::TimeScale;
-use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, State, StateId, StateKind, StationRecord, Topology};
-use crate::quantities::Cycles;
+use crate::measure::{
+    Actor, FifoInfo, FifoLevels, JobSpan, Shape, State, StateId, StateKind, StationRecord, Stretch, Topology, Waits,
+};
+use crate::quantities::{Cycles, Words};
+use crate::report::moment;
 
 /// The parts of Perfetto's messages that a trace needs, with their numbers.
 mod messages {
@@ -50,6 +57,9 @@ mod messages {
     pub struct Counter {
         #[prost(string, optional, tag = "6")]
         pub unit_name: Option<String>,
+        /// Counters with the same key have one scale.
+        #[prost(string, optional, tag = "7")]
+        pub scale: Option<String>,
     }
 
     #[derive(Clone, PartialEq, prost::Message)]
@@ -58,7 +68,7 @@ mod messages {
         pub categories: Vec<u64>,
         #[prost(message, repeated, tag = "4")]
         pub arguments: Vec<Argument>,
-        /// 1 begins a slice, 2 ends one, 4 counts.
+        /// 1 begins a slice, 2 ends one, 3 is a mark, 4 counts.
         #[prost(int32, optional, tag = "9")]
         pub kind: Option<i32>,
         #[prost(uint64, optional, tag = "10")]
@@ -81,6 +91,8 @@ mod messages {
         pub name_id: Option<u64>,
         #[prost(uint64, optional, tag = "3")]
         pub value: Option<u64>,
+        #[prost(string, optional, tag = "6")]
+        pub text: Option<String>,
     }
 
     #[derive(Clone, PartialEq, prost::Message)]
@@ -106,6 +118,7 @@ use messages::{Argument, Counter, Event, Interned, Name, Packet, Track};
 
 const BEGIN: i32 = 1;
 const END: i32 = 2;
+const MARK: i32 = 3;
 const COUNT: i32 = 4;
 
 /// All packets are of one sequence, of which the first resets the names and the others need them.
@@ -117,6 +130,9 @@ const NEEDS_NAMES: u32 = 2;
 const JOB: u64 = 1;
 const CYCLE: u64 = 2;
 const CYCLES: u64 = 3;
+/// The middle of a wait, and who then waits for whom: a name for each line.
+const WAIT: u64 = 4;
+const CHAIN: [&str; moment::MOST_LINKS] = ["who 1", "who 2", "who 3", "who 4", "who 5", "who 6", "who 7", "who 8"];
 
 /// What states are grouped into; likewise.
 const CATEGORIES: [&str; 5] = ["busy", "moving", "waiting", "blocked", "idle"];
@@ -128,24 +144,30 @@ const BY_RANK: i32 = 3;
 pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> std::io::Result<()> {
     let recording = trace.recording;
     let topology = &*recording.topology;
-    let mut writer = Writer { out, scale, topology, buffer: Vec::new(), tracks: ARRAY };
+    let waits = Waits::new(recording);
+    let mut writer = Writer { out, scale, topology, waits, buffer: Vec::new(), tracks: ARRAY };
     writer.describe(&trace.caption.title)?;
     let mut host = recording.host.iter();
-    host.try_for_each(|host| writer.activity("host sends".to_owned(), host))?;
+    host.try_for_each(|host| writer.activity("host sends".to_owned(), (Actor::Host, host)))?;
     for (index, cell) in recording.stations.iter().enumerate() {
         let mut fifos = topology.inputs_of(Actor::Station(index));
         fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
-        writer.activity(trace.station_name(index), cell)?;
+        writer.activity(trace.station_name(index), (Actor::Station(index), cell))?;
     }
     let mut fifos = topology.inputs_of(Actor::Host);
     fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
-    if recording.host.is_some() { writer.hits(&recording.answers) } else { Ok(()) }
+    if recording.host.is_some() {
+        writer.hits(&recording.answers)?;
+    }
+    let capacities: BTreeSet<Words> = topology.fifos.iter().map(|info| info.capacity).collect();
+    capacities.into_iter().try_for_each(|capacity| writer.scale(capacity, recording.window.start))
 }
 
 struct Writer<'a, W> {
     out: &'a mut W,
     scale: TimeScale,
     topology: &'a Topology,
+    waits: Waits<'a>,
     buffer: Vec<u8>,
     /// The number of the last track.
     tracks: u64,
@@ -166,7 +188,7 @@ impl<W: Write> Writer<'_, W> {
             let named = names.iter().zip(1..);
             named.map(|(&name, id)| Name { id: Some(id), name: Some(name.to_owned()) }).collect()
         };
-        let arguments = [self.topology.names.job.as_str(), "cycle", "cycles"];
+        let arguments = [&[self.topology.names.job.as_str(), "cycle", "cycles", "in cycle"], &CHAIN[..]].concat();
         let interned =
             Interned { categories: names(&CATEGORIES), events: names(&states), arguments: names(&arguments) };
         let flags = Some(RESETS_NAMES | NEEDS_NAMES);
@@ -191,7 +213,7 @@ impl<W: Write> Writer<'_, W> {
     }
 
     /// The states, and around those on a ray a slice for it.
-    fn activity(&mut self, name: String, record: &StationRecord) -> std::io::Result<()> {
+    fn activity(&mut self, name: String, (actor, record): (Actor, &StationRecord)) -> std::io::Result<()> {
         let track = self.track(name, None)?;
         let mut jobs = record.jobs.iter().peekable();
         for stretch in &record.states {
@@ -204,7 +226,11 @@ impl<W: Write> Writer<'_, W> {
                 track: Some(track),
                 categories: vec![self.category(stretch.state)],
                 name_id: Some(self.name_id(stretch.state)),
-                arguments: span.map(|span| argument(JOB, span.job as u64)).into_iter().collect(),
+                arguments: span
+                    .map(|span| argument(JOB, span.job as u64))
+                    .into_iter()
+                    .chain(self.chain(actor, stretch))
+                    .collect(),
                 ..Event::default()
             };
             self.event(stretch.from, event)?;
@@ -215,6 +241,19 @@ impl<W: Write> Writer<'_, W> {
             }
         }
         Ok(())
+    }
+
+    /// Who waits for whom in the middle of a wait.
+    fn chain(&self, actor: Actor, stretch: &Stretch) -> Vec<Argument> {
+        let middle = Cycles(stretch.from.0 + (stretch.until.0 - stretch.from.0) / 2);
+        let is_wait = self.topology.states.get(stretch.state).is_some_and(|state| state.stands_at.is_some());
+        let chain = if is_wait { self.waits.chain(actor, middle) } else { Vec::new() };
+        if chain.first().is_none_or(|first| first.wait.is_none()) {
+            return Vec::new();
+        }
+        let lines = moment::chain(self.topology, &chain).into_iter().zip(WAIT + 1..);
+        let line = |(text, name)| Argument { name_id: Some(name), value: None, text: Some(text) };
+        std::iter::once(argument(WAIT, middle.0)).chain(lines.map(line)).collect()
     }
 
     fn hits(&mut self, hits: &[JobSpan]) -> std::io::Result<()> {
@@ -228,18 +267,22 @@ impl<W: Write> Writer<'_, W> {
     /// Begins the slice of a ray; the one of its HIT ends its flow.
     fn begin_span(&mut self, track: u64, span: &JobSpan, is_hit: bool) -> std::io::Result<()> {
         let arguments = [(JOB, span.job as u64), (CYCLE, span.from.0), (CYCLES, (span.until - span.from).0)];
-        let flow = vec![span.job as u64 + 1];
-        let (flows, ending_flows) = if is_hit { (Vec::new(), flow) } else { (flow, Vec::new()) };
+        let name = format!("{} {}", if is_hit { "HIT" } else { &self.topology.names.job }, span.job);
         let event = Event {
             kind: Some(BEGIN),
             track: Some(track),
-            name: Some(format!("{} {}", if is_hit { "HIT" } else { &self.topology.names.job }, span.job)),
+            name: Some(name.clone()),
             arguments: arguments.map(|(name, value)| argument(name, value)).to_vec(),
-            flows,
-            ending_flows,
             ..Event::default()
         };
-        self.event(span.from, event)
+        self.event(span.from, event)?;
+        if self.topology.shape != Shape::Line {
+            return Ok(());
+        }
+        let flow = vec![span.job as u64 + 1];
+        let (flows, ending_flows) = if is_hit { (Vec::new(), flow) } else { (flow, Vec::new()) };
+        let (kind, track, name) = (Some(MARK), Some(track), Some(name));
+        self.event(span.from, Event { kind, track, name, flows, ending_flows, ..Event::default() })
     }
 
     fn end(&mut self, track: u64, at: Cycles) -> std::io::Result<()> {
@@ -262,8 +305,15 @@ impl<W: Write> Writer<'_, W> {
         })
     }
 
+    /// A counter that stands at a capacity, so that the scale of the FIFOs with it goes from empty to full.
+    fn scale(&mut self, capacity: Words, at: Cycles) -> std::io::Result<()> {
+        let track = self.track(format!("the scale of FIFOs of {capacity}"), Some(Counter::new(capacity)))?;
+        let count = Some(capacity.0 as i64);
+        self.event(at, Event { kind: Some(COUNT), track: Some(track), count, ..Event::default() })
+    }
+
     fn levels(&mut self, info: &FifoInfo, fifo: &FifoLevels) -> std::io::Result<()> {
-        let counter = Counter { unit_name: Some("words".to_owned()) };
+        let counter = Counter::new(info.capacity);
         let track = self.track(format!("{} (of {})", info.name, info.capacity), Some(counter))?;
         fifo.levels.iter().try_for_each(|&(cycle, words)| {
             let count = Some(words.0 as i64);
@@ -272,6 +322,13 @@ impl<W: Write> Writer<'_, W> {
     }
 }
 
+impl Counter {
+    /// Of a FIFO.
+    fn new(capacity: Words) -> Counter {
+        Counter { unit_name: Some("words".to_owned()), scale: Some(capacity.to_string()) }
+    }
+}
+
 fn argument(name: u64, value: u64) -> Argument {
-    Argument { name_id: Some(name), value: Some(value) }
+    Argument { name_id: Some(name), value: Some(value), text: None }
 }

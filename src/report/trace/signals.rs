@@ -11,7 +11,9 @@ pub struct StateNames([String; StateTimes::MOST_STATES]);
 
 /// The signals of one party: what it does, and the FIFOs that it reads.
 pub struct Scope {
-    /// Its name.
+    /// What it is called.
+    pub title: String,
+    /// The same as one word.
     pub name: String,
     /// What is in it.
     pub signals: Vec<Signal>,
@@ -107,13 +109,14 @@ impl<'a> Signals<'a> {
     }
 
     fn scope(&mut self, name: &str) {
-        self.scopes.push(Scope { name: word(name), signals: Vec::new() });
+        self.scopes.push(Scope { title: name.to_owned(), name: word(name), signals: Vec::new() });
     }
 
-    /// Adds a signal to the last scope, and returns its place.
+    /// Adds a signal to the last scope, and returns its place. Viewers that show the last part of a name alone show the scope's, too.
     fn signal(&mut self, name: &str, kind: Kind) -> usize {
         if let Some(scope) = self.scopes.last_mut() {
-            scope.signals.push(Signal { name: word(name), kind });
+            let name = format!("{}_{}", scope.name, word(name));
+            scope.signals.push(Signal { name, kind });
         }
         self.count += 1;
         self.count - 1

@@ -302,7 +302,8 @@ impl Made {
     fn add(&mut self, points: &[Vec3], polygon: &Polygon, source: &Source, owner: Option<&Owner>) {
         let mut outline = polygon.corners.clone();
         let place = |&corner: &u32| points[corner as usize].as_dvec3();
-        outline.rotate_left(best_start(&outline.iter().map(place).collect::<Vec<_>>()));
+        let start = best_start(&outline.iter().map(place).collect::<Vec<_>>());
+        outline.rotate_left(start);
         let places: Vec<DVec3> = outline.iter().map(place).collect();
         let facing: DVec3 = places.windows(2).map(|pair| (pair[0] - places[0]).cross(pair[1] - places[0])).sum();
         let normals: Option<Vec<DVec3>> = places.iter().map(|&place| source.normal_at(place)).collect();

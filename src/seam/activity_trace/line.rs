@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek};
+use std::io::{BufRead, Read, Seek};
 use std::path::Path;
 
 use super::MOST_OF_AN_OP;
 use crate::error::InputError;
+use crate::input::packed;
 use crate::seam::{MOST_CELLS, OpKind, OpStream, Vocabulary};
 
 /// The longest line that is read, in bytes: far more than any job makes.
@@ -20,7 +21,7 @@ pub(super) fn lines<E: From<InputError>>(
 ) -> Result<(), E> {
     let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
     file.rewind().map_err(unreadable)?;
-    let mut reader = BufReader::with_capacity(1 << 16, file);
+    let mut reader = packed::unpacked(file).map_err(unreadable)?;
     let (mut bytes, mut number) = (Vec::new(), 0);
     loop {
         bytes.clear();

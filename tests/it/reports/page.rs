@@ -45,19 +45,25 @@ pub fn is_rounded(shown: &str, exact: &str, unit: f64) -> bool {
     }
 }
 
-/// The sentences of a page, a paragraph each: without titles, pictures, tables, code.
+/// The sentences of a page, a paragraph each: without titles, pictures, code, and without tables but for rows that name sources.
 pub fn paragraphs(page: &str) -> Vec<String> {
     let mut found = vec![String::new()];
     let mut is_code = false;
     for line in page.lines() {
         is_code ^= line.starts_with("```");
+        let is_told = line.starts_with('|') && line.contains("<!--");
         let starts = line.is_empty()
+            || line.starts_with('|')
             || line.starts_with("- ")
             || line.split(". ").next().is_some_and(|w| w.parse::<u32>().is_ok());
         if starts {
             found.push(String::new());
         }
-        if !is_code && !line.is_empty() && !line.starts_with(['|', '!', '`', '#']) && !line.starts_with("    ") {
+        if !is_code
+            && !line.is_empty()
+            && (is_told || !line.starts_with(['|', '!', '`', '#']))
+            && !line.starts_with("    ")
+        {
             let is_numbered = starts && line.starts_with(|c: char| c.is_ascii_digit());
             let text = if is_numbered { line.split_once(". ").map_or("", |(_, text)| text) } else { line };
             let last = found.last_mut().expect("there is one from the start");

@@ -133,6 +133,7 @@ impl Queue {
             word_cycles: self.word_cycles,
             full: Cycles(self.full),
             empty: Cycles(self.empty),
+            enough: None,
         };
         (self.name.clone(), Words(self.capacity), stats)
     }

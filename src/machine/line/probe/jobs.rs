@@ -2,22 +2,18 @@
 
 use std::collections::VecDeque;
 
+use crate::machine::line::departures::Departures;
 use crate::machine::line::fifo::Fifo;
 use crate::machine::timeline::{Count, Timeline};
 use crate::measure::Latency;
-use crate::seam::{OpKind, OpStream};
+use crate::seam::OpStream;
 
 /// Follows the jobs.
 #[derive(Debug)]
 pub struct JobLane {
     done: Timeline<Count>,
     latency: Latency,
-    /// Words that the host's lines so far write to X.
-    words: u64,
-    /// For each line whose first word is not known to have been written: that word's number.
-    first_words: VecDeque<u64>,
-    /// For each job under way: the cycle in which its first word was written.
-    sent: VecDeque<u64>,
+    sent: Departures,
     /// For each message whose job is not known to have been sent: the cycle in which its last word was read.
     back: VecDeque<u64>,
 }
@@ -27,28 +23,19 @@ impl JobLane {
         JobLane {
             done: Timeline::new(bins),
             latency: Latency::default(),
-            words: 0,
-            first_words: VecDeque::new(),
-            sent: VecDeque::new(),
+            sent: Departures::default(),
             back: VecDeque::new(),
         }
     }
 
     /// The host's next lines are known.
     pub fn fed(&mut self, host: &OpStream) {
-        for (_, ops) in host.lines() {
-            self.first_words.push_back(self.words);
-            let writes = ops.iter().filter(|op| op.kind() == OpKind::WriteX);
-            self.words += writes.map(|op| op.count() as u64).sum::<u64>();
-        }
+        self.sent.fed(host);
     }
 
     /// Notes when the host wrote the first words of jobs, before its FIFO forgets it.
     pub fn follow(&mut self, fifo: &Fifo) {
-        while let Some(word) = self.first_words.front().copied().filter(|&word| word < fifo.words_written()) {
-            self.sent.push_back(fifo.write_time(word));
-            self.first_words.pop_front();
-        }
+        self.sent.follow(fifo);
         self.pair();
     }
 
@@ -59,12 +46,11 @@ impl JobLane {
         self.pair();
     }
 
-    /// Ends the ways of the jobs of which both ends are known. A message that left before its job came took no time.
+    /// Ends the ways of the jobs of which both ends are known.
     fn pair(&mut self) {
-        while let (Some(sent), Some(back)) = (self.sent.front(), self.back.front()) {
-            self.latency.add((back + 1).saturating_sub(*sent));
-            self.sent.pop_front();
-            self.back.pop_front();
+        while self.sent.is_known() && !self.back.is_empty() {
+            let (Some(sent), Some(back)) = (self.sent.next(), self.back.pop_front()) else { return };
+            self.latency.add(Departures::latency(sent, back).0);
         }
     }
 

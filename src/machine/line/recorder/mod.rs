@@ -5,6 +5,7 @@
 //! many as it may hold, the latest are dropped, and the window ends where they began; nothing after that is recorded.
 
 mod answers;
+mod passages;
 mod track;
 mod words;
 
@@ -15,7 +16,7 @@ use std::sync::Arc;
 use super::link::Link;
 use crate::measure::{FifoLevels, Recording, Topology};
 use crate::quantities::Cycles;
-use crate::seam::{Channel, OpStream};
+use crate::seam::{Channel, Op, OpBatch, OpKind, OpStream};
 use answers::Answers;
 use track::Track;
 use words::WordTimes;
@@ -87,9 +88,42 @@ impl Recorder {
         Recorded::new(&mut self.cells[index], self.window)
     }
 
-    /// The host's next lines are known.
-    pub fn fed(&mut self, host: &OpStream) {
-        self.answers.fed(host);
+    /// The next ops are known.
+    pub fn fed(&mut self, batch: &OpBatch) {
+        self.answers.fed(&batch.host);
+        self.fed_words(None, &batch.host);
+        for (cell, stream) in batch.cells.iter().enumerate() {
+            self.fed_words(Some(cell), stream);
+        }
+    }
+
+    /// The next ops of a cell, or of the host, are known: which words they write, and for which jobs.
+    fn fed_words(&mut self, cell: Option<usize>, stream: &OpStream) {
+        let is_last = cell.is_some_and(|cell| cell + 1 == self.cells.len());
+        let link = |channel: Channel| match channel {
+            Channel::Z => cell.unwrap_or_default(),
+            Channel::X | Channel::Y => cell.map_or(0, |cell| cell + 1),
+        };
+        let is_over = |channel: Channel| {
+            self.links[link(channel)][channel as usize].as_ref().is_none_or(|words| words.passages.is_over())
+        };
+        if Channel::ALL.into_iter().all(is_over) {
+            return;
+        }
+        let lines = stream.lines().map(|(job, ops)| (Some(job), ops));
+        let of_jobs: usize = stream.lines().map(|(_, ops)| ops.len()).sum();
+        for (job, ops) in lines.chain([(None, &stream.ops()[of_jobs..])]) {
+            let mut words = [0; 3];
+            // Nobody takes the words that the last cell passes on.
+            let writes = |op: &&Op| !(is_last && op.kind() == OpKind::PassX);
+            for op in ops.iter().filter(writes) {
+                op.kind().writes().into_iter().for_each(|channel| words[channel as usize] += op.count() as u64);
+            }
+            for channel in Channel::ALL {
+                let fifo = self.links[link(channel)][channel as usize].as_mut();
+                fifo.into_iter().for_each(|fifo| fifo.passages.fed(job, words[channel as usize]));
+            }
+        }
     }
 
     /// Follows the FIFOs of a link, after each stretch of reads or writes.

@@ -1,6 +1,7 @@
-//! When the words of one FIFO were written and read.
+//! When the words of one FIFO were written and read, and whose they were.
 
 use super::Window;
+use super::passages::Passages;
 use crate::machine::line::fifo::Fifo;
 use crate::measure::FifoLevels;
 use crate::quantities::{Cycles, Words};
@@ -10,6 +11,7 @@ use crate::quantities::{Cycles, Words};
 pub struct WordTimes {
     writes: Times,
     reads: Times,
+    pub passages: Passages,
 }
 
 /// The times of one of the two.
@@ -29,6 +31,7 @@ impl WordTimes {
         let before = self.writes.inside.len() + self.reads.inside.len();
         self.writes.follow(fifo.words_written(), |word| fifo.write_time(word), window);
         self.reads.follow(fifo.words_read(), |word| fifo.read_time(word), window);
+        self.passages.follow(fifo, window);
         self.writes.inside.len() + self.reads.inside.len() - before
     }
 
@@ -42,9 +45,10 @@ impl WordTimes {
         for times in [&mut self.writes, &mut self.reads] {
             times.inside.truncate(times.inside.partition_point(|&time| time < end));
         }
+        self.passages.forget_from(end);
     }
 
-    /// The FIFO's levels in its final window.
+    /// The FIFO's levels and jobs in its final window.
     pub fn finish(mut self, window: Window) -> FifoLevels {
         self.forget_from(window.until);
         let mut level = self.writes.before - self.reads.before;
@@ -62,7 +66,7 @@ impl WordTimes {
             }
         }
         levels.truncate(if window.from < window.until { levels.len() } else { 0 });
-        FifoLevels { levels }
+        FifoLevels { levels, jobs: self.passages.into_spans(window) }
     }
 }
 

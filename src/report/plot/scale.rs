@@ -1,17 +1,39 @@
-//! An axis of a plot of a table: linear, logarithmic, or words side by side.
+//! An axis: linear, logarithmic, or words side by side.
 
 use std::ops::Range;
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 
-use super::series::Positions;
-use crate::report::plot::chart;
+use super::chart;
 
 /// Ticks that an axis has room for.
 const MOST_TICKS: usize = 14;
 
 /// Ticks that are no more than this share of the axis apart would run into each other.
 const CLOSEST_TICKS: f64 = 0.03;
+
+/// What stands along an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Positions {
+    /// Numbers, rising.
+    Numbers(Vec<f64>),
+    /// Words, at 0, 1, 2, ...
+    Words(Vec<String>),
+}
+
+/// How the numbers along an axis are spread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spread {
+    /// As the numbers are themselves.
+    OfItself,
+    /// Evenly.
+    Even,
+    /// By powers.
+    Logarithmic,
+}
+
+/// Why a number has no place on a logarithmic axis.
+const NOT_ABOVE_0: &str = "a logarithmic axis has numbers above 0, and there are others: leave out log=";
 
 /// A scale, its ticks and what they are called.
 #[derive(Clone, Debug)]
@@ -24,9 +46,10 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The scale of what stands along x. It is logarithmic where the numbers are spread like that, with a tick at each.
-    pub fn of_positions(positions: &Positions) -> Scale {
-        match positions {
+    /// The scale of what stands along x. It is logarithmic where the numbers are spread like that, with a tick at each. Fails
+    /// if it has to be and cannot.
+    pub fn of_positions(positions: &Positions, spread: Spread) -> Result<Scale, String> {
+        Ok(match positions {
             Positions::Words(words) => {
                 let last = words.len() as f64 - 1.0;
                 let ticks = (0..words.len()).map(|word| word as f64).collect();
@@ -34,8 +57,11 @@ impl Scale {
             }
             Positions::Numbers(numbers) => {
                 let (first, last) = (numbers[0], numbers[numbers.len() - 1]);
-                if is_geometric(numbers) {
-                    let air = (last / first).powf(0.03);
+                if spread == Spread::Logarithmic && first <= 0.0 {
+                    return Err(NOT_ABOVE_0.to_owned());
+                }
+                if spread == Spread::Logarithmic || (spread == Spread::OfItself && is_geometric(numbers)) {
+                    let air = (last / first).powf(0.03).max(1.01);
                     let scale = Scale::logarithmic(first / air, last * air);
                     let apart =
                         numbers.windows(2).all(|pair| scale.share(pair[1]) - scale.share(pair[0]) > CLOSEST_TICKS);
@@ -46,24 +72,31 @@ impl Scale {
                     Scale::linear(first - air, last + air)
                 }
             }
-        }
+        })
     }
 
     /// The scale of values from 0 up, or down; those above 0 may span several powers of ten.
-    pub fn of_values(values: impl Iterator<Item = f64> + Clone) -> Scale {
+    ///
+    /// Fails if it has to be logarithmic and cannot.
+    pub fn of_values(values: impl Iterator<Item = f64> + Clone, spread: Spread) -> Result<Scale, String> {
         let low = values.clone().fold(f64::INFINITY, f64::min);
         let high = values.fold(f64::NEG_INFINITY, f64::max);
-        if low > 0.0 && high / low > 50.0 {
-            let air = (high / low).powf(0.05);
+        if spread == Spread::Logarithmic && low <= 0.0 {
+            return Err(NOT_ABOVE_0.to_owned());
+        }
+        let is_wide = low > 0.0 && high / low > 50.0;
+        Ok(if spread == Spread::Logarithmic || (spread == Spread::OfItself && is_wide) {
+            let air = (high / low).powf(0.05).max(1.1);
             Scale::logarithmic(low / air, high * air)
         } else {
             let beyond = |end: f64| if end == 0.0 { 0.0 } else { 1.08 * end };
             let (low, high) = (beyond(low.min(0.0)), beyond(high.max(0.0)));
             Scale::linear(low, if high > low { high } else { 1.0 })
-        }
+        })
     }
 
-    fn linear(low: f64, high: f64) -> Scale {
+    /// Evenly from one number to another.
+    pub fn linear(low: f64, high: f64) -> Scale {
         let rough = (high - low) / 8.0;
         let power = 10f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|step| *step >= rough);
@@ -72,7 +105,12 @@ impl Scale {
         Scale { low, high, is_log: false, ticks: ticks.map(|tick| tick as f64 * step).collect(), words: Vec::new() }
     }
 
-    fn logarithmic(low: f64, high: f64) -> Scale {
+    /// By powers from one number above 0 to another.
+    pub fn logarithmic(low: f64, high: f64) -> Scale {
+        // So near each other there are hardly any powers.
+        if high / low < 4.0 {
+            return Scale { is_log: true, ..Scale::linear(low, high) };
+        }
         let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
         let digits: &[f64] = if high / low > 1e4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let all = powers.flat_map(|power| digits.iter().map(move |digit| digit * 10f64.powi(power)));
@@ -100,7 +138,7 @@ impl Scale {
         if self.is_log { value * (self.high / self.low).powf(share) } else { value + share * (self.high - self.low) }
     }
 
-    /// What a tick is called.
+    /// What a number along it is called.
     pub fn name_of(&self, tick: f64) -> String {
         match self.words.get(tick.round().max(0.0) as usize) {
             Some(word) => word.clone(),
@@ -173,17 +211,18 @@ mod tests {
 
     #[test]
     fn ticks_lie_on_the_axis() {
-        let scale = Scale::of_positions(&Positions::Numbers(vec![16.0, 64.0, 256.0]));
+        let scale = Scale::of_positions(&Positions::Numbers(vec![16.0, 64.0, 256.0]), Spread::OfItself).unwrap();
         assert_eq!(scale.ticks, [16.0, 64.0, 256.0]);
         assert_eq!(scale.map(&64.0, (0, 100)), 50);
-        let crowded = Scale::of_positions(&Positions::Numbers(vec![1.0, 40.0, 41.0, 1000.0]));
+        let crowded =
+            Scale::of_positions(&Positions::Numbers(vec![1.0, 40.0, 41.0, 1000.0]), Spread::OfItself).unwrap();
         assert_eq!(crowded.ticks, [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]);
-        let scale = Scale::of_values([3.0, 950.0].into_iter());
+        let scale = Scale::of_values([3.0, 950.0].into_iter(), Spread::OfItself).unwrap();
         assert!(scale.is_log);
         assert_eq!(scale.ticks, [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]);
-        let scale = Scale::of_values([700.0, 1234.0].into_iter());
+        let scale = Scale::of_values([700.0, 1234.0].into_iter(), Spread::OfItself).unwrap();
         assert_eq!(scale.ticks, [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0, 1200.0]);
-        let single = Scale::of_positions(&Positions::Numbers(vec![7.0]));
+        let single = Scale::of_positions(&Positions::Numbers(vec![7.0]), Spread::OfItself).unwrap();
         assert!(single.ticks.contains(&7.0), "{single:?}");
     }
 
