@@ -22,17 +22,17 @@ fn a_cube_by_hand() {
     let corner = |number: u32| [number >> 2 & 1, number >> 1 & 1, number & 1].map(|part| 10 + part as u8);
     let pixels: Vec<Color> = (0..8).flat_map(|number| vec![corner(number); number as usize + 1]).collect();
     let table = ColorTable::new(&pixels, 3, Palette::Peano);
-    // The two most frequent have entries of their own, the others' mean is nearer to 10 in red, and 10.5 in the others.
+    // The two most frequent have entries of their own. Of the others' 21 pixels 11 have the higher red, 7 green, 12 blue.
     assert_eq!(table.level, Some(0));
     assert_eq!(
         table.colors.iter().copied().collect::<BTreeSet<_>>(),
-        [[11, 11, 11], [11, 11, 10], [10, 10, 11]].into_iter().collect()
+        [[11, 11, 11], [11, 11, 10], [11, 10, 11]].into_iter().collect()
     );
     let of = |number: u32| {
         table.colors[usize::from(table.pixels[pixels.iter().position(|&it| it == corner(number)).unwrap()])]
     };
     assert_eq!((of(7), of(6)), ([11, 11, 11], [11, 11, 10]));
-    assert!((0..6).all(|number| of(number) == [10, 10, 11]));
+    assert!((0..6).all(|number| of(number) == [11, 10, 11]));
 }
 
 fn picture() -> impl Strategy<Value = Vec<Color>> {
