@@ -91,46 +91,51 @@ impl Walk {
     #[inline(always)]
     pub fn leap(&mut self, grid: &Grid, clearance: u8, t_end: f32) -> Leap {
         let most = self.left.map(|left| left.min(clearance as i32));
-        let (axis, t) = first_of([0, 1, 2].map(|axis| self.t_of_plane(grid, axis, most[axis] - 1)));
+        let at_most = |axis: usize| self.t_of_plane(grid, axis, most[axis] - 1);
+        let (axis, t) = first_of([at_most(0), at_most(1), at_most(2)]);
         if t >= t_end {
-            let crossed = [0, 1, 2].map(|axis| self.planes_before(grid, axis, most[axis] - 1, t_end, false));
-            return Leap { voxels: crossed.iter().sum::<i32>() as u64 + 1, goes_on: false };
+            let before = |axis: usize| self.planes_before(grid, axis, most[axis] - 1, t_end, false).0;
+            return Leap { voxels: (before(0) + before(1) + before(2)) as u64 + 1, goes_on: false };
         }
-        // Of planes at the same t, those of the axes before this one are crossed before its own.
-        let crossed = [0, 1, 2].map(|other| match other == axis {
-            true => most[axis],
-            false => self.planes_before(grid, other, most[other] - 1, t, other < axis),
-        });
-        let leaves = crossed[axis] == self.left[axis];
-        if !leaves {
-            for axis in 0..3 {
-                self.left[axis] -= crossed[axis];
-                self.voxel = self.voxel.wrapping_add_signed(self.stride[axis] * crossed[axis] as isize);
-                self.plane[axis] += self.step[axis] * crossed[axis];
-                self.t_next[axis] = self.t_of_plane(grid, axis, 0);
-            }
+        let leaves = most[axis] == self.left[axis];
+        let mut voxels = 0;
+        for other in 0..3 {
+            // Of planes at the same t, those of the axes before this one are crossed before its own.
+            let (crossed, t_next) = match other == axis {
+                true if leaves => (most[axis], f32::INFINITY),
+                true => (most[axis], self.t_of_plane(grid, axis, most[axis])),
+                false => self.planes_before(grid, other, most[other] - 1, t, other < axis),
+            };
+            self.left[other] -= crossed;
+            self.voxel = self.voxel.wrapping_add_signed(self.stride[other] * crossed as isize);
+            self.plane[other] += self.step[other] * crossed;
+            self.t_next[other] = t_next;
+            voxels += crossed;
         }
-        Leap { voxels: crossed.iter().sum::<i32>() as u64, goes_on: !leaves }
+        Leap { voxels: voxels as u64, goes_on: !leaves }
     }
 
-    /// How many of an axis's next `most` planes are crossed before t, and at t if those count as well. Guessed from the ray's
-    /// speed, and then put right by the planes' own t, in which rounding may be seen.
+    /// How many of an axis's next `most` planes are crossed before t, and at t if those count as well; and where the one behind
+    /// them is crossed. Guessed from the ray's speed, and then put right by the planes' own t, in which rounding may be seen.
     #[inline(always)]
-    fn planes_before(&self, grid: &Grid, axis: usize, most: i32, t: f32, at_t: bool) -> i32 {
-        let is_before = |ahead: i32| {
-            let plane = self.t_of_plane(grid, axis, ahead);
-            plane < t || at_t && plane == t
-        };
+    fn planes_before(&self, grid: &Grid, axis: usize, most: i32, t: f32, at_t: bool) -> (i32, f32) {
+        let is_before = |plane: f32| plane < t || at_t && plane == t;
         // `as` takes what is not a number to 0.
         let guess = (t - self.t_next[axis]) * self.per_t[axis] + 1.0;
         let mut count = (guess as i32).clamp(0, most);
-        while count > 0 && !is_before(count - 1) {
-            count -= 1;
-        }
-        while count < most && is_before(count) {
+        let mut next = self.t_of_plane(grid, axis, count);
+        while count < most && is_before(next) {
             count += 1;
+            next = self.t_of_plane(grid, axis, count);
         }
-        count
+        while count > 0 {
+            let last = self.t_of_plane(grid, axis, count - 1);
+            if is_before(last) {
+                break;
+            }
+            (count, next) = (count - 1, last);
+        }
+        (count, next)
     }
 
     /// Where an axis's plane so many planes behind the next one is crossed. The paper adds δt from step to step; taking each

@@ -320,7 +320,7 @@ impl RayInGroup<'_> {
     }
 
     /// Sends one word on Y, if the kernels do not run in the same cell.
-    #[inline]
+    #[inline(always)]
     fn send(&mut self, from: usize, to: usize) {
         if from != to {
             self.cells[from].push(OpKind::WriteY, CANDIDATE_WORDS);
@@ -329,7 +329,7 @@ impl RayInGroup<'_> {
     }
 
     /// P2: a candidate whose slabs the ray misses is dropped.
-    #[inline]
+    #[inline(always)]
     fn slabs_test(&mut self, cell: usize, polygon: u32) -> bool {
         if !self.entered.slabs {
             self.enter_slabs(cell);
@@ -350,7 +350,7 @@ impl RayInGroup<'_> {
         self.hit = self.surfaces.polygons.nearer(self.ray, polygon, self.hit);
     }
 
-    #[inline]
+    #[inline(always)]
     fn work(&mut self, cell: usize, unit: Unit, count: u64) {
         self.cells[cell].push(OpKind::Work(unit), count);
     }

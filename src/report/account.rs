@@ -124,7 +124,7 @@ pub fn body(
 pub fn why_text(head: &str, stats: &Measured, observed: &Observed, by_cell: bool) -> String {
     let why = observed.path.as_ref().map(|path| format!("\n{}", why::text(path, by_cell))).unwrap_or_default();
     let enough = stats.fifos.iter().any(|fifo| fifo.enough.is_some());
-    let fifos = enough.then(|| format!("\n{}", summary::fifos(stats))).unwrap_or_default();
+    let fifos = if enough { format!("\n{}", summary::fifos(stats)) } else { String::new() };
     format!("{head}{why}{fifos}")
 }
 
