@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, ValueEnum};
+use pcs_sim::host::color_table::Palette;
 use pcs_sim::machine::{Cycles, MachineOptions};
 use pcs_sim::report::plot::Format;
 use pcs_sim::run::{
@@ -138,7 +139,7 @@ impl Typed<'_> {
 /// `pcs-sim image`.
 #[derive(Debug, Args)]
 pub struct ImageArgs {
-    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff, .cas.
     #[arg(value_name = "SCENE", required_unless_present = "config")]
     pub scene: Option<String>,
     /// Repeat the image that a file describes: statistics, or their configuration. Flags beside it change that.
@@ -147,6 +148,12 @@ pub struct ImageArgs {
     /// Where the image goes: .png, or .pfm for linear light in all its bits.
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     pub output: PathBuf,
+    /// Write a PNG of at most so many colours, with a table of them, and tell how far they are off.
+    #[arg(long, value_name = "N", help_heading = "Results", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub colors: Option<u16>,
+    /// How these colours are chosen.
+    #[arg(long, value_enum, default_value_t = PaletteName::Peano, help_heading = "Results", requires = "colors")]
+    pub palette: PaletteName,
     #[command(flatten)]
     pub shape: ShapeOptions,
     #[command(flatten)]
@@ -189,6 +196,24 @@ pub struct TracingArgs {
     /// Threads to use [default: all cores]. The results do not depend on it.
     #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+}
+
+/// How the colours of a table are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PaletteName {
+    /// By an octree of colours in Peano's order, as SKY did.
+    Peano,
+    /// By halving boxes of colours.
+    MedianCut,
+}
+
+impl From<PaletteName> for Palette {
+    fn from(name: PaletteName) -> Palette {
+        match name {
+            PaletteName::Peano => Palette::Peano,
+            PaletteName::MedianCut => Palette::MedianCut,
+        }
+    }
 }
 
 /// What an activity trace counts work in.
@@ -325,7 +350,7 @@ pub struct SweepArgs {
 /// `pcs-sim model`.
 #[derive(Debug, Args)]
 pub struct ModelArgs {
-    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff, .cas.
     #[arg(value_name = "SCENE", required_unless_present = "config")]
     pub scene: Option<String>,
     /// Predict the run that a file describes: statistics, or their configuration. Flags beside it change that.
@@ -375,6 +400,25 @@ pub struct PlotArgs {
     #[command(flatten)]
     pub formats: PlotFormats,
     /// Replace pictures that exist.
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ScenesArgs {
+    /// A built-in scene, or a file; without one, all built-in scenes are listed.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<String>,
+    /// Write the scene's polygons, as the array gets them, as PLY.
+    #[arg(long, value_name = "FILE.ply", requires = "scene")]
+    pub export: Option<PathBuf>,
+    /// Size factor of the scene.
+    #[arg(long, value_name = "N", requires = "scene")]
+    pub size_factor: Option<u32>,
+    /// Slices of spheres and cones.
+    #[arg(long, value_name = "N", requires = "scene")]
+    pub resolution: Option<u32>,
+    /// Replace a file that exists.
     #[arg(long)]
     pub force: bool,
 }

@@ -8,6 +8,7 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::camera::ImageSize;
+use pcs_sim::host::color_table::{ColorTable, Palette};
 use pcs_sim::host::image;
 use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
@@ -27,8 +28,10 @@ use super::{Failure, outputs, print, progress, shards};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
-enum Format {
+pub enum Format {
     Png,
+    /// With a table of so many colours.
+    Indexed(usize, Palette),
     Pfm,
 }
 
@@ -43,7 +46,7 @@ struct Outputs {
 
 /// Makes the image.
 pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
-    check_name(args)?;
+    let format = format(args)?;
     let engine = args.engine.engine()?;
     let options = args.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
@@ -67,35 +70,59 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
         },
     };
     print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
-    let written = write_outputs(&setup, (&rendered, losses.as_ref()), &found, files)?;
+    if let Format::Indexed(most, palette) = format {
+        let pixels = image::on_screen(&rendered.pixels);
+        print(&account::colors_line(&ColorTable::new(&pixels, most, palette), palette, &pixels))?;
+    }
+    let written = write_outputs(format, &setup, (&rendered, losses.as_ref()), &found, files)?;
     print(&outputs::list(&written))
 }
 
-/// What the image is written as, by its name.
-fn format(name: &Path) -> Option<Format> {
-    match name.extension()?.to_string_lossy().to_lowercase().as_str() {
-        "png" => Some(Format::Png),
-        "pfm" => Some(Format::Pfm),
-        _ => None,
+/// What the image is written as, by its name and by the colours that are asked for.
+fn format(args: &ImageArgs) -> Result<Format, InputError> {
+    match (Format::of(&args.output), args.colors) {
+        (Some(Format::Png), Some(most)) if !args.engine.detach => Ok(Format::Indexed(most.into(), args.palette.into())),
+        (Some(Format::Pfm), Some(_)) => {
+            Err(InputError::new("--colors makes a table of colours, and PFM has none")
+                .help("leave it out, or write a PNG"))
+        }
+        (Some(_), Some(_)) if args.engine.detach => {
+            Err(InputError::new("--colors needs the whole image, and with --detach it is joined later")
+                .help("leave out one of the two"))
+        }
+        (Some(format), _) => Ok(format),
+        (None, _) => {
+            Err(InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm"))
+        }
     }
 }
 
-fn check_name(args: &ImageArgs) -> Result<(), InputError> {
-    let error = || InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm");
-    format(&args.output).map(drop).ok_or_else(error)
+impl Format {
+    /// What an image of that name is written as.
+    pub fn of(name: &Path) -> Option<Format> {
+        match name.extension()?.to_string_lossy().to_lowercase().as_str() {
+            "png" => Some(Format::Png),
+            "pfm" => Some(Format::Pfm),
+            _ => None,
+        }
+    }
 }
 
-/// Writes an image, if there is a file for it, as what its name says.
+/// Writes an image, if there is a file for it.
 pub fn write_image(
     file: Option<OutputFile>,
+    format: Format,
     size: ImageSize,
     pixels: &[Vec3],
     written: &mut Vec<PathBuf>,
 ) -> Result<(), Failure> {
-    let format = file.as_ref().and_then(|file| format(file.path()));
     outputs::finish(file, written, |file| match format {
-        Some(Format::Pfm) => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
-        Some(Format::Png) | None => image::write_png(file, size, pixels).map_err(|error| error.to_string()),
+        Format::Png => image::write_png(file, size, pixels).map_err(|error| error.to_string()),
+        Format::Indexed(most, palette) => {
+            let table = ColorTable::new(&image::on_screen(pixels), most, palette);
+            image::write_indexed_png(file, size, &table).map_err(|error| error.to_string())
+        }
+        Format::Pfm => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
     })
 }
 
@@ -194,6 +221,7 @@ fn render(
 }
 
 fn write_outputs(
+    format: Format,
     setup: &Setup,
     (rendered, losses): (&Rendered, Option<&Losses>),
     found: &[Hit],
@@ -201,9 +229,9 @@ fn write_outputs(
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let (size, pixels) = (setup.spec.size, &rendered.pixels);
-    write_image(files.image, size, pixels, &mut written)?;
+    write_image(files.image, format, size, pixels, &mut written)?;
     if let Some(timing) = &rendered.timing {
-        let configuration = Configuration::new(&setup.spec, &setup.workload);
+        let configuration = Configuration::new(setup);
         outputs::finish(files.stats, &mut written, |file| {
             file.write_all(account::image_stats_json(setup, rendered, timing, losses)?.as_bytes())
         })?;

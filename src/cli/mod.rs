@@ -202,7 +202,7 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
         Some(Command::Asm(args)) => asm::asm(args),
         Some(Command::Disasm(args)) => disasm::disasm(args),
         Some(Command::Step(args)) => step::step(args),
-        Some(Command::Scenes) => scenes::scenes(),
+        Some(Command::Scenes(args)) => scenes::scenes(args),
         Some(Command::Completions(args)) => manual::completions(args),
         Some(Command::Man(args)) => manual::man(args),
     }

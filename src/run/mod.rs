@@ -42,7 +42,7 @@ pub use replayed::Replay;
 pub use setup::Setup;
 pub use shuffled::{Reordered, Shuffled};
 pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos, slower};
-pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, machine_file};
+pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, load_scene, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};
 pub use trees::{ByKind, KindCounts};

@@ -102,7 +102,7 @@ fn of_setup(setup: &Setup, title: String, stats: Measured, observed: Observed) -
         stats,
         observed,
         cell_names: cell_names(&setup.workload),
-        configuration: Configuration::new(&setup.spec, &setup.workload),
+        configuration: Configuration::new(setup),
     }
 }
 

@@ -8,7 +8,7 @@ use pcs_sim::run::{FileRead, Rendered, RunSpec};
 use pcs_sim::shards::{Engine, Folder, Job, Lock, Plan, State, Work, joined_image, states};
 
 use super::super::args::ImageArgs;
-use super::super::image::write_image;
+use super::super::image::{Format, write_image};
 use super::super::{Failure, interrupt, outputs, print, progress};
 use super::{detached, kept, locked, reasons, tell_missing, under_way, wait};
 
@@ -87,7 +87,8 @@ pub fn collect(folder: &Folder, plan: &Plan, output: &Path, _lock: Lock) -> Resu
     };
     let rendered = join(folder, plan)?;
     let mut written = Vec::new();
-    write_image(outputs::open(Some(output), plan.overwrite)?, spec.size, &rendered.pixels, &mut written)?;
+    let format = Format::of(output).unwrap_or(Format::Png);
+    write_image(outputs::open(Some(output), plan.overwrite)?, format, spec.size, &rendered.pixels, &mut written)?;
     mark(folder)?;
     print(&outputs::list(&written))
 }

@@ -2,6 +2,7 @@
 
 pub mod command;
 pub mod farm_ticking;
+pub mod intervals;
 pub mod looking_back;
 pub mod random_ops;
 pub mod ticking;
