@@ -8,10 +8,12 @@ use clap::{ArgMatches, Args, ValueEnum};
 use pcs_sim::machine::{Cycles, MachineOptions};
 use pcs_sim::report::plot::Format;
 use pcs_sim::run::{
-    CellsOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions, ProgramOptions, RayOptions, RunOptions,
-    SceneOptions, ShapeOptions,
+    CellsOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions, ProgramOptions, RayOptions,
+    RecordingMemory, RunOptions, SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
+
+use super::engine_args::{EngineArgs, ShardsCommand};
 
 /// The heading of flags that are about no part of a run: that of `--help`.
 pub const GENERAL: Option<&str> = None;
@@ -167,6 +169,8 @@ pub struct ImageArgs {
     pub tracing: TracingArgs,
     #[command(flatten)]
     pub views: ViewArgs,
+    #[command(flatten)]
+    pub engine: EngineArgs,
 }
 
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
@@ -276,16 +280,19 @@ pub struct ViewArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct SweepArgs {
+    #[command(subcommand)]
+    pub shards: Option<ShardsCommand>,
     /// The sweep: a value, a list or a range for any of a run's parameters.
-    #[arg(value_name = "SWEEP.ron")]
-    pub sweep: PathBuf,
+    #[arg(value_name = "SWEEP.ron", required = true)]
+    pub sweep: Option<PathBuf>,
     /// The table: FILE.csv, and the same as FILE.parquet. It grows as points finish. A sweep that was stopped goes on
     /// where FILE.journal says; one that is done is not run again.
     #[arg(short = 'o', long, value_name = "FILE", required_unless_present = "count")]
     pub table: Option<PathBuf>,
     /// Tell how many points the sweep has, and run none.
-    #[arg(long, conflicts_with_all = ["table", "plot", "force", "watch", "accept_failures", "threads"])]
+    #[arg(long, conflicts_with_all = ["table", "plot", "force", "watch", "accept_failures", "threads", "recording_memory"])]
     pub count: bool,
     /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode, and all else that
     /// `pcs-sim plot` takes.
@@ -304,9 +311,15 @@ pub struct SweepArgs {
     /// Watch the points come in, on a terminal.
     #[arg(long)]
     pub watch: bool,
-    /// Threads to use [default: all cores]. The results do not depend on it.
+    /// Threads to use [default: all cores; one a shard, past one machine]. The results do not depend on it.
     #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    /// The memory that a recording may take, which points share, such as 8GB [default: half of what is free, by the share of
+    /// the cores that are used]. Points of a larger one are timed while its rays are traced. The results do not depend on it.
+    #[arg(long, value_name = "SIZE")]
+    pub recording_memory: Option<RecordingMemory>,
+    #[command(flatten)]
+    pub engine: EngineArgs,
 }
 
 /// `pcs-sim model`.

@@ -59,7 +59,7 @@ pub enum Command {
     /// Tells why a run, or a recorded activity trace, took as long as it did, and what would make it faster.
     Why(Box<WhyArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
-    Sweep(SweepArgs),
+    Sweep(Box<SweepArgs>),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
     Model(Box<ModelArgs>),
     /// Draws one column of a table over another.

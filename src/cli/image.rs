@@ -3,9 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
+use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::image;
 use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
@@ -13,7 +15,7 @@ use pcs_sim::report::losses::Losses;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{
-    self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Shuffled, Switch, Timed, Timing, moot,
+    self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Shuffled, Switch, Timed, Timing, moot, noting,
 };
 use pcs_sim::seam::activity_trace::TraceWriter;
 
@@ -21,7 +23,7 @@ use super::args::{ImageArgs, Typed};
 use super::run::{notes, workers};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress};
+use super::{Failure, outputs, print, progress, shards};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
@@ -41,7 +43,8 @@ struct Outputs {
 
 /// Makes the image.
 pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
-    let format = format(args)?;
+    check_name(args)?;
+    let engine = args.engine.engine()?;
     let options = args.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     let run = PlannedRun::new(RunSpec::of_image(&options, base)?)?;
@@ -49,23 +52,51 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     moot::check_image(&options, &run.spec)?;
     let mut files = open_outputs(args, &run.spec)?;
     let spinner = progress::waiting("preparing the scene");
-    let setup = outputs::reading(&named(args), || Setup::new(run, &mut Layers::default(), &Cancel::default()))?;
+    let layers = &mut Layers::default();
+    let read = || outputs::reading(&named(args), || Setup::new(run, layers, &Cancel::default()));
+    let (setup, inputs) = noting(read);
+    let setup = setup?;
     spinner.finish_and_clear();
     notes(&setup);
     let mut found = Vec::new();
-    let (rendered, losses) = render(args, &setup, &mut files, &mut found)?;
+    let (rendered, losses) = match engine {
+        None => render(args, &setup, &mut files, &mut found)?,
+        Some(engine) => match shards::image(&engine, args, &setup.spec, inputs)? {
+            Some(rendered) => (rendered, None),
+            None => return Ok(()),
+        },
+    };
     print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
-    let written = write_outputs(format, &setup, (&rendered, losses.as_ref()), &found, files)?;
+    let written = write_outputs(&setup, (&rendered, losses.as_ref()), &found, files)?;
     print(&outputs::list(&written))
 }
 
-fn format(args: &ImageArgs) -> Result<Format, InputError> {
-    let extension = args.output.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        Some("png") => Ok(Format::Png),
-        Some("pfm") => Ok(Format::Pfm),
-        _ => Err(InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm")),
+/// What the image is written as, by its name.
+fn format(name: &Path) -> Option<Format> {
+    match name.extension()?.to_string_lossy().to_lowercase().as_str() {
+        "png" => Some(Format::Png),
+        "pfm" => Some(Format::Pfm),
+        _ => None,
     }
+}
+
+fn check_name(args: &ImageArgs) -> Result<(), InputError> {
+    let error = || InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm");
+    format(&args.output).map(drop).ok_or_else(error)
+}
+
+/// Writes an image, if there is a file for it, as what its name says.
+pub fn write_image(
+    file: Option<OutputFile>,
+    size: ImageSize,
+    pixels: &[Vec3],
+    written: &mut Vec<PathBuf>,
+) -> Result<(), Failure> {
+    let format = file.as_ref().and_then(|file| format(file.path()));
+    outputs::finish(file, written, |file| match format {
+        Some(Format::Pfm) => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
+        Some(Format::Png) | None => image::write_png(file, size, pixels).map_err(|error| error.to_string()),
+    })
 }
 
 /// Refuses results of the machine without a machine.
@@ -163,7 +194,6 @@ fn render(
 }
 
 fn write_outputs(
-    format: Format,
     setup: &Setup,
     (rendered, losses): (&Rendered, Option<&Losses>),
     found: &[Hit],
@@ -171,10 +201,7 @@ fn write_outputs(
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let (size, pixels) = (setup.spec.size, &rendered.pixels);
-    outputs::finish(files.image, &mut written, |file| match format {
-        Format::Png => image::write_png(file, size, pixels).map_err(|error| error.to_string()),
-        Format::Pfm => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
-    })?;
+    write_image(files.image, size, pixels, &mut written)?;
     if let Some(timing) = &rendered.timing {
         let configuration = Configuration::new(&setup.spec, &setup.workload);
         outputs::finish(files.stats, &mut written, |file| {

@@ -6,12 +6,14 @@
 mod ahead;
 mod closed_loop;
 mod farm;
+mod in_step;
 mod kept;
 mod layers;
 mod modelled;
 pub mod moot;
 mod options;
 mod outputs;
+mod recording_memory;
 mod render;
 mod replayed;
 mod setup;
@@ -24,6 +26,7 @@ mod trees;
 mod workers;
 
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
+pub use in_step::InStep;
 pub use kept::KeptOps;
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};
@@ -31,8 +34,10 @@ pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, OrderOptions, ProgramOptions,
     RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
 };
+pub(crate) use outputs::make_readable;
 pub use outputs::{OutputFile, OutputFolder, Outputs};
-pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
+pub use recording_memory::RecordingMemory;
+pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render, render_lines};
 pub use replayed::Replay;
 pub use setup::Setup;
 pub use shuffled::{Reordered, Shuffled};

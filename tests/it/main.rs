@@ -49,6 +49,7 @@ mod recording_is_exact;
 mod replay;
 mod reports;
 mod scene_files;
+mod shards;
 mod size_fifos;
 mod step;
 mod stopped;
