@@ -241,4 +241,6 @@ pub mod run;
 pub mod scene;
 pub mod seam;
 #[cfg(feature = "report")]
+pub mod shards;
+#[cfg(feature = "report")]
 pub mod sweep;

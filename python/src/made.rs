@@ -171,17 +171,14 @@ impl Made {
     /// What it was, in words and as data.
     pub fn described(&self) -> Described {
         let (title, setup, names, configuration) = match self {
-            Made::Rays { setup, .. } => (
-                account::title(setup),
-                setup,
-                account::cell_names(&setup.workload),
-                Configuration::new(&setup.spec, &setup.workload),
-            ),
+            Made::Rays { setup, .. } => {
+                (account::title(setup), setup, account::cell_names(&setup.workload), Configuration::new(setup))
+            }
             Made::Image { setup, rendered, .. } => (
                 account::image_title(setup, rendered),
                 setup,
                 account::cell_names(&setup.workload),
-                Configuration::new(&setup.spec, &setup.workload),
+                Configuration::new(setup),
             ),
             Made::Farm { setup, outcome } => {
                 let configuration = Configuration::Farm(Box::new(setup.spec.clone()));

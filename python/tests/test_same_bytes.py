@@ -187,6 +187,7 @@ def test_sweeps(two: Path) -> None:
     assert len(table) == 24
     assert any(table.to_dict()["error"])
     assert pcs_sim.sweep(SWEEP).to_dict() == table.to_dict()
+    assert pcs_sim.sweep(SWEEP, recording_memory="0kB").to_dict() == table.to_dict()
     # The command goes on with what the module began, and the other way round.
     journal = (two / "ours" / "table.journal").read_bytes()
     assert sorted(journal.splitlines()) == sorted((two / "theirs" / "table.journal").read_bytes().splitlines())

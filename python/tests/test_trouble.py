@@ -176,6 +176,7 @@ ELSEWHERE: list[tuple[Callable[[], object], str]] = [
     (lambda: pcs_sim.size_fifos("room", size=2, speed=99).save("t.txt"), "must end in .csv or .parquet"),
     (lambda: pcs_sim.image("room", size=2, timing="off", enough=True), "--enough is about the machine at work"),
     (lambda: pcs_sim.sweep({"fifo_wrods": [8]}), r"did you mean `fifo_words`\?"),
+    (lambda: pcs_sim.sweep({"cells": [3]}, recording_memory="much"), "invalid value 'much' for recording_memory"),
     (lambda: pcs_sim.sweep({"fifo_words": "many"}), "fifo_words: .*expected a whole number"),
     (lambda: pcs_sim.sweep({"fifo_words": {"from": 1}}), "fifo_words: missing field"),
     (lambda: pcs_sim.sweep({"fifo_words": []}), "a list needs at least one value"),

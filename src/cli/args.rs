@@ -5,13 +5,16 @@ use std::path::PathBuf;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, ValueEnum};
+use pcs_sim::host::color_table::Palette;
 use pcs_sim::machine::{Cycles, MachineOptions};
 use pcs_sim::report::plot::Format;
 use pcs_sim::run::{
-    CellsOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions, ProgramOptions, RayOptions, RunOptions,
-    SceneOptions, ShapeOptions,
+    CellsOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions, ProgramOptions, RayOptions,
+    RecordingMemory, RunOptions, SceneOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
+
+use super::engine_args::{EngineArgs, ShardsCommand};
 
 /// The heading of flags that are about no part of a run: that of `--help`.
 pub const GENERAL: Option<&str> = None;
@@ -136,7 +139,7 @@ impl Typed<'_> {
 /// `pcs-sim image`.
 #[derive(Debug, Args)]
 pub struct ImageArgs {
-    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff, .cas.
     #[arg(value_name = "SCENE", required_unless_present = "config")]
     pub scene: Option<String>,
     /// Repeat the image that a file describes: statistics, or their configuration. Flags beside it change that.
@@ -145,6 +148,12 @@ pub struct ImageArgs {
     /// Where the image goes: .png, or .pfm for linear light in all its bits.
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     pub output: PathBuf,
+    /// Write a PNG of at most so many colours, with a table of them, and tell how far they are off.
+    #[arg(long, value_name = "N", help_heading = "Results", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub colors: Option<u16>,
+    /// How these colours are chosen.
+    #[arg(long, value_enum, default_value_t = PaletteName::Peano, help_heading = "Results", requires = "colors")]
+    pub palette: PaletteName,
     #[command(flatten)]
     pub shape: ShapeOptions,
     #[command(flatten)]
@@ -167,6 +176,8 @@ pub struct ImageArgs {
     pub tracing: TracingArgs,
     #[command(flatten)]
     pub views: ViewArgs,
+    #[command(flatten)]
+    pub engine: EngineArgs,
 }
 
 /// What goes with rays that are traced, whether they are primary ones alone or a whole image's.
@@ -185,6 +196,24 @@ pub struct TracingArgs {
     /// Threads to use [default: all cores]. The results do not depend on it.
     #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+}
+
+/// How the colours of a table are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PaletteName {
+    /// By an octree of colours in Peano's order, as SKY did.
+    Peano,
+    /// By halving boxes of colours.
+    MedianCut,
+}
+
+impl From<PaletteName> for Palette {
+    fn from(name: PaletteName) -> Palette {
+        match name {
+            PaletteName::Peano => Palette::Peano,
+            PaletteName::MedianCut => Palette::MedianCut,
+        }
+    }
 }
 
 /// What an activity trace counts work in.
@@ -276,16 +305,19 @@ pub struct ViewArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct SweepArgs {
+    #[command(subcommand)]
+    pub shards: Option<ShardsCommand>,
     /// The sweep: a value, a list or a range for any of a run's parameters.
-    #[arg(value_name = "SWEEP.ron")]
-    pub sweep: PathBuf,
+    #[arg(value_name = "SWEEP.ron", required = true)]
+    pub sweep: Option<PathBuf>,
     /// The table: FILE.csv, and the same as FILE.parquet. It grows as points finish. A sweep that was stopped goes on
     /// where FILE.journal says; one that is done is not run again.
     #[arg(short = 'o', long, value_name = "FILE", required_unless_present = "count")]
     pub table: Option<PathBuf>,
     /// Tell how many points the sweep has, and run none.
-    #[arg(long, conflicts_with_all = ["table", "plot", "force", "watch", "accept_failures", "threads"])]
+    #[arg(long, conflicts_with_all = ["table", "plot", "force", "watch", "accept_failures", "threads", "recording_memory"])]
     pub count: bool,
     /// Draw one column over another, with a line for each value of a third: x=cells y=rays_per_second by=mode, and all else that
     /// `pcs-sim plot` takes.
@@ -304,15 +336,21 @@ pub struct SweepArgs {
     /// Watch the points come in, on a terminal.
     #[arg(long)]
     pub watch: bool,
-    /// Threads to use [default: all cores]. The results do not depend on it.
+    /// Threads to use [default: all cores; one a shard, past one machine]. The results do not depend on it.
     #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    /// The memory that a recording may take, which points share, such as 8GB [default: half of what is free, by the share of
+    /// the cores that are used]. Points of a larger one are timed while its rays are traced. The results do not depend on it.
+    #[arg(long, value_name = "SIZE")]
+    pub recording_memory: Option<RecordingMemory>,
+    #[command(flatten)]
+    pub engine: EngineArgs,
 }
 
 /// `pcs-sim model`.
 #[derive(Debug, Args)]
 pub struct ModelArgs {
-    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff.
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff, .cas.
     #[arg(value_name = "SCENE", required_unless_present = "config")]
     pub scene: Option<String>,
     /// Predict the run that a file describes: statistics, or their configuration. Flags beside it change that.
@@ -362,6 +400,25 @@ pub struct PlotArgs {
     #[command(flatten)]
     pub formats: PlotFormats,
     /// Replace pictures that exist.
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ScenesArgs {
+    /// A built-in scene, or a file; without one, all built-in scenes are listed.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<String>,
+    /// Write the scene's polygons, as the array gets them, as PLY.
+    #[arg(long, value_name = "FILE.ply", requires = "scene")]
+    pub export: Option<PathBuf>,
+    /// Size factor of the scene.
+    #[arg(long, value_name = "N", requires = "scene")]
+    pub size_factor: Option<u32>,
+    /// Slices of spheres and cones.
+    #[arg(long, value_name = "N", requires = "scene")]
+    pub resolution: Option<u32>,
+    /// Replace a file that exists.
     #[arg(long)]
     pub force: bool,
 }

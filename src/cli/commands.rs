@@ -6,7 +6,8 @@ use clap::{Parser, Subcommand};
 use pcs_sim::input::STREAM;
 
 use super::args::{
-    CompareArgs, CompletionsArgs, GENERAL, ImageArgs, ManArgs, ModelArgs, PlotArgs, ReplayArgs, RunArgs, SweepArgs,
+    CompareArgs, CompletionsArgs, GENERAL, ImageArgs, ManArgs, ModelArgs, PlotArgs, ReplayArgs, RunArgs, ScenesArgs,
+    SweepArgs,
 };
 use super::cell_args::{AsmArgs, CalibrateArgs, DisasmArgs, Figure7Args, StepArgs};
 use super::farm_args::FarmArgs;
@@ -63,7 +64,7 @@ pub enum Command {
     /// Tells why a run, or a recorded activity trace, took as long as it did, and what would make it faster.
     Why(Box<WhyArgs>),
     /// Runs every combination of parameters that a file lists, and writes one table.
-    Sweep(SweepArgs),
+    Sweep(Box<SweepArgs>),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
     Model(Box<ModelArgs>),
     /// Draws one column of a table over another.
@@ -83,8 +84,8 @@ pub enum Command {
     Disasm(DisasmArgs),
     /// Runs a cell's program step by step, on words of your own.
     Step(StepArgs),
-    /// Lists the built-in scenes.
-    Scenes,
+    /// Lists the built-in scenes, or tells what one scene has, or a file, and writes its polygons for other programs.
+    Scenes(ScenesArgs),
     /// Prints what makes a shell complete this command and its flags.
     Completions(CompletionsArgs),
     /// Writes the manual's pages, one for each command.

@@ -8,6 +8,7 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::camera::ImageSize;
+use pcs_sim::host::color_table::{ColorTable, Palette};
 use pcs_sim::host::image;
 use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
@@ -15,7 +16,7 @@ use pcs_sim::report::losses::Losses;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{
-    self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Shuffled, Switch, Timed, Timing, moot,
+    self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Shuffled, Switch, Timed, Timing, moot, noting,
 };
 use pcs_sim::seam::activity_trace::TraceWriter;
 
@@ -23,33 +24,15 @@ use super::args::{ImageArgs, Typed};
 use super::run::{notes, workers};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
-use super::{Failure, outputs, print, progress};
+use super::{Failure, outputs, print, progress, shards};
 
 /// What the image can be written as.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Format {
     Png,
+    /// With a table of so many colours.
+    Indexed(usize, Palette),
     Pfm,
-}
-
-impl Format {
-    /// The format that an image's name stands for.
-    pub fn of(path: &Path) -> Result<Format, InputError> {
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("png") => Ok(Format::Png),
-            Some("pfm") => Ok(Format::Pfm),
-            _ => Err(InputError::in_file(path, "is no name of an image").help("images end in .png or .pfm")),
-        }
-    }
-
-    /// Writes pixels of linear light.
-    pub fn write(self, out: &mut impl Write, size: ImageSize, pixels: &[Vec3]) -> Result<(), String> {
-        match self {
-            Format::Png => image::write_png(out, size, pixels).map_err(|error| error.to_string()),
-            Format::Pfm => image::write_pfm(out, size, pixels).map_err(|error| error.to_string()),
-        }
-    }
 }
 
 /// The files that the command writes.
@@ -63,7 +46,8 @@ struct Outputs {
 
 /// Makes the image.
 pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
-    let format = Format::of(&args.output)?;
+    let format = format(args)?;
+    let engine = args.engine.engine()?;
     let options = args.options(typed);
     let base = args.config.as_deref().map(RunSpec::read).transpose()?;
     let run = PlannedRun::new(RunSpec::of_image(&options, base)?)?;
@@ -71,14 +55,75 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     moot::check_image(&options, &run.spec)?;
     let mut files = open_outputs(args, &run.spec)?;
     let spinner = progress::waiting("preparing the scene");
-    let setup = outputs::reading(&named(args), || Setup::new(run, &mut Layers::default(), &Cancel::default()))?;
+    let layers = &mut Layers::default();
+    let read = || outputs::reading(&named(args), || Setup::new(run, layers, &Cancel::default()));
+    let (setup, inputs) = noting(read);
+    let setup = setup?;
     spinner.finish_and_clear();
     notes(&setup);
     let mut found = Vec::new();
-    let (rendered, losses) = render(args, &setup, &mut files, &mut found)?;
+    let (rendered, losses) = match engine {
+        None => render(args, &setup, &mut files, &mut found)?,
+        Some(engine) => match shards::image(&engine, args, &setup.spec, inputs)? {
+            Some(rendered) => (rendered, None),
+            None => return Ok(()),
+        },
+    };
     print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
+    if let Format::Indexed(most, palette) = format {
+        let pixels = image::on_screen(&rendered.pixels);
+        print(&account::colors_line(&ColorTable::new(&pixels, most, palette), palette, &pixels))?;
+    }
     let written = write_outputs(format, &setup, (&rendered, losses.as_ref()), &found, files)?;
     print(&outputs::list(&written))
+}
+
+/// What the image is written as, by its name and by the colours that are asked for.
+fn format(args: &ImageArgs) -> Result<Format, InputError> {
+    match (Format::of(&args.output), args.colors) {
+        (Some(Format::Png), Some(most)) if !args.engine.detach => Ok(Format::Indexed(most.into(), args.palette.into())),
+        (Some(Format::Pfm), Some(_)) => {
+            Err(InputError::new("--colors makes a table of colours, and PFM has none")
+                .help("leave it out, or write a PNG"))
+        }
+        (Some(_), Some(_)) if args.engine.detach => {
+            Err(InputError::new("--colors needs the whole image, and with --detach it is joined later")
+                .help("leave out one of the two"))
+        }
+        (Some(format), _) => Ok(format),
+        (None, _) => {
+            Err(InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm"))
+        }
+    }
+}
+
+impl Format {
+    /// What an image of that name is written as.
+    pub fn of(name: &Path) -> Option<Format> {
+        match name.extension()?.to_string_lossy().to_lowercase().as_str() {
+            "png" => Some(Format::Png),
+            "pfm" => Some(Format::Pfm),
+            _ => None,
+        }
+    }
+}
+
+/// Writes an image, if there is a file for it.
+pub fn write_image(
+    file: Option<OutputFile>,
+    format: Format,
+    size: ImageSize,
+    pixels: &[Vec3],
+    written: &mut Vec<PathBuf>,
+) -> Result<(), Failure> {
+    outputs::finish(file, written, |file| match format {
+        Format::Png => image::write_png(file, size, pixels).map_err(|error| error.to_string()),
+        Format::Indexed(most, palette) => {
+            let table = ColorTable::new(&image::on_screen(pixels), most, palette);
+            image::write_indexed_png(file, size, &table).map_err(|error| error.to_string())
+        }
+        Format::Pfm => image::write_pfm(file, size, pixels).map_err(|error| error.to_string()),
+    })
 }
 
 /// Refuses results of the machine without a machine.
@@ -184,9 +229,9 @@ fn write_outputs(
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let (size, pixels) = (setup.spec.size, &rendered.pixels);
-    outputs::finish(files.image, &mut written, |file| format.write(file, size, pixels))?;
+    write_image(files.image, format, size, pixels, &mut written)?;
     if let Some(timing) = &rendered.timing {
-        let configuration = Configuration::new(&setup.spec, &setup.workload);
+        let configuration = Configuration::new(setup);
         outputs::finish(files.stats, &mut written, |file| {
             file.write_all(account::image_stats_json(setup, rendered, timing, losses)?.as_bytes())
         })?;

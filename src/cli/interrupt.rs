@@ -16,7 +16,7 @@ struct Stage {
     /// What the bar counts; `None` if it just turns, with a message.
     counts: Option<&'static str>,
     /// What becomes of the work done so far, if it is not lost.
-    kept: Option<&'static str>,
+    kept: Option<String>,
 }
 
 static STAGE: Mutex<Option<Stage>> = Mutex::new(None);
@@ -58,7 +58,15 @@ pub fn listen() -> Result<(), Failure> {
 
 /// Notes what is under way: the bar shows how far it is, `counts` says what the bar counts.
 pub fn under_way(bar: &ProgressBar, counts: Option<&'static str>, kept: Option<&'static str>) {
+    let kept = kept.map(str::to_owned);
     *STAGE.lock().unwrap_or_else(PoisonError::into_inner) = Some(Stage { bar: bar.clone(), counts, kept });
+}
+
+/// Notes what becomes of what is under way if this process does not wait for its end.
+pub fn keeping(kept: String) {
+    if let Some(stage) = &mut *STAGE.lock().unwrap_or_else(PoisonError::into_inner) {
+        stage.kept = Some(kept);
+    }
 }
 
 fn told(stage: Option<&Stage>, finished: &[PathBuf]) -> String {
@@ -70,7 +78,7 @@ fn told(stage: Option<&Stage>, finished: &[PathBuf]) -> String {
         }
     };
     let files: Vec<String> = finished.iter().map(|path| path.display().to_string()).collect();
-    match stage.and_then(|stage| stage.kept) {
+    match stage.and_then(|stage| stage.kept.as_ref()) {
         Some(kept) => format!("{far}; {kept}"),
         None if files.is_empty() => format!("{far}; nothing was written"),
         None => format!("{far}; wrote {}", files.join(", ")),

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 
 use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
+use pcs_sim::host::image;
 use pcs_sim::measure::Shape;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{cube as told, hits};
 use pcs_sim::run::{CubeOutcome, CubeRunOptions, CubeSetup, CubeSpec, OutputFile, SceneOptions, moot};
 
 use super::args::Typed;
-use super::image::Format;
+use super::image::{Format, write_image};
 use super::ipsc2_args::Ipsc2Args;
 use super::run::workers;
 use super::views::{Seen, Views};
@@ -105,7 +106,11 @@ fn open_outputs(args: &Ipsc2Args, scene: &Path) -> Result<Outputs, InputError> {
     }
     let inputs = [Some(scene), args.cube.machine.as_deref(), args.config.as_deref()];
     outputs::check_distinct(&named(args), &inputs)?;
-    let image = |path: &PathBuf| Ok((outputs::create(path, args.force)?, Format::of(path)?));
+    let image = |path: &PathBuf| {
+        let wrong = || InputError::in_file(path, "is no name of an image").help("images end in .png or .pfm");
+        let format = Format::of(path).ok_or_else(wrong)?;
+        Ok::<_, InputError>((outputs::create(path, args.force)?, format))
+    };
     Ok(Outputs {
         image: args.output.as_ref().map(image).transpose()?,
         stats: outputs::open(args.stats.as_deref(), args.force)?,
@@ -119,7 +124,7 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
     let mut written = Vec::new();
     let (size, scene) = (setup.spec.size, &setup.scene);
     if let Some((file, format)) = files.image {
-        outputs::finish(Some(file), &mut written, |file| format.write(file, size, &scene.pixels))?;
+        write_image(Some(file), format, size, &scene.pixels, &mut written)?;
     }
     let configuration = Configuration::Cube(Box::new(setup.spec.clone()));
     outputs::finish(files.stats, &mut written, |file| {
@@ -132,7 +137,7 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
     let mut png = Vec::new();
     let has_image = files.views.show_image() && !scene.pixels.is_empty();
     if has_image {
-        let made = Format::Png.write(&mut png, size, &scene.pixels);
+        let made = image::write_png(&mut png, size, &scene.pixels);
         made.map_err(|error| Failure::Output(format!("the picture cannot be made: {error}")))?;
     }
     let seen = Seen {

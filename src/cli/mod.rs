@@ -9,6 +9,7 @@ mod commands;
 mod compare;
 mod diagnostics;
 mod disasm;
+mod engine_args;
 mod farm;
 mod farm_args;
 mod figure7;
@@ -24,6 +25,7 @@ mod progress;
 mod replay;
 mod run;
 mod scenes;
+mod shards;
 mod size_fifos;
 mod step;
 mod sweep;
@@ -207,7 +209,7 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
         Some(Command::Asm(args)) => asm::asm(args),
         Some(Command::Disasm(args)) => disasm::disasm(args),
         Some(Command::Step(args)) => step::step(args),
-        Some(Command::Scenes) => scenes::scenes(),
+        Some(Command::Scenes(args)) => scenes::scenes(args),
         Some(Command::Completions(args)) => manual::completions(args),
         Some(Command::Man(args)) => manual::man(args),
     }

@@ -20,6 +20,13 @@ pub fn points(count: u64) -> ProgressBar {
     bar
 }
 
+/// The same for shards.
+pub fn shards(count: u64) -> ProgressBar {
+    let bar = bar(count, "{prefix}{human_pos} of {human_len} shards {wide_bar} {eta} left");
+    interrupt::under_way(&bar, Some("shards"), None);
+    bar
+}
+
 /// The same for the samples of an image, whose number is set later.
 pub fn samples() -> ProgressBar {
     let bar = bar(0, "{prefix}{human_pos} of {human_len} samples {wide_bar} {eta} left");

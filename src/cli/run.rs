@@ -141,7 +141,7 @@ fn write_outputs(
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let polygons = setup.workload.polygons();
-    let configuration = Configuration::new(&setup.spec, &setup.workload);
+    let configuration = Configuration::new(setup);
     outputs::finish(files.stats, &mut written, |file| {
         file.write_all(account::stats_json(setup, outcome, losses)?.as_bytes())
     })?;

@@ -5,6 +5,7 @@ use std::io::Write;
 use glam::{DVec3, Vec3};
 
 use super::camera::ImageSize;
+use super::color_table::{Color, ColorTable};
 use super::shading::AMBIENT;
 use super::surface::Surface;
 use crate::geometry::{Hit, Polygons, Ray};
@@ -17,8 +18,25 @@ pub fn write_png(out: &mut impl Write, size: ImageSize, pixels: &[Vec3]) -> Resu
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixels.iter().flat_map(|&pixel| srgb(pixel)).collect::<Vec<u8>>())?;
+    writer.write_image_data(&on_screen(pixels).concat())?;
     writer.finish()
+}
+
+/// Writes a picture of few colours as PNG, which has them once in a table.
+pub fn write_indexed_png(out: &mut impl Write, size: ImageSize, table: &ColorTable) -> Result<(), png::EncodingError> {
+    let mut encoder = png::Encoder::new(out, size.width, size.height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(table.colors.concat());
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&table.pixels)?;
+    writer.finish()
+}
+
+/// Pixels of linear light as a screen has them.
+pub fn on_screen(pixels: &[Vec3]) -> Vec<Color> {
+    pixels.iter().map(|&pixel| srgb(pixel)).collect()
 }
 
 /// Writes pixels of linear light as PFM, which keeps all of their bits: lines from the bottom, little end first.

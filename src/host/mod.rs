@@ -1,6 +1,7 @@
 //! The host: it sends rays into the array, shades the hits, and makes an image of them.
 
 pub mod camera;
+pub mod color_table;
 pub mod image;
 pub mod order;
 pub mod policy;

@@ -1,5 +1,7 @@
 //! Where in its pixels an image is sampled.
 
+use std::ops::Range;
+
 use super::camera::ImageSize;
 use super::order::{Order, Sequence};
 use crate::scene::Object;
@@ -65,6 +67,19 @@ impl Pass {
             pixels: Sequence::of_numbers(pixels.into_iter().map(|pixel| pixel as u32).collect()),
             side: sampling.side,
             width: first.width,
+        }
+    }
+
+    /// The same, of some of its pixels alone.
+    pub fn within(self, pixels: Range<usize>) -> Pass {
+        let places: Vec<usize> =
+            (0..self.pixels.len()).filter(|&at| pixels.contains(&self.pixels.number(at))).collect();
+        let numbers = places.iter().map(|&at| self.pixels.number(at) as u32).collect();
+        Pass {
+            pixels: Sequence::of_numbers(numbers),
+            decided_by: places.iter().filter_map(|&at| self.decided_by.get(at).copied()).collect(),
+            side: self.side,
+            width: self.width,
         }
     }
 

@@ -35,6 +35,13 @@ impl<T: DeserializeOwned> Located<'_, T> {
     }
 }
 
+impl<'a, T: Deserialize<'a>> Located<'a, T> {
+    /// The value, where parts of it know their places, too.
+    pub fn nested(&self, file: Text) -> Result<T, InputError> {
+        read(file, self.text)
+    }
+}
+
 impl<'a, T> Located<'a, T> {
     /// A mistake in what the value means.
     pub fn error(&self, file: Text, message: impl Into<String>) -> InputError {

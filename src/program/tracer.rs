@@ -6,6 +6,7 @@
 use std::ops::ControlFlow;
 
 use bitvec::vec::BitVec;
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::partition::Weight;
 use crate::geometry::{Hit, Ray, RaySlabs};
@@ -23,7 +24,7 @@ use super::work::{
 use super::workload::Workload;
 
 /// How often the kernels did their work, over all cells.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
     /// Voxels walked through.
     pub voxels: u64,

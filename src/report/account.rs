@@ -10,6 +10,7 @@ use super::stats::{self, Configuration};
 use super::summary::{self, grouped};
 use super::why;
 use crate::error::InputError;
+use crate::host::color_table::{Color, ColorError, ColorTable, Palette};
 use crate::host::order::Order;
 use crate::machine::{Machine, MachineSpec};
 use crate::measure::{Actor, Clock, CriticalPath, Measured, Observed};
@@ -177,6 +178,20 @@ pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -
     .join("\n")
 }
 
+/// How far a picture of few colours is off, in one line.
+pub fn colors_line(table: &ColorTable, palette: Palette, pixels: &[Color]) -> String {
+    let ColorError { mean_square, largest } = table.error(pixels);
+    let octree = match (table.level, table.bound()) {
+        (Some(level), Some(bound)) => format!("; octree of level {level}, which is off by at most {bound:.1}"),
+        _ => String::new(),
+    };
+    format!(
+        "{} colours by {}: off by {largest:.1} of 255 at most, mean square {mean_square:.2} a pixel{octree}\n\n",
+        table.colors.len(),
+        palette.name(),
+    )
+}
+
 /// What people read of a replay.
 pub fn replay_text(replay: &Replay, seen: (&Measured, Option<&CriticalPath>), losses: Option<&Losses>) -> String {
     format!("{}\n{}", replay_head(replay, seen.0), body(seen, losses, &[], replay.machine.spec.clock()))
@@ -219,7 +234,7 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
 
 /// The statistics of a run of primary rays, as JSON.
 pub fn stats_json(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> serde_json::Result<String> {
-    let configuration = Configuration::new(&setup.spec, &setup.workload);
+    let configuration = Configuration::new(setup);
     let seen = (&outcome.stats, outcome.observed.path.as_ref());
     stats::to_json(seen, setup.machine.spec.clock(), losses, Some(&outcome.counts), &configuration)
 }
@@ -231,7 +246,7 @@ pub fn image_stats_json(
     timing: &Timing,
     losses: Option<&Losses>,
 ) -> serde_json::Result<String> {
-    let configuration = Configuration::new(&setup.spec, &setup.workload);
+    let configuration = Configuration::new(setup);
     let kinds = RaysByKind::new(&rendered.kinds, timing);
     let seen = (&timing.stats, timing.observed.path.as_ref());
     stats::image_to_json(seen, setup.machine.spec.clock(), losses, (&rendered.counts, &kinds), &configuration)

@@ -1,6 +1,6 @@
 //! One moment of a run in words: what somebody does then, and whom it waits for.
 
-use super::summary::{grouped, prose, time};
+use super::summary::{WIDTH, grouped, time, wrapped};
 use super::why::label;
 use crate::measure::{
     Actor, Clock, CriticalPath, Doing, FifoInfo, Snapshot, StateKind, StationMoment, Topology, WaitAt, Waiting, What,
@@ -12,7 +12,9 @@ pub fn text(path: &CriticalPath, snapshot: &Snapshot, from: Actor, clock: Clock)
     let mut lines = vec![format!("cycle {} ({}):", grouped(snapshot.at.0), time(clock.seconds(snapshot.at)))];
     let links = links(path, snapshot, from).into_iter();
     lines.extend(links.map(|(actor, doing)| line(path, actor, &doing, snapshot.at)));
-    prose(&(lines.join("\n") + "\n"))
+    // What a sentence goes on with stands in, as each line is about another of them.
+    let lines = lines.iter().map(|line| wrapped(line, WIDTH - 2).replace('\n', "\n  "));
+    lines.map(|line| line + "\n").collect()
 }
 
 /// What somebody does in the cycle of a snapshot, then what the one does that it waits for, and so on, down to one that does not wait.

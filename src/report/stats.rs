@@ -7,8 +7,9 @@ use super::kinds::RaysByKind;
 use super::losses::Losses;
 use super::why::PathJson;
 use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, State, StateKind, StateTimes};
-use crate::program::{CellMemory, Counts, Workload};
-use crate::run::{CubeSpec, FarmSpec, ReplaySpec, RunSpec};
+use crate::program::{CellMemory, Counts};
+use crate::run::{CubeSpec, FarmSpec, ReplaySpec, RunSpec, Setup};
+use crate::scene::solid;
 
 /// What was run, beside its statistics: enough to run it again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -23,6 +24,9 @@ pub enum Configuration {
         polygons: usize,
         /// Words that each cell's memory holds.
         memory: Vec<MemoryWords>,
+        /// What each of its solids came to.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        solids: Vec<solid::Report>,
     },
     /// A replay.
     Replay(Box<ReplaySpec>),
@@ -34,11 +38,13 @@ pub enum Configuration {
 
 impl Configuration {
     /// What a run is made of.
-    pub fn new(run: &RunSpec, workload: &Workload) -> Configuration {
+    pub fn new(setup: &Setup) -> Configuration {
+        let workload = &setup.workload;
         Configuration::Run {
-            run: Box::new(run.clone()),
+            run: Box::new(setup.spec.clone()),
             polygons: workload.polygons().len(),
             memory: (0..workload.cells()).map(|cell| workload.memory_of(cell).into()).collect(),
+            solids: setup.scene.solids.clone(),
         }
     }
 }

@@ -8,6 +8,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::options::{CellsRun, Switch};
+use super::recording_memory::RecordingMemory;
 use super::timed::{RunError, Watching, replay_watched};
 use super::trace::{TracedBatch, trace};
 use super::{RunSpec, Workers};
@@ -19,7 +20,7 @@ use crate::machine::{Machine, Observed};
 use crate::measure::Measured;
 use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, work};
 use crate::scene::Scene;
-use crate::seam::OpBatch;
+use crate::seam::{Costs, OpBatch};
 
 /// What a layer of a run depends on. Two layers with the same key are the same, as long as the files that they read are.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -125,6 +126,7 @@ pub struct Traced {
     batches: Vec<OpBatch>,
     counts: Counts,
     hits: Vec<Hit>,
+    bytes: u64,
 }
 
 /// The layers of the run that was made last, for the next one to take what it can of them.
@@ -252,29 +254,64 @@ impl Layers {
     ///
     /// As [`Layers::workload`], and if a cell's program cannot go on.
     pub fn traced(&mut self, run: &PlannedRun, workers: &Workers) -> Result<Arc<Traced>, RunError<Infallible>> {
+        let traced = self.traced_within(run, workers, RecordingMemory::UNBOUNDED)?;
+        traced.ok_or_else(|| InputError::new("the recording is larger than any memory").into())
+    }
+
+    /// The same, if it fits into the memory that there is for recordings.
+    ///
+    /// # Errors
+    ///
+    /// As [`Layers::traced`].
+    pub fn traced_within(
+        &mut self,
+        run: &PlannedRun,
+        workers: &Workers,
+        memory: RecordingMemory,
+    ) -> Result<Option<Arc<Traced>>, RunError<Infallible>> {
         if let Some((_, traced)) = self.traced.as_ref().filter(|kept| kept.0 == run.keys.traced) {
-            return Ok(traced.clone());
+            return Ok(Some(traced.clone()));
         }
         let workload = self.workload(run, &workers.cancel)?;
         self.traced = None;
-        let traced = Arc::new(Traced::new(workload, &self.prepared(run)?.rays, workers)?);
-        self.traced = Some((run.keys.traced.clone(), traced.clone()));
+        let traced = Traced::new(workload, &self.prepared(run)?.rays, workers, memory)?.map(Arc::new);
+        self.traced = traced.clone().map(|traced| (run.keys.traced.clone(), traced));
         Ok(traced)
     }
 }
 
 impl Traced {
-    fn new(workload: Workload, rays: &[Ray], workers: &Workers) -> Result<Traced, RunError<Infallible>> {
-        let (mut batches, mut counts, mut hits) = (Vec::new(), Counts::default(), Vec::with_capacity(rays.len()));
-        trace(&workload, rays, workers, |mut batch| {
-            workers.cancel.check()?;
-            batch.fault.map_or(Ok(()), Err)?;
+    /// `None` if it does not fit into the memory.
+    fn new(
+        workload: Workload,
+        rays: &[Ray],
+        workers: &Workers,
+        memory: RecordingMemory,
+    ) -> Result<Option<Traced>, RunError<Infallible>> {
+        let (mut batches, mut counts, mut hits) = (Vec::new(), Counts::default(), Vec::new());
+        let mut bytes = 0;
+        let traced = trace(&workload, rays, workers, |mut batch| {
+            workers.cancel.check().map_err(|cancelled| Some(cancelled.into()))?;
+            batch.fault.map_or(Ok(()), |fault| Err(Some(fault.into())))?;
+            bytes += batch.ops.bytes() + (batch.hits.len() * size_of::<Hit>()) as u64;
+            if bytes > memory.0 {
+                return Err(None);
+            }
             counts += batch.counts;
             hits.append(&mut batch.hits);
             batches.push(batch.ops);
-            Ok::<_, RunError<Infallible>>(TracedBatch::default())
-        })?;
-        Ok(Traced { workload, batches, counts, hits })
+            Ok::<_, Option<RunError<Infallible>>>(TracedBatch::default())
+        });
+        match traced {
+            Ok(()) => Ok(Some(Traced { workload, batches, counts, hits, bytes })),
+            Err(None) => Ok(None),
+            Err(Some(error)) => Err(error),
+        }
+    }
+
+    /// The memory that it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     /// What the array had to do.
@@ -309,7 +346,7 @@ impl Traced {
         cancel: &Cancel,
     ) -> Result<(Measured, Observed), RunError<Infallible>> {
         self.workload.check(&machine.spec)?;
-        let costs = work::costs(self.workload.costs().vocabulary(), &machine.times, machine.instructions.as_ref());
+        let costs = costs_on(machine, &self.workload);
         let (watched, array) = ((&machine.spec, watching), (&costs, self.workload.cells()));
         let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
             let mut copy = OpBatch::default();
@@ -321,4 +358,9 @@ impl Traced {
         };
         replay_watched(watched, array, cancel, feed, |_| ())
     }
+}
+
+/// What a workload's units of work cost on a machine.
+pub(super) fn costs_on(machine: &Machine, workload: &Workload) -> Costs {
+    work::costs(workload.costs().vocabulary(), &machine.times, machine.instructions.as_ref())
 }

@@ -7,12 +7,14 @@ mod ahead;
 mod closed_loop;
 mod cube;
 mod farm;
+mod in_step;
 mod kept;
 mod layers;
 mod modelled;
 pub mod moot;
 mod options;
 mod outputs;
+mod recording_memory;
 mod render;
 mod replayed;
 mod setup;
@@ -29,6 +31,7 @@ pub use cube::{
     FlowKind, Known, KnownTime, Mapping, Percent, PixelOrder, PixelsOf, RegionSpec, Termination,
 };
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
+pub use in_step::InStep;
 pub use kept::KeptOps;
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};
@@ -36,13 +39,15 @@ pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, On, OrderOptions, ProgramOptions,
     RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
 };
+pub(crate) use outputs::make_readable;
 pub use outputs::{OutputFile, OutputFolder, Outputs};
-pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render};
+pub use recording_memory::RecordingMemory;
+pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render, render_lines};
 pub use replayed::Replay;
 pub use setup::Setup;
 pub use shuffled::{Reordered, Shuffled};
 pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos, slower};
-pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, machine_file};
+pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, load_scene, machine_file};
 pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};
 pub use trees::{ByKind, KindCounts};

@@ -250,13 +250,13 @@ impl Write for Target {
 
 /// Temporary files are their owner's alone; results are like any file that a program writes.
 #[cfg(unix)]
-fn make_readable(path: &Path) -> std::io::Result<()> {
+pub(crate) fn make_readable(path: &Path) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
     std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o644))
 }
 
 #[cfg(not(unix))]
-fn make_readable(_: &Path) -> std::io::Result<()> {
+pub(crate) fn make_readable(_: &Path) -> std::io::Result<()> {
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! A whole image: trees of rays on all threads, ahead of the host and the array in a closed loop.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use glam::{DVec3, Vec3};
 
@@ -151,6 +151,46 @@ pub fn render<E>(
     }
     let timing = host.map(finish).transpose()?;
     Ok(Rendered { pixels: canvas.pixels, counts: canvas.counts, kinds: canvas.kinds, timing })
+}
+
+/// Makes some lines of an image, untimed. The pixels of all others are black.
+///
+/// Lines that are made apart are those of the whole image, to the bit, and what is counted on them adds up to what is
+/// counted on that.
+///
+/// # Errors
+///
+/// If a cell's program cannot go on; if `observe` fails; and if it is told to stop.
+pub fn render_lines<E>(
+    picture: &Picture,
+    lines: Range<u32>,
+    workers: &Workers,
+    mut observe: impl FnMut(Seen<'_>) -> Result<(), E>,
+) -> Result<Rendered, RunError<E>> {
+    let (width, count) = (picture.size.width as usize, picture.size.pixels());
+    let own = lines.start as usize * width..(lines.end as usize * width).min(count);
+    let mut canvas = Canvas::new(picture);
+    let mut seen = |seen: Seen<'_>| {
+        workers.cancel.check()?;
+        observe(seen).map_err(RunError::Observer)
+    };
+    let all = Pass::first(picture.size, picture.sampling, Order::Raster);
+    let first = all.clone().within(own.clone());
+    canvas.take_pass(picture, &first, workers.threads, &mut None, &mut seen)?;
+    if picture.sampling.adaptive && picture.sampling.side > 1 {
+        // What the lines above and below show decides on these; it is counted where they are made.
+        let mut beside = Canvas::new(picture);
+        for line in [own.start.saturating_sub(width)..own.start, own.end..(own.end + width).min(count)] {
+            let pass = all.clone().within(line.clone());
+            beside.take_pass(picture, &pass, workers.threads, &mut None, &mut |_| {
+                workers.cancel.check().map_err(RunError::from)
+            })?;
+            canvas.objects[line.clone()].copy_from_slice(&beside.objects[line]);
+        }
+        let second = Pass::second(&all, picture.sampling, &canvas.objects).within(own);
+        canvas.take_pass(picture, &second, workers.threads, &mut None, &mut seen)?;
+    }
+    Ok(Rendered { pixels: canvas.pixels, counts: canvas.counts, kinds: canvas.kinds, timing: None })
 }
 
 impl Timed<'_> {

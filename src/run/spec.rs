@@ -123,7 +123,7 @@ pub(super) fn configuration<T: DeserializeOwned>(mut value: serde_json::Value) -
 }
 
 /// What a configuration says of its scene beside the run's description.
-const FACTS: [&str; 2] = ["polygons", "memory"];
+const FACTS: [&str; 3] = ["polygons", "memory", "solids"];
 
 /// How an image is made of its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -369,7 +369,11 @@ fn check_edges(edges: Edges, cells_run: CellsRun) -> Result<(), InputError> {
 }
 
 /// Reads or generates a scene, with the size factor of a built-in one and the slices of spheres and cones if they are given.
-pub(super) fn load_scene(scene: &str, size_factor: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
+///
+/// # Errors
+///
+/// If there is no such scene, or its file is wrong.
+pub fn load_scene(scene: &str, size_factor: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
     if is_builtin(scene) {
         return builtin::generate(scene, size_factor, resolution);
     }

@@ -1,6 +1,7 @@
 //! The functional half of an image: trees of rays, traced and shaded without a clock.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::TracedBatch;
 use crate::geometry::Hit;
@@ -14,7 +15,7 @@ use crate::seam::{Costs, OpStream};
 pub type ByKind<T> = [T; RayKind::ALL.len()];
 
 /// What the rays of one kind came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KindCounts {
     /// How many there were.
     pub rays: u64,

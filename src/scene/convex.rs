@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use earcut::Earcut;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use super::mesh::{Face, Mesh};
 
@@ -97,7 +97,7 @@ pub fn split_concave(mesh: Mesh) -> (Mesh, ConcaveReport) {
             cut.add_piece(corners.iter().copied(), face.material, face.number);
             continue;
         }
-        let outline = Outline::of(mesh.face_points(face));
+        let outline = Outline::of(in_double(mesh.face_points(face)));
         let (triangles, whole) = outline.triangles();
         for triangle in &triangles {
             cut.add_piece(triangle.map(|i| corners[i]), face.material, face.number);
@@ -113,7 +113,21 @@ pub fn split_concave(mesh: Mesh) -> (Mesh, ConcaveReport) {
 }
 
 fn shape(mesh: &Mesh, face: &Face) -> Shape {
-    if mesh.corners(face).len() <= 3 { Shape::Convex } else { Outline::of(mesh.face_points(face)).shape() }
+    if mesh.corners(face).len() <= 3 { Shape::Convex } else { Outline::of(in_double(mesh.face_points(face))).shape() }
+}
+
+/// Whether a polygon would stay as it is: it is flat and convex.
+pub(super) fn stays_whole(points: impl Iterator<Item = Vec3>) -> bool {
+    Outline::of(in_double(points)).shape() == Shape::Convex
+}
+
+/// A flat polygon cut into triangles of its corners' indices, turned as it is.
+pub(super) fn triangles(points: &[DVec3]) -> Vec<[usize; 3]> {
+    Outline::of(points.iter().copied()).triangles().0
+}
+
+fn in_double(points: impl Iterator<Item = Vec3>) -> impl Iterator<Item = DVec3> {
+    points.map(|point| point.as_dvec3())
 }
 
 fn count(report: &mut ConcaveReport, shape: Shape, whole: bool, triangles: usize) {
@@ -146,8 +160,8 @@ struct Outline {
 }
 
 impl Outline {
-    fn of(points: impl Iterator<Item = glam::Vec3>) -> Self {
-        let points: Vec<DVec3> = points.map(|p| p.as_dvec3()).collect();
+    fn of(points: impl Iterator<Item = DVec3>) -> Self {
+        let points: Vec<DVec3> = points.collect();
         let normal = newell(&points);
         let dropped = largest_axis(plane(&points, normal));
         let flat = points.iter().map(|&p| project(p, dropped)).collect();

@@ -83,8 +83,12 @@ impl Mesh {
 
     /// The object that a face of this mesh belongs to.
     pub fn object(&self, face: &Face) -> Object {
-        let part = self.objects.partition_point(|&first| first <= face.number) as u32;
-        Object { part, material: face.material }
+        Object { part: self.part(face), material: face.material }
+    }
+
+    /// How many objects begin before a face's end.
+    pub(super) fn part(&self, face: &Face) -> u32 {
+        self.objects.partition_point(|&first| first <= face.number) as u32
     }
 
     /// Adds a normal and returns its index.
@@ -112,6 +116,35 @@ impl Mesh {
         let count = self.corners.len() as u32 - first;
         self.passed_over = 0;
         self.faces.push(Face { first, count, material, number });
+    }
+
+    /// Adds what another mesh has, as objects of its own; `material` gives the new number of each material.
+    pub fn append(&mut self, mesh: Mesh, material: impl Fn(u32) -> u32) {
+        let (first_point, first_normal) = (self.points.len() as u32, self.normals.len() as u32);
+        let moved = |corner: &Corner| Corner {
+            point: first_point + corner.point,
+            normal: if corner.normal == NO_NORMAL { NO_NORMAL } else { first_normal + corner.normal },
+        };
+        let first_face = self.face_count();
+        self.begin_object();
+        self.objects.extend(mesh.objects.iter().filter(|&&first| first > 0).map(|first| first_face + first));
+        for face in mesh.faces() {
+            self.add_piece(mesh.corners(face).iter().map(moved), material(face.material), first_face + face.number);
+        }
+        self.passed_over += first_face + mesh.face_count() - self.face_count();
+        if mesh.has_colors() {
+            self.colors.resize(first_point as usize, None);
+            self.colors.extend(mesh.colors);
+        }
+        self.points.extend(mesh.points);
+        self.normals.extend(mesh.normals);
+    }
+
+    /// Turns every face over.
+    pub(super) fn reverse_faces(&mut self) {
+        for face in &self.faces {
+            self.corners[face.first as usize..(face.first + face.count) as usize].reverse();
+        }
     }
 
     /// Takes normals that there are not from the corners.

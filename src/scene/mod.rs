@@ -5,11 +5,12 @@ pub mod camera;
 pub mod convex;
 pub mod format;
 pub mod mesh;
+pub mod solid;
 pub mod tessellate;
 
 pub use camera::Camera;
 pub use convex::split_concave;
-pub use format::{Arrays, ReadOptions, load};
+pub use format::{Arrays, ReadOptions, load, write_ply};
 pub use mesh::{Corner, Face, Mesh, Object};
 
 use glam::Vec3;
@@ -31,6 +32,8 @@ pub struct Scene {
     pub camera: Camera,
     /// What reading changed and the user should know, one sentence each ("3 concave faces were cut into 12 triangles").
     pub notes: Vec<String>,
+    /// What each of its solids came to, in file order.
+    pub solids: Vec<solid::Report>,
 }
 
 /// How a surface takes light (Phong's model, as NFF's `f` has it).

@@ -17,6 +17,11 @@ impl OpBatch {
         OpBatch { host: OpStream::default(), cells: vec![OpStream::default(); cells] }
     }
 
+    /// The memory that its ops take, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.host.bytes() + self.cells.iter().map(OpStream::bytes).sum::<u64>()
+    }
+
     /// Forgets all ops but keeps the memory.
     pub fn clear(&mut self) {
         self.host.clear();

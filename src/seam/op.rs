@@ -196,6 +196,11 @@ pub struct OpStream {
 }
 
 impl OpStream {
+    /// The memory that its ops take, in bytes.
+    pub fn bytes(&self) -> u64 {
+        (self.ops.capacity() * size_of::<Op>() + self.lines.capacity() * size_of::<OpLine>()) as u64
+    }
+
     /// Adds an op to the line under way, as part of the op before it where both are of one kind.
     #[inline]
     pub fn push(&mut self, kind: OpKind, count: u64) {

@@ -5,6 +5,7 @@ use std::hash::Hash;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::Sweep;
 use super::cube_point::CubePoint;
@@ -14,16 +15,58 @@ use super::laid_out::LaidOut;
 use super::parameters::Points;
 use super::point::{self, Outcome};
 use crate::cancel::Cancelled;
-use crate::run::{Key, Keys, Layers, PlannedRun, Workers};
+use crate::machine::Machine;
+use crate::run::{InStep, Key, Keys, Layers, PlannedRun, RecordingMemory, Workers};
 use crate::scene::Scene;
 
 /// What had to be rounded, in some points of a sweep.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Note {
     /// What, in a sentence.
     pub text: String,
     /// In how many points.
     pub points: usize,
+    /// The number of the first of them.
+    pub first: usize,
+}
+
+/// The recordings that found no room in memory, whose points were timed while their rays were traced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unkept {
+    /// How many recordings.
+    pub recordings: usize,
+    /// How many points they are of.
+    pub points: usize,
+    /// How often their rays were traced, all together.
+    pub rounds: usize,
+}
+
+/// What is to be said of points that were run, beside their results.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Account {
+    /// What had to be rounded, in the order of the points.
+    pub notes: Vec<Note>,
+    /// What was not kept.
+    pub unkept: Unkept,
+}
+
+impl Account {
+    /// Adds what is to be said of other points.
+    pub fn add(&mut self, other: Account) {
+        self.notes.extend(other.notes);
+        self.notes.sort_by(|a, b| a.text.cmp(&b.text));
+        self.notes.dedup_by(|again, note| {
+            let same = again.text == note.text;
+            if same {
+                (note.points, note.first) = (note.points + again.points, note.first.min(again.first));
+            }
+            same
+        });
+        self.notes.sort_by_key(|note| note.first);
+        self.unkept.recordings += other.unkept.recordings;
+        self.unkept.points += other.unkept.points;
+        self.unkept.rounds += other.unkept.rounds;
+    }
 }
 
 /// What a point gives: its results, and what had to be rounded for it.
@@ -31,7 +74,7 @@ type Given = Result<(Vec<String>, Vec<String>), String>;
 
 impl Sweep {
     /// Runs points, and hands each one's results to `done` as they come: a cell for each of
-    /// [`Sweep::results`]. Returns what had to be rounded, in the order of the points.
+    /// [`Sweep::results`]. Returns what is to be said beside them.
     ///
     /// Those of a scene are run one after the other, and among them those that do the same work, so that a scene is
     /// built once, and what its cells do, or what its pixels take, is worked out once.
@@ -41,14 +84,15 @@ impl Sweep {
         &self,
         points: &[usize],
         workers: &Workers,
+        memory: RecordingMemory,
         done: impl Fn(usize, Vec<String>) + Sync,
-    ) -> Result<Vec<Note>, Cancelled> {
-        // Each sentence, with the first point that it is about and with how many.
+    ) -> Result<Account, Cancelled> {
+        // Each sentence, with how many points it is about and the first of them.
         let notes: Mutex<HashMap<String, (usize, usize)>> = Mutex::default();
         let note = |index: usize, text: String| {
             let mut notes = notes.lock().unwrap_or_else(PoisonError::into_inner);
-            let (first, points) = notes.entry(text).or_insert((index, 0));
-            (*first, *points) = (index.min(*first), *points + 1);
+            let (points, first) = notes.entry(text).or_insert((0, index));
+            (*points, *first) = (*points + 1, index.min(*first));
         };
         // What a point comes to that was stopped is no result of it.
         let done = |index, given: Given| {
@@ -59,18 +103,44 @@ impl Sweep {
             notes.into_iter().for_each(|text| note(index, text));
             done(index, results);
         };
-        on_threads(workers, || match self.of {
-            Points::Arrays => self.run_arrays(points, workers, done),
-            Points::Farms => self.run_laid_out::<FarmPoint>(points, workers, done),
-            Points::Cubes => self.run_laid_out::<CubePoint>(points, workers, done),
+        let unkept = on_threads(workers, || match self.of {
+            Points::Arrays => self.run_arrays(points, workers, memory, done),
+            Points::Farms => self.run_laid_out::<FarmPoint>(points, workers, done).map(|()| Unkept::default()),
+            Points::Cubes => self.run_laid_out::<CubePoint>(points, workers, done).map(|()| Unkept::default()),
         })?;
-        let mut notes: Vec<_> = notes.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect();
-        notes.sort_by(|(text, (first, _)), (other, (others_first, _))| (first, text).cmp(&(others_first, other)));
-        Ok(notes.into_iter().map(|(text, (_, points))| Note { text, points }).collect())
+        let notes = notes.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let notes = notes.into_iter().map(|(text, (points, first))| Note { text, points, first }).collect();
+        let mut account = Account::default();
+        account.add(Account { notes, unkept });
+        Ok(account)
+    }
+
+    /// Points in groups that share a recording, those of the same scene one after the other. Those that cannot be run are
+    /// the last group.
+    pub fn groups(&self, points: &[usize]) -> Vec<Vec<usize>> {
+        let mut impossible = Vec::new();
+        let refuse = |index, _| impossible.push(index);
+        let mut groups = match self.of {
+            Points::Arrays => {
+                let possible = possible(points, self.planned(points), refuse);
+                by_layers(possible.iter().collect()).iter().map(numbers).collect::<Vec<_>>()
+            }
+            Points::Farms => {
+                let possible = possible(points, self.laid_out::<FarmPoint>(points), refuse);
+                by_key(possible.iter().collect(), FarmPoint::work_key).iter().map(numbers).collect()
+            }
+            Points::Cubes => {
+                let possible = possible(points, self.laid_out::<CubePoint>(points), refuse);
+                by_key(possible.iter().collect(), CubePoint::work_key).iter().map(numbers).collect()
+            }
+        };
+        groups.push(impossible);
+        groups.retain(|group| !group.is_empty());
+        groups
     }
 
     /// The results of a point that failed: all empty but the last.
-    fn failed(&self, reason: String) -> Vec<String> {
+    pub(super) fn failed(&self, reason: String) -> Vec<String> {
         let mut row = vec![String::new(); self.results().len() - 1];
         row.push(reason);
         row
@@ -83,13 +153,7 @@ impl Sweep {
         workers: &Workers,
         done: impl Fn(usize, Given) + Sync,
     ) -> Result<(), Cancelled> {
-        let mut possible = Vec::new();
-        for &index in points {
-            match P::new(self.values(index)) {
-                Ok(point) => possible.push((index, point)),
-                Err(reason) => done(index, Err(reason)),
-            }
-        }
+        let possible = possible(points, self.laid_out::<P>(points), |index, reason| done(index, Err(reason)));
         for same_work in by_key(possible.iter().collect(), P::work_key) {
             workers.cancel.check()?;
             let scene = same_work[0].1.lay_out(workers);
@@ -116,34 +180,55 @@ impl Sweep {
         &self,
         points: &[usize],
         workers: &Workers,
+        memory: RecordingMemory,
         done: impl Fn(usize, Given) + Sync,
-    ) -> Result<(), Cancelled> {
-        let planned: Vec<Result<PlannedRun, String>> = points.par_iter().map(|&index| self.planned(index)).collect();
-        let mut possible = Vec::new();
-        for (&index, planned) in points.iter().zip(planned) {
-            match planned {
-                Ok(planned) => possible.push((index, planned)),
-                Err(reason) => done(index, Err(reason)),
-            }
-        }
+    ) -> Result<Unkept, Cancelled> {
+        let possible = possible(points, self.planned(points), |index, reason| done(index, Err(reason)));
         let done = |index, planned: &PlannedRun, outcome: Result<Outcome, String>, scene: Option<&Scene>| {
             let effective = || effective::cells(&OF_ARRAYS, &self.parameters, &planned.machine);
             let of_scene = scene.into_iter().flat_map(|scene| of_scene(&planned.spec.scene, &scene.notes));
             let notes = planned.machine.notes.iter().cloned().chain(of_scene).collect();
             done(index, outcome.map(|outcome| ([effective(), outcome.results()].concat(), notes)));
         };
-        let mut layers = Layers::default();
-        for same_ops in by_layers(&possible) {
+        let (mut layers, mut unkept) = (Layers::default(), Unkept::default());
+        for same_ops in by_layers(possible.iter().collect()) {
             workers.cancel.check()?;
-            run_same_ops(&same_ops, &mut layers, workers, &done);
+            run_same_ops(&same_ops, &mut layers, (workers, memory, &mut unkept), &done);
         }
-        workers.cancel.check()
+        workers.cancel.check()?;
+        Ok(unkept)
     }
 
-    /// What is to be run for a point, or why it cannot be.
-    fn planned(&self, index: usize) -> Result<PlannedRun, String> {
-        point::planned(self.values(index))
+    /// What is to be run for points, or why it cannot be.
+    fn planned(&self, points: &[usize]) -> Vec<Result<PlannedRun, String>> {
+        points.par_iter().map(|&index| point::planned(self.values(index))).collect()
     }
+
+    /// The same of farms.
+    fn laid_out<P: LaidOut>(&self, points: &[usize]) -> Vec<Result<P, String>> {
+        points.iter().map(|&index| P::new(self.values(index))).collect()
+    }
+}
+
+/// Those of the points that can be run; the others are refused, with the reason.
+fn possible<P>(
+    points: &[usize],
+    planned: Vec<Result<P, String>>,
+    mut refuse: impl FnMut(usize, String),
+) -> Vec<(usize, P)> {
+    let possible = |(&index, planned): (&usize, Result<P, String>)| match planned {
+        Ok(planned) => Some((index, planned)),
+        Err(reason) => {
+            refuse(index, reason);
+            None
+        }
+    };
+    points.iter().zip(planned).filter_map(possible).collect()
+}
+
+/// The numbers of the points of a group.
+fn numbers<P>(group: &Vec<&(usize, P)>) -> Vec<usize> {
+    group.iter().map(|(index, _)| *index).collect()
 }
 
 /// What was changed in a scene when it was read, which a sweep may have several of.
@@ -166,7 +251,7 @@ type Point = (usize, PlannedRun);
 fn run_same_ops(
     points: &[&Point],
     layers: &mut Layers,
-    workers: &Workers,
+    (workers, memory, unkept): (&Workers, RecordingMemory, &mut Unkept),
     done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>, Option<&Scene>) + Sync),
 ) {
     let (first, others) = match points {
@@ -180,17 +265,47 @@ fn run_same_ops(
         let run = |(index, planned): &&Point| done(*index, planned, point::run(planned, layers, workers), scene);
         return points.iter().for_each(run);
     }
-    let traced = layers.traced(first, workers).map_err(point::reason);
+    let traced = match layers.traced_within(first, workers, memory) {
+        Ok(None) => return run_in_step(points, layers, (workers, memory, unkept), scene, done),
+        Ok(Some(traced)) => Ok(traced),
+        Err(error) => Err(point::reason(error)),
+    };
     let time = |planned| point::time(planned, traced.as_ref().map_err(String::clone)?, &workers.cancel);
     points.par_iter().for_each(|(index, planned)| done(*index, planned, time(planned), scene));
 }
 
+/// Runs points whose recording finds no room.
+fn run_in_step(
+    points: &[&Point],
+    layers: &mut Layers,
+    (workers, memory, unkept): (&Workers, RecordingMemory, &mut Unkept),
+    scene: Option<&Scene>,
+    done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>, Option<&Scene>) + Sync),
+) {
+    let machines: Vec<&Machine> = points.iter().map(|(_, planned)| &planned.machine).collect();
+    match layers.timed_in_step(&points[0].1, &machines, workers, memory) {
+        Ok(InStep { workload, counts, times, rounds }) => {
+            unkept.recordings += 1;
+            unkept.points += points.len();
+            unkept.rounds += rounds;
+            for ((index, planned), stats) in points.iter().zip(times) {
+                let outcome = stats.map(|stats| Outcome::new(planned, &workload, stats, counts));
+                done(*index, planned, outcome.map_err(point::reason), scene);
+            }
+        }
+        Err(error) => {
+            let reason = point::reason(error);
+            points.iter().for_each(|(index, planned)| done(*index, planned, Err(reason.clone()), scene));
+        }
+    }
+}
+
 /// The points by the ops that they share, those of the same scene one after the other, and among them those of the same
 /// layout, so that each layer is made once.
-fn by_layers(points: &[Point]) -> Vec<Vec<&Point>> {
+fn by_layers(points: Vec<&Point>) -> Vec<Vec<&Point>> {
     let layers: [fn(&Keys) -> &Key; 4] =
         [|keys| &keys.scene, |keys| &keys.prepared, |keys| &keys.laid_out, |keys| &keys.traced];
-    layers.iter().fold(vec![points.iter().collect()], |groups, key| {
+    layers.iter().fold(vec![points], |groups, key| {
         groups.into_iter().flat_map(|group| by_key(group, |planned| key(&planned.keys).clone())).collect()
     })
 }
@@ -222,8 +337,9 @@ mod tests {
             link_mb_s: [80, 40], latency_cycles: [1, 2], memory_words: [1000, 2000], rate_counts: ["link", "channel"])"#;
         std::fs::write(&file, text).unwrap();
         let sweep = Sweep::read(&file).unwrap();
-        let points: Vec<Point> = (0..sweep.points()).map(|index| (index, sweep.planned(index).unwrap())).collect();
-        let groups = by_layers(&points);
+        let all: Vec<usize> = (0..sweep.points()).collect();
+        let points: Vec<Point> = sweep.planned(&all).into_iter().map(Result::unwrap).enumerate().collect();
+        let groups = by_layers(points.iter().collect());
         assert_eq!(groups.iter().map(Vec::len).collect::<Vec<_>>(), [64; 4], "two scenes in two modes");
         let scene = |group: &Vec<&Point>| group[0].1.spec.scene.clone();
         assert_eq!(groups.iter().map(scene).collect::<Vec<_>>(), ["room", "room", "teapot", "teapot"]);

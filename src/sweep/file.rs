@@ -53,9 +53,9 @@ impl Sweep {
         Ok(Sweep { of, parameters, points: count as usize, files })
     }
 
-    /// The files that its points read, with those behind them.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.files.values().flatten().map(|file| file.path.as_path())
+    /// The files that its points read, with those behind them, as they were when the sweep was read.
+    pub fn files(&self) -> impl Iterator<Item = &FileRead> {
+        self.files.values().flatten()
     }
 
     /// The columns of its table: the parameters, then the results.
@@ -92,7 +92,7 @@ impl Sweep {
     }
 
     /// What tells a point apart from all others: its values, and what is in the files that they name and in those behind
-    /// them.
+    /// them. The same on any machine.
     pub fn identity(&self, index: usize) -> String {
         let values = self.point(index);
         let values = self.parameters.iter().map(|parameter| parameter.column.name).zip(values);

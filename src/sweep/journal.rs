@@ -126,6 +126,11 @@ impl Journal {
         self.file.write_all(lines.as_bytes())
     }
 
+    /// What tells each point apart from all others.
+    pub fn points(&self) -> &[String] {
+        &self.heading.points
+    }
+
     /// Whether a point is done.
     pub fn has(&self, index: usize) -> bool {
         self.results[index].is_some()

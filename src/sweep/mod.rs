@@ -13,7 +13,7 @@ mod range;
 mod record;
 mod told;
 
-pub use engine::Note;
+pub use engine::{Account, Note, Unkept};
 pub use file::Sweep;
 pub use parameters::{Parameter, Points};
 pub use record::{Record, Unrecorded};

@@ -128,7 +128,8 @@ pub fn reason(error: impl Display) -> String {
 }
 
 impl Outcome {
-    fn new(point: &PlannedRun, workload: &Workload, stats: Measured, counts: Counts) -> Outcome {
+    /// What was measured in a point's array.
+    pub fn new(point: &PlannedRun, workload: &Workload, stats: Measured, counts: Counts) -> Outcome {
         let seconds = point.machine.spec.seconds(stats.cycles);
         let memory = (0..workload.cells()).map(|cell| workload.memory_of(cell).total().0).max();
         let (polygons, memory_words) = (workload.polygons().len(), memory.unwrap_or(0));

@@ -1,6 +1,6 @@
 //! What is known of a sweep, in files: the table in two formats, which grows as points finish, and the journal.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -10,11 +10,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::journal::{Heading, Journal};
-use super::{Note, Sweep};
+use super::{Account, Sweep};
 use crate::cancel::Cancelled;
 use crate::error::InputError;
 use crate::report::table::{self, Column, Table};
-use crate::run::Workers;
+use crate::run::{RecordingMemory, Workers};
 
 /// The table of a sweep under way, and its files.
 ///
@@ -82,7 +82,7 @@ impl Record {
     }
 
     /// Runs the points that are not done, and enters each as it is; `seen` is told of its row. The table's files are up to
-    /// date in the end. Returns what had to be rounded in the points that were run.
+    /// date in the end. Returns what is to be said of the points that were run.
     ///
     /// # Errors
     ///
@@ -91,11 +91,12 @@ impl Record {
         &mut self,
         sweep: &Sweep,
         workers: &Workers,
+        memory: RecordingMemory,
         mut seen: impl FnMut(&[String]) + Send,
-    ) -> Result<Vec<Note>, Unrecorded> {
-        let todo: Vec<usize> = (0..sweep.points()).filter(|&index| !self.has(index)).collect();
+    ) -> Result<Account, Unrecorded> {
+        let todo: Vec<usize> = self.todo().map(|(index, _)| index).collect();
         let state = Mutex::new((&mut *self, &mut seen, Ok(())));
-        let ended = sweep.run(&todo, workers, |index, results| {
+        let ended = sweep.run(&todo, workers, memory, |index, results| {
             let row = [sweep.point(index), results.clone()].concat();
             let mut guard = state.lock().unwrap_or_else(PoisonError::into_inner);
             let (record, seen, written) = &mut *guard;
@@ -105,9 +106,44 @@ impl Record {
             }
         });
         let (_, _, written) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let notes = ended?;
+        let account = ended?;
         written.and_then(|()| self.write_table())?;
-        Ok(notes)
+        Ok(account)
+    }
+
+    /// Enters what another process found of points, each named by its [`Sweep::identity`]; `seen` is told of each row that is new.
+    /// Points that the sweep does not have are left out.
+    ///
+    /// # Errors
+    ///
+    /// If a file cannot be written.
+    pub fn take<'a>(
+        &mut self,
+        sweep: &Sweep,
+        found: impl IntoIterator<Item = (&'a str, &'a [String])>,
+        mut seen: impl FnMut(&[String]),
+    ) -> std::io::Result<()> {
+        let found: HashMap<&str, &[String]> = found.into_iter().collect();
+        for index in 0..sweep.points() {
+            let Some(results) = found.get(self.journal.points()[index].as_str()).filter(|_| !self.has(index)) else {
+                continue;
+            };
+            let row = [&sweep.point(index), *results].concat();
+            seen(&row);
+            self.enter(index, results.to_vec(), row)?;
+        }
+        Ok(())
+    }
+
+    /// Tells in the table why a point is not done. It is run when the sweep goes on.
+    pub fn miss(&mut self, sweep: &Sweep, index: usize, reason: &str) {
+        self.rows.insert(index, [sweep.point(index), sweep.failed(reason.to_owned())].concat());
+    }
+
+    /// The points that are not done, each with its [`Sweep::identity`].
+    pub fn todo(&self) -> impl Iterator<Item = (usize, &str)> {
+        let points = self.journal.points().iter().enumerate();
+        points.filter(|(index, _)| !self.has(*index)).map(|(index, point)| (index, point.as_str()))
     }
 
     /// How many points are done, those that failed among them.

@@ -308,7 +308,7 @@ fn ron() {
             ),
             (
                 "(\n  meshes: [(shape: File(\"cube.stl\"))])",
-                "bad.ron:2:25: unknown kind of scene file `.stl` (a scene file ends in .ron, .obj, .ply or .nff)",
+                "bad.ron:2:25: unknown kind of scene file `.stl` (a scene file ends in .ron, .obj, .ply, .nff or .cas)",
             ),
             (
                 "(\n  meshes: [(shape: File(\"bad.ron\"))])",
@@ -433,7 +433,7 @@ fn files_as_such() {
     let folder = folder("files_as_such");
     let said = |name: &str| refused(&folder.join(name)).to_string().replace(&folder.display().to_string(), "");
     assert_eq!(said("missing.obj"), "/missing.obj: cannot read the file: No such file or directory");
-    let known = "a scene file ends in .ron, .obj, .ply or .nff";
+    let known = "a scene file ends in .ron, .obj, .ply, .nff or .cas";
     assert_eq!(
         said("scene.obi"),
         format!("/scene.obi: unknown kind of scene file `.obi` (did you mean .obj? {known})")

@@ -15,7 +15,7 @@ fn find(name: &str) -> &'static Builtin {
 }
 
 fn primitives(polygons: u64, spheres: u64, cones: u64) -> Primitives {
-    Primitives { polygons, spheres, cones }
+    Primitives { polygons, spheres, cones, solids: 0 }
 }
 
 /// Every scene at its default size and at the two smallest.
@@ -43,6 +43,9 @@ fn default_counts_are_the_published_ones() {
         ("tetra", 6, primitives(4096, 0, 0)),
         ("tree", 11, primitives(1, 4095, 4095)),
         ("room", 1, primitives(45, 0, 0)),
+        ("table", 1, Primitives { polygons: 1, solids: 5, ..Primitives::default() }),
+        ("valve", 2, Primitives { solids: 42, ..Primitives::default() }),
+        ("chapel", 3, Primitives { solids: 62, ..Primitives::default() }),
         ("reference", 100, primitives(100_000, 0, 0)),
     ];
     assert_eq!(builtin::all().len(), published.len());
@@ -182,7 +185,7 @@ fn scenes_are_complete() {
 
 #[test]
 fn the_eye_of_our_own_scenes_is_inside() {
-    for name in ["room", "reference"] {
+    for name in ["room", "chapel", "reference"] {
         let scene = builtin::generate(name, None, None).unwrap();
         let (low, high) = scene.mesh.bounds().unwrap();
         assert!(scene.camera.from.cmpgt(low).all() && scene.camera.from.cmplt(high).all(), "{name}");

@@ -15,8 +15,8 @@ use pcs_sim::host::policy::{HostRules, Policy};
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::{Branch, Limits, RayKind, Shader, reflect, refract};
 use pcs_sim::machine::{Cycles, KernelTimes, MachineFile, MachineSpec, Words};
-use pcs_sim::program::Workload;
-use pcs_sim::run::{self, Picture, Rendered, Seen, Timed, Timing, Watching, Workers};
+use pcs_sim::program::{Counts, Workload};
+use pcs_sim::run::{self, KindCounts, Picture, Rendered, Seen, Timed, Timing, Watching, Workers};
 use pcs_sim::scene::{Material, Mesh, ReadOptions, Scene, builtin};
 use pcs_sim::seam::{OpBatch, OpKind};
 
@@ -350,4 +350,30 @@ fn the_command_writes_the_same_picture_with_and_without_timing() {
     folder.run("image room -o a.jpg").refused();
     folder.run("image room -o d.png --timing off --ops a.ops").refused();
     folder.run("image room -o d.png --in-flight 0").refused();
+}
+
+/// Lines that are made apart are those of the whole image, and their counts add up to its counts.
+#[test]
+fn an_image_is_its_lines_wherever_it_is_cut() {
+    let scene = glass();
+    let workload = workload(&scene, "broadcast", 3, crate::support::machine().times);
+    for (sampling, threads) in [(plain(1), 1), (plain(3), 2), (Sampling { side: 4, adaptive: true }, 2)] {
+        let picture = picture(&scene, &workload, 20, sampling);
+        let whole = untimed(&picture, 1);
+        for cuts in [&[0, 15][..], &[0, 1, 2, 9, 15], &[0, 7, 14, 15]] {
+            let (mut pixels, mut counts, mut kinds) =
+                (Vec::new(), Counts::default(), whole.kinds.map(|_| Default::default()));
+            for cut in cuts.windows(2) {
+                let workers = &Workers::new(threads);
+                let lines = run::render_lines(&picture, cut[0]..cut[1], workers, |_| Ok::<_, Infallible>(())).unwrap();
+                pixels.extend_from_slice(&lines.pixels[cut[0] as usize * 20..cut[1] as usize * 20]);
+                counts += lines.counts;
+                kinds.iter_mut().zip(lines.kinds).for_each(|(all, new): (&mut KindCounts, _)| *all += new);
+            }
+            assert!(
+                (pixels, counts, kinds) == (whole.pixels.clone(), whole.counts, whole.kinds),
+                "{sampling:?} {cuts:?}"
+            );
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use pcs_sim::cancel::Cancel;
-use pcs_sim::run::{self, Keys, Layers, PlannedRun, RunError, RunOptions, RunSpec, Watching, Workers};
+use pcs_sim::run::{self, Keys, Layers, PlannedRun, RecordingMemory, RunError, RunOptions, RunSpec, Watching, Workers};
 
 use crate::support::command::Folder;
 
@@ -144,6 +144,43 @@ fn a_programs_name_is_read_by_no_layer() {
     spec.program.name = "another".to_owned();
     spec.version = "another".to_owned();
     assert_eq!(first_change(&run.keys, &PlannedRun::new(spec).unwrap().keys), Layer::None);
+}
+
+/// Timed in step with its tracing, a run is what it is timed from its recording: those that get stuck and those that a cell outlives
+/// among them, in one round and in many.
+#[test]
+fn what_is_timed_in_step_is_what_its_recording_gives() {
+    let bases: &[&[(&str, &str)]] = &[
+        &[("scene", "teapot"), ("size_factor", "3"), ("size", "30x30"), ("mode", "broadcast"), ("cells", "4")],
+        &[("scene", "room"), ("size", "20x20"), ("mode", "pipeline"), ("stop_words", "16")],
+        &[("scene", "tetra"), ("size_factor", "2"), ("size", "5x5"), ("cells_run", "programs")],
+    ];
+    let changes =
+        [("fifo_words", "2"), ("fifo_words", "64"), ("link_mb_s", "3"), ("grid_voxel", "1"), ("host_ray_us", "90")];
+    let workers = Workers::new(2);
+    for base in bases {
+        let runs: Vec<PlannedRun> = changes.iter().map(|change| planned(&[base, &[*change][..]].concat())).collect();
+        assert!(runs.iter().all(|run| run.keys.traced == runs[0].keys.traced), "one recording");
+        let machines: Vec<_> = runs.iter().map(|run| &run.machine).collect();
+        let traced = Layers::default().traced(&runs[0], &workers).unwrap();
+        let recorded = machines.iter().map(|machine| {
+            let timed = traced.time(machine, &Watching::default(), &workers.cancel);
+            timed.map(|(stats, _)| stats).map_err(|error| error.to_string())
+        });
+        let recorded: Vec<_> = recorded.collect();
+        // Two at a time, or all; and again for those that a cell outlives.
+        for (memory, rounds) in [(RecordingMemory(0), 2..=6), (RecordingMemory::UNBOUNDED, 1..=2)] {
+            let step = Layers::default().timed_in_step(&runs[0], &machines, &workers, memory).unwrap();
+            let times: Vec<_> = step.times.into_iter().map(|stats| stats.map_err(|error| error.to_string())).collect();
+            assert_eq!((&times, step.counts), (&recorded, traced.counts()), "{base:?} {memory}");
+            assert!(rounds.contains(&step.rounds), "{base:?} {memory}: {} rounds", step.rounds);
+        }
+        let fits = |memory: u64| {
+            let kept = Layers::default().traced_within(&runs[0], &workers, RecordingMemory(memory)).unwrap();
+            kept.is_some()
+        };
+        assert_eq!((fits(traced.bytes()), fits(traced.bytes() / 2)), (true, false), "{base:?}");
+    }
 }
 
 /// Whatever the order of the changes, each run is what it is by itself, and nothing is made twice.

@@ -11,7 +11,7 @@ use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::policy::HostRules;
 use pcs_sim::host::sampling::Sampling;
 use pcs_sim::host::shading::Limits;
-use pcs_sim::run::{self, Outputs, Picture, RunError, Seen, Timed, Watching, Workers};
+use pcs_sim::run::{self, Outputs, Picture, RecordingMemory, RunError, Seen, Timed, Watching, Workers};
 use pcs_sim::sweep::Sweep;
 
 /// A thread that stops the work and abandons its files when it is asked to, and says when it has.
@@ -113,7 +113,7 @@ fn a_sweep_ends_with_the_points_under_way() {
     let workers = Workers::new(2);
     let done = AtomicUsize::new(0);
     let points: Vec<usize> = (0..sweep.points()).collect();
-    let result = sweep.run(&points, &workers, |_, row| {
+    let result = sweep.run(&points, &workers, RecordingMemory::UNBOUNDED, |_, row| {
         assert_eq!(row.last().unwrap(), "", "a point that was stopped has not failed");
         done.fetch_add(1, Ordering::Relaxed);
         workers.cancel.cancel();

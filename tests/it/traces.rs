@@ -324,7 +324,7 @@ fn perfetto_waits_tell_who_waits_for_whom() {
         for slice in all.iter().step_by(all.len() / 25) {
             let cell = slice.track.strip_prefix("cell ").map_or("host", |cell| cell.split(' ').next().unwrap());
             let at = slice.arguments["in cycle"];
-            let told = folder.run(&format!("why {run} --cell {cell} --at {at}")).success();
+            let told = folder.run(&format!("why {run} --cell {cell} --at {at}")).success().replace("\n  ", " ");
             let told: Vec<&str> = told.lines().skip_while(|line| !line.starts_with("cycle ")).skip(1).collect();
             assert_eq!(told.len(), slice.chain.len(), "{told:#?} {:#?}", slice.chain);
             let (last, links) = slice.chain.split_last().unwrap();

@@ -171,7 +171,7 @@ fn a_page_tells_who_waits_for_whom_as_why_does() {
     for block in asked.split("ask ").skip(1) {
         let mut lines = block.trim_end().lines();
         let (cell, cycle) = lines.next().unwrap().split_once(' ').unwrap();
-        let why = folder.run(&format!("why {run} --cell {cell} --at {cycle}")).success();
+        let why = folder.run(&format!("why {run} --cell {cell} --at {cycle}")).success().replace("\n  ", " ");
         let told: Vec<String> = why.lines().skip_while(|line| !line.starts_with("cycle ")).skip(1).map(plain).collect();
         let told_by_page: Vec<String> = lines.map(plain).collect();
         assert_eq!(told_by_page, told, "cell {cell} in cycle {cycle}");

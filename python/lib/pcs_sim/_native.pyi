@@ -525,6 +525,7 @@ def sweep(
     table: _Path | None = None,
     force: bool = False,
     threads: int | None = None,
+    recording_memory: str | None = None,
     progress: bool | None = None,
 ) -> Table:
     """Runs every combination of parameters, and gives one table: a row a run, the parameters first.
@@ -532,7 +533,8 @@ def sweep(
     `sweep` is a file as `pcs-sim sweep` takes it, or a dict: for each parameter a value, a list of values, or a range
     as {"from": 1, "to": 64, "times": 2}. With `table` the rows go to TABLE.csv and TABLE.parquet as points finish, and
     a sweep that was stopped goes on where it was; one that is done is not run again. A point that fails says why in
-    the column `error`.
+    the column `error`. `recording_memory` is the memory that a recording may take, which points share, such as "8GB";
+    points of a larger one are timed while its rays are traced.
     """
 
 def parameters() -> Table:

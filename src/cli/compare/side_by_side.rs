@@ -102,7 +102,7 @@ fn of_setup(setup: &Setup, title: String, stats: Measured, observed: Observed) -
         stats,
         observed,
         cell_names: cell_names(&setup.workload),
-        configuration: Configuration::new(&setup.spec, &setup.workload),
+        configuration: Configuration::new(setup),
     }
 }
 
@@ -132,6 +132,7 @@ impl Again {
                 stats: &self.stats,
                 losses: None,
                 profile: &profile,
+                // Rays on their way have a window of their own, and it is another in each run.
                 recording: None,
                 path: None,
                 cell_names: &self.cell_names,

@@ -6,11 +6,14 @@ mod plots;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::report::account::plural;
-use pcs_sim::sweep::{Note, Record, Sweep};
+use pcs_sim::run::RecordingMemory;
+use pcs_sim::shards::Folder;
+use pcs_sim::sweep::{Account, Note, Record, Sweep, Unkept};
 
 use super::args::SweepArgs;
 use super::run::workers;
-use super::{Failure, note, outputs, print, progress};
+use super::shards::{self, Missing};
+use super::{Failure, interrupt, note, outputs, print, progress};
 use latest::Latest;
 use plots::Plots;
 
@@ -19,35 +22,59 @@ const TOLD: usize = 5;
 
 /// Runs the points that are not done yet; the table grows as they finish.
 pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
-    let sweep = Sweep::read(&args.sweep)?;
+    let file = match (&args.shards, &args.sweep) {
+        (Some(command), _) => return shards::shards(command),
+        (None, file) => file.as_deref().unwrap_or(Path::new("")),
+    };
+    let sweep = Sweep::read(file)?;
     match &args.table {
-        Some(table) => run(args, &sweep, table),
+        Some(table) => run(args, &sweep, (file, table)),
         None => print(&format!("{}\n", points(sweep.points()))),
     }
 }
 
-fn run(args: &SweepArgs, sweep: &Sweep, table: &Path) -> Result<(), Failure> {
+fn run(args: &SweepArgs, sweep: &Sweep, (file, table): (&Path, &Path)) -> Result<(), Failure> {
+    let engine = args.engine.engine()?;
     let results = ["csv", "parquet", "sweep.ron", "journal"].map(|ending| table.with_extension(ending));
-    let inputs: Vec<Option<&Path>> = sweep.files().chain([args.sweep.as_path()]).map(Some).collect();
+    let inputs: Vec<Option<&Path>> = sweep.files().map(|file| file.path.as_path()).chain([file]).map(Some).collect();
     outputs::check_distinct(&results.each_ref().map(Some), &inputs)?;
+    if engine.is_some() && args.force {
+        shards::check_idle(table)?;
+    }
     let plots = Plots::open(args, table, &sweep.columns())?;
     let mut record = Record::open(sweep, table, args.force)?;
     let before = record.done();
     let bar = progress::points(sweep.points() as u64);
-    bar.set_position(before as u64);
-    bar.reset_eta();
+    let from = |done: usize| {
+        bar.set_position(done as u64);
+        bar.reset_eta();
+    };
     let mut latest = Latest::new(sweep, &bar, args.watch);
-    let ended = record.run(sweep, &workers(args.threads), |row| {
+    let seen = |row: &[String]| {
         latest.add(row);
         bar.inc(1);
-    });
-    let notes = ended.map_err(|unrecorded| Failure::Output(unrecorded.to_string()))?;
+    };
+    let ended = match engine {
+        None => {
+            from(before);
+            Some((here(args, sweep, &mut record, seen)?, Missing(0)))
+        }
+        Some(engine) => {
+            let begun = |folder: &Folder, done: usize| {
+                from(done);
+                interrupt::keeping(shards::kept(folder));
+            };
+            shards::sweep((&engine, args), (sweep, table), &mut record, begun, seen)?
+        }
+    };
     bar.finish_and_clear();
-    tell(&notes);
+    let Some((beside, missing)) = ended else { return Ok(()) };
+    tell(&beside.notes);
     let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();
     plots.write(&record.table(), &mut written)?;
-    print(&format!("{}{}", account(&record, before), outputs::list(&written)))?;
+    print(&format!("{}{}", account(&record, before, &beside.unkept), outputs::list(&written)))?;
     match record.failures().count() {
+        _ if missing.0 > 0 => Err(Failure::Output(missing.told(sweep.points()))),
         failed if failed > 0 && !args.accept_failures => {
             let share = format!("{failed} of {} failed", points(sweep.points()));
             let help = "the column `error` says why; --accept-failures takes such a table for a success";
@@ -57,9 +84,22 @@ fn run(args: &SweepArgs, sweep: &Sweep, table: &Path) -> Result<(), Failure> {
     }
 }
 
+/// Runs the points in this process.
+fn here(
+    args: &SweepArgs,
+    sweep: &Sweep,
+    record: &mut Record,
+    seen: impl FnMut(&[String]) + Send,
+) -> Result<Account, Failure> {
+    let workers = workers(args.threads);
+    let memory = args.recording_memory.unwrap_or_else(|| RecordingMemory::fitting(workers.threads));
+    let ended = record.run(sweep, &workers, memory, seen);
+    ended.map_err(|unrecorded| Failure::Output(unrecorded.to_string()))
+}
+
 /// What had to be rounded.
-fn tell(notes: &[Note]) {
-    for Note { text, points: count } in notes.iter().take(TOLD) {
+pub fn tell(notes: &[Note]) {
+    for Note { text, points: count, .. } in notes.iter().take(TOLD) {
         note(format!("{text} (in {})", points(*count)));
     }
     if notes.len() > TOLD {
@@ -68,8 +108,8 @@ fn tell(notes: &[Note]) {
     }
 }
 
-/// How many points are done and how many failed, with the first reasons.
-fn account(record: &Record, before: usize) -> String {
+/// How many points are done and how many failed, with the first reasons, and which recordings found no room.
+pub fn account(record: &Record, before: usize, unkept: &Unkept) -> String {
     let (all, failed) = (record.done(), record.failures().count());
     let mut text = format!("{}: {} done", points(all), all - failed);
     if failed > 0 {
@@ -79,6 +119,13 @@ fn account(record: &Record, before: usize) -> String {
         text += &format!(" ({} now)", all - before);
     }
     text += "\n";
+    let Unkept { recordings, points: timed, rounds } = *unkept;
+    if recordings > 0 {
+        let (larger, timed) = (plural(recordings, "recording"), points(timed));
+        let times = plural(rounds, "time");
+        text +=
+            &format!("{larger} larger than --recording-memory: {timed} timed while the rays were traced, {times}\n");
+    }
     let mut reasons: Vec<(&str, usize)> = Vec::new();
     for reason in record.failures() {
         match reasons.iter().position(|(known, _)| *known == reason) {
@@ -97,6 +144,6 @@ fn account(record: &Record, before: usize) -> String {
 }
 
 /// `1 point`, `2 points`.
-fn points(count: usize) -> String {
+pub fn points(count: usize) -> String {
     plural(count, "point")
 }

@@ -202,6 +202,13 @@ impl Array {
         self.spent.pop()
     }
 
+    /// The memory that it takes, in bytes, but for what its observers keep.
+    pub fn bytes(&self) -> u64 {
+        let fifos: u64 = self.links.iter().map(Link::bytes).sum();
+        let ops: u64 = self.batches.iter().chain(&self.spent).map(OpBatch::bytes).sum();
+        fifos + ops + (self.returned.capacity() * size_of::<u64>()) as u64
+    }
+
     /// Works out all times that the ops fed so far determine. Fails as soon as no further ops could help.
     pub fn run(&mut self) -> Result<(), Stuck> {
         while self.sweep() {}

@@ -121,6 +121,11 @@ impl Fifo {
         self.capacity
     }
 
+    /// The memory that its words' times take, in bytes.
+    pub fn bytes(&self) -> u64 {
+        ((self.ready_at.len() + self.free_from.len()) * size_of::<u64>()) as u64
+    }
+
     /// Cycles from the write of a word to its first read.
     pub fn latency(&self) -> u64 {
         self.latency

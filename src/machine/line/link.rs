@@ -52,6 +52,11 @@ impl Link {
         }
     }
 
+    /// The memory that its FIFOs take, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.x.bytes() + self.y.bytes() + self.z.bytes()
+    }
+
     /// Cycles from the beginning of one word to that of the next.
     pub fn cycles_per_word(&self) -> u64 {
         self.rate.cycles_per_word

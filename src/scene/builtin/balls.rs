@@ -16,7 +16,7 @@ pub const SCENE: Builtin = Builtin {
     default_size: 4,
     size_range: 1..=6,
     default_resolution: Some(8),
-    count: |size| Primitives { polygons: 1, spheres: (9u64.pow(size + 1) - 1) / 8, cones: 0 },
+    count: |size| Primitives { polygons: 1, spheres: (9u64.pow(size + 1) - 1) / 8, ..Primitives::default() },
     build,
 };
 

@@ -1,7 +1,8 @@
 //! What several scenes need: colours, lights, cameras, boxes.
 
-use glam::{DVec3, Vec3, dvec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3, dvec3};
 
+use crate::scene::solid::{Options, Shell, Solid, evaluate};
 use crate::scene::{Camera, Light, Material, Mesh, Scene, tessellate};
 
 /// The blue that the databases paint behind most scenes.
@@ -39,7 +40,7 @@ pub fn scene(
     camera: Camera,
     background: Vec3,
 ) -> Scene {
-    Scene { name: name.to_owned(), mesh, materials, lights, background, camera, notes: Vec::new() }
+    Scene { name: name.to_owned(), mesh, materials, lights, background, camera, notes: Vec::new(), solids: Vec::new() }
 }
 
 /// Adds a flat face over new points, as an object.
@@ -82,4 +83,46 @@ pub fn cuboid(mesh: &mut Mesh, low: DVec3, high: DVec3, material: u32) {
     for side in SIDES {
         mesh.add_face(&side.map(|corner| points[corner]), material);
     }
+}
+
+/// A scene of polygons and solids, with what the solids came to.
+pub fn scene_of_solids(
+    name: &str,
+    mut mesh: Mesh,
+    solids: &[Solid],
+    (materials, lights): (Vec<Material>, Vec<Light>),
+    camera: Camera,
+    background: Vec3,
+) -> Scene {
+    let mut reports = Vec::new();
+    for solid in solids {
+        let Ok(evaluated) = evaluate(solid, Options::default()) else { continue };
+        mesh.append(evaluated.mesh, |own| own);
+        reports.push(evaluated.report);
+    }
+    let notes = reports.iter().map(|report| format!("solid: {}", report.sentence())).collect();
+    Scene { notes, solids: reports, ..scene(name, mesh, materials, lights, camera, background) }
+}
+
+/// An axis-parallel box, as a solid.
+pub fn block(low: DVec3, high: DVec3, material: u32) -> Solid {
+    let map = DAffine3::from_translation(low) * DAffine3::from_scale(high - low);
+    Solid::leaf(Shell::cube().of_material(material)).placed(map)
+}
+
+/// A cylinder that begins at a point and goes `along`, as a solid.
+pub fn rod(base: DVec3, along: DVec3, radius: f64, slices: u32, material: u32) -> Solid {
+    round(Shell::cylinder(slices), base, along, dvec3(radius, radius, along.length()), material)
+}
+
+/// A ball, as a solid.
+pub fn ball(center: DVec3, radius: f64, slices: u32, material: u32) -> Solid {
+    round(Shell::sphere(slices), center, DVec3::Z, DVec3::splat(radius), material)
+}
+
+/// A shape in unit position scaled, its z axis then turned `along` a direction, and moved.
+pub fn round(shell: Shell, base: DVec3, along: DVec3, scale: DVec3, material: u32) -> Solid {
+    let turn = DQuat::from_rotation_arc(DVec3::Z, along.normalize());
+    let map = DAffine3::from_scale_rotation_translation(scale, turn, base);
+    Solid::leaf(shell.of_material(material)).placed(map)
 }

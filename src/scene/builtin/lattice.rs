@@ -17,7 +17,7 @@ pub const SCENE: Builtin = Builtin {
     default_resolution: Some(8),
     count: |size| {
         let n = u64::from(size);
-        Primitives { polygons: 0, spheres: (n + 1).pow(3), cones: 3 * n * (n + 1).pow(2) }
+        Primitives { spheres: (n + 1).pow(3), cones: 3 * n * (n + 1).pow(2), ..Primitives::default() }
     },
     build,
 };

@@ -1,4 +1,4 @@
-//! Scenes that are generated: those of the Standard Procedural Databases, and two of our own.
+//! Scenes that are generated: those of the Standard Procedural Databases, and five of our own.
 //!
 //! The Standard Procedural Databases (Eric Haines and others, 1987 to 1995) are programs that write test scenes for ray
 //! tracers; a size factor sets how many primitives. The modules here follow their published definitions: shapes, order
@@ -21,9 +21,13 @@
 //! | tetra     |            6 | 4 096 polygons                   |
 //! | tree      |           11 | 4 095 cones, 4 095 spheres, 1 polygon |
 //! | room      |            1 | 45 polygons                      |
+//! | table     |            1 | 5 closed shapes, 1 polygon       |
+//! | valve     |            2 | 42 closed shapes                 |
+//! | chapel    |            3 | 62 closed shapes                 |
 //! | reference |          100 | 100 000 polygons                 |
 
 mod balls;
+mod chapel;
 mod gears;
 mod kit;
 mod lattice;
@@ -34,9 +38,11 @@ mod rings;
 mod room;
 mod shells;
 mod sombrero;
+mod table;
 mod teapot;
 mod tetra;
 mod tree;
+mod valve;
 
 use std::ops::RangeInclusive;
 
@@ -74,15 +80,18 @@ pub struct Primitives {
     pub spheres: u64,
     /// Cones and cylinders.
     pub cones: u64,
+    /// Closed shapes that solids are made of.
+    pub solids: u64,
 }
 
 impl Primitives {
     /// All of them.
     pub fn total(&self) -> u64 {
-        self.polygons + self.spheres + self.cones
+        self.polygons + self.spheres + self.cones + self.solids
     }
 
-    /// How many faces they make with `resolution` slices, concave faces counted once.
+    /// How many faces they make with `resolution` slices, concave faces counted once; those of solids not counted, as they
+    /// cut each other.
     pub fn faces(&self, resolution: u32) -> u64 {
         let slices = u64::from(resolution);
         let stacks = (slices / 2).max(2);
@@ -100,7 +109,12 @@ impl Builtin {
     /// How many faces the scene has at a size factor with `resolution` slices, or with its default number of them;
     /// a concave face counts once, however many pieces it is cut into.
     pub fn faces(&self, size: u32, resolution: Option<u32>) -> u64 {
-        self.primitives(size).faces(self.slices(resolution))
+        let (primitives, slices) = (self.primitives(size), self.slices(resolution));
+        if primitives.solids == 0 {
+            primitives.faces(slices)
+        } else {
+            (self.build)(size, slices).mesh.face_count().into()
+        }
     }
 
     fn slices(&self, resolution: Option<u32>) -> u32 {
@@ -126,7 +140,7 @@ impl Builtin {
             return Err(InputError::new(format!("resolution {slices} of scene `{name}` is not in {least} to {most}"))
                 .help("it is the number of slices of a sphere or cone"));
         }
-        let faces = self.faces(size, resolution);
+        let faces = self.primitives(size).faces(self.slices(resolution));
         if faces > MOST_FACES {
             let message = format!("scene `{name}` would have {faces} polygons, more than the {MOST_FACES} allowed");
             return Err(InputError::new(message).help("ask for a smaller size or resolution"));
@@ -172,5 +186,8 @@ static ALL: &[Builtin] = &[
     tetra::SCENE,
     tree::SCENE,
     room::SCENE,
+    table::SCENE,
+    valve::SCENE,
+    chapel::SCENE,
     reference::SCENE,
 ];

@@ -21,7 +21,7 @@ pub const SCENE: Builtin = Builtin {
     default_size: 6,
     size_range: 1..=10,
     default_resolution: Some(16),
-    count: |size| Primitives { polygons: 2 * 4u64.pow(size), spheres: 4, cones: 0 },
+    count: |size| Primitives { polygons: 2 * 4u64.pow(size), spheres: 4, ..Primitives::default() },
     build,
 };
 

@@ -20,7 +20,7 @@ pub const SCENE: Builtin = Builtin {
     count: |size| {
         let n = u64::from(size);
         let each = 5 * n * (n + 1) * (2 * n + 1);
-        Primitives { polygons: 1, spheres: each, cones: each }
+        Primitives { polygons: 1, spheres: each, cones: each, ..Primitives::default() }
     },
     build,
 };

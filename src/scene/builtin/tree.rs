@@ -16,7 +16,7 @@ pub const SCENE: Builtin = Builtin {
     default_resolution: Some(6),
     count: |size| {
         let branches = (1u64 << (size + 1)) - 1;
-        Primitives { polygons: 1, spheres: branches, cones: branches }
+        Primitives { polygons: 1, spheres: branches, cones: branches, ..Primitives::default() }
     },
     build,
 };

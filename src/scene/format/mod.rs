@@ -1,6 +1,7 @@
 //! Scene files: opening one, choosing its reader, and what is done to every scene that was read.
 
 mod arrays;
+mod castor;
 mod mtl;
 mod nff;
 mod obj;
@@ -11,6 +12,7 @@ mod transform;
 mod vertex_color;
 
 pub use arrays::Arrays;
+pub use ply::write_ply;
 
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
@@ -22,6 +24,7 @@ use crate::error::InputError;
 use crate::input::file;
 use crate::input::text::{coordinate, nearest, passed_over};
 use crate::scene::mesh::Mesh;
+use crate::scene::solid::Report;
 use crate::scene::{Camera, Light, Material, Scene, split_concave};
 
 /// Largest scene file taken, in GiB.
@@ -55,7 +58,7 @@ impl Default for ReadOptions {
     }
 }
 
-/// Reads a scene file; its extension says what it is: `.ron`, `.obj`, `.ply` or `.nff`.
+/// Reads a scene file; its extension says what it is: `.ron`, `.obj`, `.ply`, `.nff` or `.cas`.
 ///
 /// Whatever the file, the scene has at least one face, all its faces are flat and convex
 /// (see [`split_concave`]), its coordinates are finite, and it has a camera: one that frames it, if the file has none.
@@ -79,15 +82,21 @@ pub(crate) enum Format {
     Obj,
     Ply,
     Nff,
+    Castor,
 }
 
 impl Format {
-    const EXTENSIONS: [(&'static str, Format); 4] =
-        [("ron", Format::Ron), ("obj", Format::Obj), ("ply", Format::Ply), ("nff", Format::Nff)];
+    const EXTENSIONS: [(&'static str, Format); 5] = [
+        ("ron", Format::Ron),
+        ("obj", Format::Obj),
+        ("ply", Format::Ply),
+        ("nff", Format::Nff),
+        ("cas", Format::Castor),
+    ];
 
     /// The format that a file's extension stands for.
     pub fn of(path: &Path) -> Result<Self, InputError> {
-        let known = "a scene file ends in .ron, .obj, .ply or .nff";
+        let known = "a scene file ends in .ron, .obj, .ply, .nff or .cas";
         let Some(extension) = path.extension() else {
             return Err(InputError::in_file(path, "file name has no extension to tell its format by").help(known));
         };
@@ -109,6 +118,7 @@ impl Format {
             Format::Obj => obj::read(path)?,
             Format::Ply => ply::read(path)?,
             Format::Nff => nff::read(path, options)?,
+            Format::Castor => castor::read(path, options)?,
         };
         draft.notes.extend(short_faces(draft.short_faces));
         draft.notes.extend(passed_over(
@@ -130,6 +140,7 @@ pub(crate) struct Draft {
     /// The vertical of the format, for a camera that frames the scene.
     pub up: Vec3,
     pub notes: Vec<String>,
+    pub solids: Vec<Report>,
     /// Faces of fewer than 3 corners.
     short_faces: u64,
     /// Normals that are no numbers.
@@ -147,6 +158,7 @@ impl Draft {
             camera: None,
             up,
             notes: Vec::new(),
+            solids: Vec::new(),
             short_faces: 0,
             no_normals: 0,
         }
@@ -181,6 +193,7 @@ impl Draft {
             background: self.background,
             camera: self.camera.unwrap_or_else(|| Camera::framing(low, high, self.up)),
             notes: self.notes,
+            solids: self.solids,
         })
     }
 }

@@ -1,11 +1,14 @@
 //! Reads the project's own scene files (RON): a camera, lights, materials, and meshes from wherever they come.
 
+mod solid;
+
 use std::collections::HashMap;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
+use self::solid::Node;
 use super::transform::{Step, Transform};
 use super::{Draft, Format, ReadOptions, read_file, short_faces};
 use crate::error::InputError;
@@ -13,6 +16,7 @@ use crate::input::ron_text::{self, Located, suggest};
 use crate::input::text::{self, Text, amount, coordinate, plural};
 use crate::scene::camera::CameraFault;
 use crate::scene::mesh::Mesh;
+use crate::scene::solid::Cut;
 use crate::scene::{Camera, Light, Material, builtin};
 
 /// Three numbers in parentheses.
@@ -66,11 +70,16 @@ struct MeshText<'a> {
     material: Option<Located<'a, String>>,
     #[serde(default)]
     transform: Vec<Located<'a, StepText>>,
+    /// This and what follows is of `Csg` alone.
+    cut: Option<Located<'a, Cut>>,
+    join: Option<Located<'a, bool>>,
+    max_polygons: Option<Located<'a, u64>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename = "Shape", bound(deserialize = "'de: 'a"))]
 enum ShapeText<'a> {
+    Csg(Node<'a>),
     File(Located<'a, String>),
     Builtin {
         name: Located<'a, String>,
@@ -180,6 +189,10 @@ impl Reader<'_> {
     }
 
     fn mesh(&mut self, text: &MeshText) -> Result<(), InputError> {
+        if let ShapeText::Csg(solid) = &text.shape {
+            return self.csg(text, solid);
+        }
+        self.check_no_solid(text)?;
         let material = text.material.as_ref().map(|name| self.material_number(name)).transpose()?;
         let steps: Vec<Step> = text.transform.iter().map(|step| self.step(step)).collect::<Result<_, _>>()?;
         let mut shape = self.shape(&text.shape)?;
@@ -196,12 +209,20 @@ impl Reader<'_> {
         }
         self.draft.notes.extend(shape.notes);
         let number = |own: u32| material.unwrap_or(first + own);
-        let outcome = Transform::of(&steps).append(&mut self.draft.mesh, &shape.mesh, number);
+        let outcome = Transform::of(&steps).append(&mut self.draft.mesh, shape.mesh, number);
         outcome.map_err(|message| match (text.transform.last(), &text.shape) {
             (Some(step), _) => step.error(self.text, format!("transformed coordinate {message}")),
             (None, ShapeText::File(name) | ShapeText::Builtin { name, .. }) => name.error(self.text, message),
-            (None, ShapeText::Polygons { .. }) => InputError::in_file(self.text.file, message),
+            (None, ShapeText::Polygons { .. } | ShapeText::Csg(_)) => InputError::in_file(self.text.file, message),
         })
+    }
+
+    /// Refuses what only solids have.
+    fn check_no_solid(&self, text: &MeshText) -> Result<(), InputError> {
+        let cut = text.cut.as_ref().map(|cut| cut.error(self.text, "`cut` is of solids"));
+        let join = text.join.as_ref().map(|join| join.error(self.text, "`join` is of solids"));
+        let most = text.max_polygons.as_ref().map(|most| most.error(self.text, "`max_polygons` is of solids"));
+        cut.or(join).or(most).map_or(Ok(()), |error| Err(error.help("leave it out, or make the shape a Csg(...)")))
     }
 
     fn material_number(&self, name: &Located<String>) -> Result<u32, InputError> {
@@ -255,6 +276,7 @@ impl Reader<'_> {
                 self.one_each("face", faces.len(), "material", materials)?;
                 self.polygons(points, faces, colors, materials)
             }
+            ShapeText::Csg(solid) => Err(solid.error(self.text, "a solid is no mesh")),
         }
     }
 

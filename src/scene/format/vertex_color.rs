@@ -40,7 +40,7 @@ fn in_range(color: Vec3) -> Option<Vec3> {
 ///
 /// The programs that write such colours take them from pictures, and code them like those (sRGB): what is given as 0.5
 /// is a middle grey to look at, which is a fifth of the light. Materials' colours are shares of light as they stand.
-fn light(part: f32) -> f32 {
+pub(crate) fn light(part: f32) -> f32 {
     let part = f64::from(part);
     let light = if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) };
     light as f32

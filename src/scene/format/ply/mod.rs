@@ -1,7 +1,8 @@
-//! Reads PLY files, as text and in either byte order.
+//! Reads PLY files, as text and in either byte order, and writes them as text.
 
 mod header;
 mod values;
+mod writer;
 
 use std::path::Path;
 
@@ -13,6 +14,8 @@ use crate::input::text::{Text, decode, passed_over, plural};
 use crate::scene::mesh::{Corner, NO_NORMAL};
 use header::{Element, Encoding, Header, Property, Shape, Type, extent, parse};
 use values::{Ascii, Binary, Row, Values};
+
+pub use writer::write as write_ply;
 
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];

@@ -1,0 +1,89 @@
+//! Pictures of few colours: the octree in Peano's order, and median cut beside it.
+
+use std::collections::BTreeSet;
+
+use pcs_sim::host::color_table::{Color, ColorTable, Palette, key};
+use proptest::prelude::*;
+
+use crate::support::command::Folder;
+
+#[test]
+fn keys_are_in_peanos_order() {
+    // The thesis's example in the plane, i = 7 and j = 3 give 47: here between them bits of a third part, which is 0.
+    let spread = key([7, 3, 0]);
+    let plane = (0..3).fold(0, |plane, bit| plane | (spread >> (3 * bit + 1) & 3) << (2 * bit));
+    assert_eq!(plane, 47);
+    assert_eq!((key([0, 0, 0]), key([255, 255, 255]), key([128, 0, 0])), (0, (1 << 24) - 1, 1 << 23));
+}
+
+/// The corners of a cube of side 1, of which one has 1 pixel, the next 2, and so on, in three colours.
+#[test]
+fn a_cube_by_hand() {
+    let corner = |number: u32| [number >> 2 & 1, number >> 1 & 1, number & 1].map(|part| 10 + part as u8);
+    let pixels: Vec<Color> = (0..8).flat_map(|number| vec![corner(number); number as usize + 1]).collect();
+    let table = ColorTable::new(&pixels, 3, Palette::Peano);
+    // The two most frequent have entries of their own. Of the others' 21 pixels 11 have the higher red, 7 green, 12 blue.
+    assert_eq!(table.level, Some(0));
+    assert_eq!(
+        table.colors.iter().copied().collect::<BTreeSet<_>>(),
+        [[11, 11, 11], [11, 11, 10], [11, 10, 11]].into_iter().collect()
+    );
+    let of = |number: u32| {
+        table.colors[usize::from(table.pixels[pixels.iter().position(|&it| it == corner(number)).unwrap()])]
+    };
+    assert_eq!((of(7), of(6)), ([11, 11, 11], [11, 11, 10]));
+    assert!((0..6).all(|number| of(number) == [11, 10, 11]));
+}
+
+fn picture() -> impl Strategy<Value = Vec<Color>> {
+    let near = (0u8..40, 0u8..40, 100u8..180).prop_map(|(r, v, b)| [r, v, b]);
+    prop::collection::vec(prop_oneof![near, any::<[u8; 3]>()], 1..400)
+}
+
+proptest! {
+    #[test]
+    fn tables_keep_their_promises(pixels in picture(), most in 1usize..=64) {
+        let distinct = pixels.iter().collect::<BTreeSet<_>>().len();
+        for palette in [Palette::Peano, Palette::MedianCut] {
+            let table = ColorTable::new(&pixels, most, palette);
+            prop_assert!(table.colors.len() <= most && table.pixels.len() == pixels.len());
+            let error = table.error(&pixels);
+            if distinct <= most {
+                prop_assert_eq!(error.largest, 0.0);
+            }
+            if let Some(bound) = table.bound() {
+                prop_assert!(error.largest <= bound, "{:?} {}", error, bound);
+            }
+            prop_assert!(error.mean_square <= error.largest * error.largest + 1e-9);
+            let mut backwards = pixels.clone();
+            backwards.reverse();
+            let other = ColorTable::new(&backwards, most, palette);
+            prop_assert_eq!(&other.colors, &table.colors);
+            prop_assert!(other.pixels.iter().rev().eq(&table.pixels));
+        }
+    }
+}
+
+#[test]
+fn images_have_as_many_colours_as_asked_for() {
+    let folder = Folder::new();
+    let mut said = String::new();
+    for palette in ["peano", "median-cut"] {
+        let name = format!("{palette}.png");
+        let text = folder
+            .run(&format!("image room --size 48x32 --timing off --colors 24 --palette {palette} -o {name}"))
+            .success();
+        said += text.lines().find(|line| line.contains(" colours by ")).unwrap();
+        said += "\n";
+        let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path(&name)).unwrap()));
+        let reader = decoder.read_info().unwrap();
+        let info = reader.info();
+        assert_eq!(info.color_type, png::ColorType::Indexed);
+        let colors = info.palette.as_ref().unwrap().len() / 3;
+        assert!(colors > 12 && colors <= 24, "{colors}");
+    }
+    insta::assert_snapshot!(said);
+    for flags in ["--colors 24 -o a.pfm", "--colors 0 -o a.png", "--colors 257 -o a.png", "--palette peano -o a.png"] {
+        assert_eq!(folder.run(&format!("image room --size 8x8 --timing off {flags}")).status, 2, "{flags}");
+    }
+}
