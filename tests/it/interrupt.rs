@@ -64,18 +64,19 @@ fn an_image_that_grows() {
     assert_eq!(left, nothing());
 }
 
+/// The files are opened an instant before the scene is, and nothing outside shows that instant's end.
+fn preparing(folder: &Folder) -> bool {
+    let opened = opened(folder);
+    std::thread::sleep(Duration::from_millis(if opened { 300 } else { 0 }));
+    opened
+}
+
 #[test]
 fn a_scene_that_is_read() {
     for command in ["--scene slow.obj --stats s.json", "image slow.obj -o i.png --stats s.json"] {
         let folder = Folder::new();
         silent_pipe(&folder, "slow.obj");
-        // The files are opened an instant before the scene is, and nothing outside shows that instant's end.
-        let reading = |folder: &Folder| {
-            let opened = opened(folder);
-            std::thread::sleep(Duration::from_millis(if opened { 300 } else { 0 }));
-            opened
-        };
-        let (told, left) = interrupted(&folder, command, reading);
+        let (told, left) = interrupted(&folder, command, preparing);
         assert_eq!(told, "stopped while preparing the scene; nothing was written\n");
         assert_eq!(left, ["slow.obj"]);
     }
@@ -85,7 +86,7 @@ fn a_scene_that_is_read() {
 fn a_scene_that_is_laid_out() {
     let folder = Folder::new();
     let run = "--scene reference --size-factor 2000 --mode broadcast --cells 64 --partition work --stats s.json";
-    let (told, left) = interrupted(&folder, run, opened);
+    let (told, left) = interrupted(&folder, run, preparing);
     assert_eq!(told, "stopped while preparing the scene; nothing was written\n");
     assert_eq!(left, nothing());
 }
