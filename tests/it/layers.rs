@@ -84,8 +84,8 @@ const CHANGES: &[(&str, &str, Layer)] = &[
 fn each_parameter_changes_the_layers_that_read_it_and_no_other() {
     let changes: BTreeMap<&str, (&str, Layer)> =
         CHANGES.iter().map(|&(name, value, layer)| (name, (value, layer))).collect();
-    // Of files, and of cells that run programs: below.
-    let elsewhere = ["program", "machine", "cell_programs", "instruction_limit"];
+    // Of files, and of cells that run programs: below. Another machine than the array has layers of its own.
+    let elsewhere = ["program", "machine", "cell_programs", "instruction_limit", "on"];
     for parameter in RunOptions::parameters().filter(|parameter| !elsewhere.contains(&parameter.name)) {
         let &(value, layer) = changes.get(parameter.name).unwrap_or_else(|| panic!("no row for {}", parameter.name));
         let mut parameters = vec![("scene", "balls"), ("mode", "hybrid"), ("groups", "2")];
