@@ -17,11 +17,13 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 }
 
 /// Reads a file whole, whatever it holds.
+#[cfg(feature = "report")]
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     file::read(path, LARGEST_TEXT)
 }
 
 /// A file's bytes as text, which must be UTF-8.
+#[cfg(feature = "report")]
 pub fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, InputError> {
     text::decode_utf8(path, bytes)
 }

@@ -39,6 +39,7 @@ pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, On, OrderOptions, ProgramOptions,
     RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
 };
+#[cfg(feature = "report")]
 pub(crate) use outputs::make_readable;
 pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use recording_memory::RecordingMemory;

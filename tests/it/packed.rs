@@ -83,7 +83,7 @@ fn formats_that_endings_tell_come_and_go_by_streams() {
         text[text.find("$enddefinitions").unwrap()..].to_owned()
     };
     assert_eq!(from(&dump), from(&bytes("a.vcd")));
-    assert_eq!(folder.names(), ["a.csv", "a.gtkw", "a.png", "a.vcd", "scene.obj"]);
+    assert_eq!(folder.names(), ["a.csv", "a.png", "a.vcd", "a.vcd.gtkw", "scene.obj"]);
     folder.run("image room --size 8x8 -o a.pfm").success();
     let image = given(&folder, "scene.obj", "image room --size 8x8 -o -.pfm");
     assert!(image == bytes("a.pfm"));

@@ -439,8 +439,8 @@ fn waves_are_the_states_the_rays_and_the_levels() {
 fn a_save_file_shows_all_waves() {
     let folder = Folder::new();
     let stdout = folder.run(&format!("{RUN} --trace run.vcd")).success();
-    assert!(stdout.ends_with("wrote run.vcd\nwrote run.gtkw\n"), "{stdout}");
-    let (vcd, save) = (folder.read("run.vcd"), folder.read("run.gtkw"));
+    assert!(stdout.ends_with("wrote run.vcd\nwrote run.vcd.gtkw\n"), "{stdout}");
+    let (vcd, save) = (folder.read("run.vcd"), folder.read("run.vcd.gtkw"));
     assert!(save.contains("[dumpfile] \"run.vcd\"\n") && save.contains("\n-cell 1 intersection\n"), "{save}");
     let mut scopes = Vec::new();
     let mut shown = 0;

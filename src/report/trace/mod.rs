@@ -78,8 +78,11 @@ impl Trace<'_> {
     }
 
     /// Where the save file of a dump lies that GTKWave reads: which signals it shows, and how. `None` for what it does not read.
+    /// It has the dump's whole name, as a dump of another format may lie beside it.
     pub fn save_path(format: Format, dump: &Path) -> Option<PathBuf> {
-        (format != Format::Perfetto && !is_stream(dump)).then(|| dump.with_extension("gtkw"))
+        let mut name = dump.as_os_str().to_owned();
+        name.push(".gtkw");
+        (format != Format::Perfetto && !is_stream(dump)).then(|| name.into())
     }
 
     /// The save file of a dump of that name.

@@ -122,14 +122,16 @@ fn apart(table: &Table<'_>, axes: &Axes) -> Option<usize> {
     if agrees(None) {
         return None;
     }
-    let mut free = (0..table.columns.len()).filter(|column| !axes.uses(*column) && is_given(table, *column, &rows));
+    let mut free = (0..table.columns.len()).filter(|column| !axes.uses(*column) && is_given(table, axes, *column, &rows));
     free.find(|&column| agrees(Some(column)))
 }
 
-/// Whether a column may be what rows were made of, and not what came out: words, or numbers that come again.
-fn is_given(table: &Table<'_>, column: usize, rows: &[&[String]]) -> bool {
+/// Whether a column may be what rows were made of, and not what came out as y did: it stands before y, and has words, or numbers
+/// that come again.
+fn is_given(table: &Table<'_>, axes: &Axes, column: usize, rows: &[&[String]]) -> bool {
     let values: HashSet<&String> = rows.iter().map(|row| &row[column]).collect();
-    values.len() > 1
+    column < axes.y
+        && values.len() > 1
         && (matches!(table.columns[column].kind, Kind::Text | Kind::Truth) || 2 * values.len() <= rows.len())
 }
 
@@ -144,7 +146,7 @@ fn check_places(table: &Table<'_>, axes: &Axes, entries: &[Entry<'_>]) -> Result
     let rows: Vec<&[String]> = entries.iter().map(|entry| entry.row).collect();
     let differs = |column: &usize| place.iter().any(|entry| entry.row[*column] != place[0].row[*column]);
     let columns = (0..table.columns.len()).filter(|column| !axes.uses(*column)).filter(differs);
-    let given: Vec<usize> = columns.clone().filter(|column| is_given(table, *column, &rows)).collect();
+    let given: Vec<usize> = columns.clone().filter(|column| is_given(table, axes, *column, &rows)).collect();
     let told: Vec<usize> = if given.is_empty() { columns.collect() } else { given };
     let names: Vec<&str> = told.iter().map(|column| table.columns[*column].name).take(MOST_NAMED).collect();
     let column = &table.columns[axes.x].name;
