@@ -77,17 +77,20 @@ nodes=$(squeue --noheader --array --states=all --format=%N | sort -u | grep -c '
 [ "$nodes" = 2 ] || fail "the shards ran on $nodes nodes"
 
 step "Slurm: a node is killed and brought back, a shard takes too long"
-# Shard 3 hangs once; a trace of it says on which node.
+# Shard 3 hangs once; a trace of it says on which node. Another hangs once on the other node, which is killed under it.
 cat >trouble.lines <<END
 #SBATCH --time=1
+node=\$SLURMD_NODENAME
 case \$SLURM_ARRAY_TASK_ID in
-3) [ -e $work/hung ] || { echo "\$SLURMD_NODENAME" >$work/hung; exec sleep 600; } ;;
-*) sleep 1 ;;
+3) [ -e $work/hung ] || { echo "\$node" >$work/hung; exec sleep 600; } ;;
+*) [ ! -s $work/hung ] || [ "\$node" = "\$(cat $work/hung)" ] || [ -e $work/doomed ] || { echo >$work/doomed; exec sleep 600; }
+    sleep 1 ;;
 esac
 END
 sweep trouble 1 --engine slurm --shards 20 --sbatch-file trouble.lines &
 trouble=$!
 until_it [ -s hung ]
+until_it [ -s doomed ]
 lost=$(sed 's/n1/N2/; s/n2/N1/; s/N/n/' hung)
 until_it has_done trouble 4
 node_kill "$lost"
