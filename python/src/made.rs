@@ -86,7 +86,7 @@ impl Made {
             Made::Rays { outcome, .. } => Some(&outcome.observed),
             Made::Image { rendered, .. } => rendered.timing.as_ref().map(|timing| &timing.observed),
             Made::Replay { observed, .. } => Some(observed),
-            Made::Farm { .. } => None,
+            Made::Farm { .. } | Made::Cube { .. } => None,
         }
     }
 
@@ -97,6 +97,7 @@ impl Made {
             Made::Replay { replay, stats, .. } => Ok(account::replay_head(&locked(replay), stats)),
             Made::Image { .. } => Err(has_none("an image", "head of its own")),
             Made::Farm { .. } => Err(has_none("a farm", "head of its own")),
+            Made::Cube { .. } => Err(has_none("a hypercube", "head of its own")),
         }
     }
 
