@@ -58,8 +58,15 @@ def text() -> str:
     base = "MachineParameters, total=False"
     return (
         HEADING
-        + group("MachineChanges", "TypedDict, total=False", "Changes to a machine.", of("replay", without=["on", "machine"]))
-        + group("MachineParameters", "MachineChanges, total=False", "A machine, and changes to it.", [rows["on"], rows["machine"]])
+        + group(
+            "MachineChanges", "TypedDict, total=False", "Changes to a machine.", of("replay", without=["on", "machine"])
+        )
+        + group(
+            "MachineParameters",
+            "MachineChanges, total=False",
+            "A machine, and changes to it.",
+            [rows["on"], rows["machine"]],
+        )
         + group("RunParameters", base, "Parameters of a run of primary rays.", of("run", without=machine))
         + group("ImageParameters", base, "Parameters of a whole image.", of("image", without=machine))
         + group("ModelParameters", base, "Parameters of a prediction.", of("model", without=machine))

@@ -97,7 +97,7 @@ impl Made {
             Made::Replay { replay, stats, .. } => Ok(account::replay_head(&locked(replay), stats)),
             Made::Image { .. } => Err(has_none("an image", "head of its own")),
             Made::Farm { .. } => Err(has_none("a farm", "head of its own")),
-            Made::Cube { .. } => Err(has_none("a hypercube", "head of its own")),
+            Made::Cube { .. } => Err(has_none("an image on a hypercube", "head of its own")),
         }
     }
 
