@@ -280,7 +280,7 @@ def test_why_in_one_moment(two: Path) -> None:
         why = pcs_sim.why(**parameters, **asked)
         assert command(two / "theirs", "why", *flags({**parameters, **asked})).out == str(why)
         assert why.waits is not None
-        assert [wait["text"] for wait in why.waits] == str(why).splitlines()[-len(why.waits) :]
+        assert [wait["text"] for wait in why.waits] == str(why).replace("\n  ", " ").splitlines()[-len(why.waits) :]
         assert why.waits[0]["actor"] == ("the host" if asked["cell"] == "host" else f"cell {asked['cell']}")
         assert all(wait["does"] == "waits" for wait in why.waits[:-1])
     assert pcs_sim.why(**parameters).waits is None

@@ -59,6 +59,9 @@ const SCRIPTS: [&str; 8] = [
 
 /// The page as HTML.
 pub fn html(page: &Page<'_>) -> Result<String, PageError> {
+    // Only of a line is it drawn who waits for whom.
+    let recording = page.recording.filter(|recording| recording.topology.shape == Shape::Line);
+    let page = &Page { recording, ..*page };
     let mut environment = Environment::new();
     environment.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
     environment.add_template("page.html", include_str!("page.html")).map_err(|error| PageError(error.to_string()))?;
