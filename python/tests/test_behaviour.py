@@ -171,7 +171,10 @@ def test_every_flag_is_a_parameter(folder: Path) -> None:
     }
     for call in ["run", "image", "model", "replay", "farm"]:
         told = command(folder, *([] if call == "run" else [call]), "--help").out
-        flags = {next(word for word in words if word.startswith("--")).rstrip(",.") for words in flag_lines(told)}
+        flags = {
+            next(word for word in words if word.startswith("--")).rstrip(",.").split("=")[0]
+            for words in flag_lines(told)
+        }
         names = {"--" + name.replace("_", "-") for name, taken in zip(known["name"], known[call]) if taken}
         assert names - hidden <= flags, call
         assert flags - names <= {f"--{other}" for other in others}, call
