@@ -122,7 +122,8 @@ fn apart(table: &Table<'_>, axes: &Axes) -> Option<usize> {
     if agrees(None) {
         return None;
     }
-    let mut free = (0..table.columns.len()).filter(|column| !axes.uses(*column) && is_given(table, axes, *column, &rows));
+    let mut free =
+        (0..table.columns.len()).filter(|column| !axes.uses(*column) && is_given(table, axes, *column, &rows));
     free.find(|&column| agrees(Some(column)))
 }
 
