@@ -8,8 +8,8 @@ use crate::quantities::{Cycles, Words};
 /// Contract: words are written in rising cycles, at most one a cycle, and read likewise; a word is read no earlier than
 /// its write plus the latency, and written no earlier than the cycle after the read that freed its slot.
 ///
-/// To write or read a word does no more than note its time. What the times come to is counted afterwards, many words at once
-/// ([`Fifo::follow`]): in one long run there are billions of them.
+/// How long words are inside is counted as they move, a burst at once; how high the FIFO rose is told afterwards by the times that
+/// are noted of them, many words at once ([`Fifo::follow`]).
 #[derive(Debug)]
 pub(super) struct Fifo {
     capacity: u64,
@@ -21,23 +21,16 @@ pub(super) struct Fifo {
     free_from: Box<[u64]>,
     written: u64,
     read: u64,
-    passed: Passed,
+    /// Sums of all read and of all write times: their difference is the time that words spent inside. A deep FIFO in a long
+    /// run holds more than 2^64 words times cycles.
+    read_times: u128,
+    write_times: u128,
+    /// Cycles at whose end nothing was inside, before the last write whose word was read.
+    empty: u64,
+    last_read: u64,
     peak: Peak,
     /// Whether the peak counts a word that is read in the cycle in which another is written: these two need a place each.
     counts_places: bool,
-}
-
-/// What the words have come to that have been read.
-#[derive(Clone, Copy, Debug, Default)]
-struct Passed {
-    /// All words before this one are counted.
-    words: u64,
-    /// How long they were inside, all together. A deep FIFO in a long run holds more than 2^64 words times cycles.
-    word_cycles: u128,
-    /// Cycles at whose end nothing was inside, before the last of them was written.
-    empty: u64,
-    /// The cycle in which the last of them was read.
-    last_read: u64,
 }
 
 /// How high the FIFO rose, and how long it stood at its capacity.
@@ -72,7 +65,10 @@ impl Fifo {
             free_from: vec![0; ring].into(),
             written: 0,
             read: 0,
-            passed: Passed::default(),
+            read_times: 0,
+            write_times: 0,
+            empty: 0,
+            last_read: 0,
             peak: Peak::default(),
             counts_places: false,
         }
@@ -97,7 +93,7 @@ impl Fifo {
         if needed <= self.capacity {
             return;
         }
-        (self.passed, self.peak) = (self.passed(), self.peak());
+        self.peak = self.peak();
         // No word that is written has needed more places than there were; the next ones may.
         self.peak.words = self.peak.words.min(oldest);
         let moved = |from: &[u64], until: u64| {
@@ -177,12 +173,12 @@ impl Fifo {
 
     /// The cycle of the last read; 0 before the first.
     pub fn last_read(&self) -> u64 {
-        self.read.checked_sub(1).map_or(0, |last| self.read_time(last))
+        self.last_read
     }
 
     /// The first cycle after the last read and the last write so far.
     pub fn known_until(&self) -> u64 {
-        let first_unread = if self.read > 0 { self.last_read() + 1 } else { 0 };
+        let first_unread = if self.read > 0 { self.last_read + 1 } else { 0 };
         let first_unwritten = if self.written > 0 { self.last_write() + 1 } else { 0 };
         first_unread.max(first_unwritten)
     }
@@ -224,14 +220,15 @@ impl Fifo {
     #[inline(always)]
     pub fn write_one(&mut self, at: u64) {
         self.ready_at[slot(self.written, &self.ready_at)] = at + self.latency;
-        self.written += 1;
+        self.count_writes(at, 1);
     }
 
     /// Reads a word in cycle `at`, in which it is [ready](Fifo::ready).
     #[inline(always)]
     pub fn read_one(&mut self, at: u64) {
+        let written_in = self.write_time(self.read);
         self.free_from[slot(self.read, &self.free_from)] = at + 1;
-        self.read += 1;
+        self.count_reads(at, 1, written_in);
     }
 
     /// Writes `count` words, one a cycle, the first in cycle `at`; [`Fifo::can_write`] has allowed it.
@@ -240,47 +237,44 @@ impl Fifo {
         for k in 0..count {
             self.ready_at[slot(self.written + k, &self.ready_at)] = at + k + self.latency;
         }
-        self.written += count;
+        self.count_writes(at, count);
     }
 
     /// Reads `count` words, one a cycle, the first in cycle `at`; [`Fifo::can_read`] has allowed it.
     #[inline(always)]
     pub fn read_burst(&mut self, at: u64, count: u64) {
+        let written_in = self.write_time(self.read);
         for k in 0..count {
             self.free_from[slot(self.read + k, &self.free_from)] = at + k + 1;
         }
-        self.read += count;
+        self.count_reads(at, count, written_in);
     }
 
-    /// Brings the statistics up to date before the rings forget a word that is not counted. To be called after every stretch
-    /// of reads and after every stretch of writes.
+    #[inline(always)]
+    fn count_writes(&mut self, at: u64, count: u64) {
+        self.write_times += sum_of_run(at, count);
+        self.written += count;
+    }
+
+    #[inline(always)]
+    fn count_reads(&mut self, at: u64, count: u64, written_in: u64) {
+        // Empty from the read before this one until the write of this word. Inside a burst each word is there at once, so only
+        // its first can end such a time.
+        self.empty += written_in.saturating_sub(self.last_read);
+        self.read_times += sum_of_run(at, count);
+        self.read += count;
+        self.last_read = at + count - 1;
+    }
+
+    /// Brings the peak up to date before the rings forget a word that it has not looked at. To be called after every stretch of
+    /// reads and after every stretch of writes.
     #[inline]
     pub fn follow(&mut self) {
         // As far as words can be written, and read, in the next stretch.
         let next = self.read + self.capacity;
-        if next > self.passed.words.min(self.peak.words) + self.ready_at.len() as u64 {
-            self.passed = self.passed();
+        if next > self.peak.words + self.ready_at.len() as u64 {
             self.peak = self.peak();
         }
-    }
-
-    /// What all words that have been read come to.
-    fn passed(&self) -> Passed {
-        let mut passed = self.passed;
-        while passed.words < self.read {
-            let first = slot(passed.words, &self.ready_at);
-            let stretch = ((self.read - passed.words) as usize).min(self.ready_at.len() - first);
-            let times = self.ready_at[first..first + stretch].iter().zip(&self.free_from[first..first + stretch]);
-            for (ready_at, free_from) in times {
-                let (write, read) = (ready_at - self.latency, free_from - 1);
-                passed.word_cycles += u128::from(read - write);
-                // Empty from the read before this one until the write of this word.
-                passed.empty += write.saturating_sub(passed.last_read);
-                passed.last_read = read;
-            }
-            passed.words += stretch as u64;
-        }
-        passed
     }
 
     /// The maximum among the words whose times are known, and once that is the capacity, how long it lasts.
@@ -332,17 +326,23 @@ impl Fifo {
     /// The statistics of a run that ended after `cycles` cycles: none of its words was written or read in a later one, which
     /// [`Array::until`](super::Array::until) sees to.
     pub fn stats(&self, cycles: u64) -> FifoStats {
-        let (passed, peak) = (self.passed(), self.peak());
-        let inside = (self.read..self.written).map(|word| u128::from(cycles - self.write_time(word)));
+        let peak = self.peak();
+        let unread = u128::from(self.fill()) * u128::from(cycles);
         let filled_in = if self.fill() == 0 { cycles } else { self.write_time(self.read) };
         let full = if self.fill() == self.capacity { cycles - self.last_write() } else { 0 };
         FifoStats {
             words: Words(self.written),
             max: Words(peak.max.max(self.fill())),
-            word_cycles: passed.word_cycles + inside.sum::<u128>(),
+            word_cycles: self.read_times + unread - self.write_times,
             full: Cycles(peak.full + full),
-            empty: Cycles(passed.empty + filled_in.saturating_sub(self.last_read())),
+            empty: Cycles(self.empty + filled_in.saturating_sub(self.last_read)),
             enough: None,
         }
     }
+}
+
+/// at + (at + 1) + ... of `count` terms.
+#[inline(always)]
+fn sum_of_run(at: u64, count: u64) -> u128 {
+    u128::from(at) * u128::from(count) + u128::from(count * (count - 1) / 2)
 }

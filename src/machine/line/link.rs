@@ -111,7 +111,7 @@ impl Link {
         }
     }
 
-    /// Brings the FIFOs' statistics up to date; see [`Fifo::follow`].
+    /// Brings the FIFOs' peaks up to date; see [`Fifo::follow`].
     pub fn follow(&mut self) {
         self.x.follow();
         self.y.follow();
