@@ -5,11 +5,13 @@ use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, Wir
 use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
 use pcs_sim::measure::{Clock, Measured, Recording, StateId, StationRecord};
 use pcs_sim::program::cube::{
-    Ends, Flow, Leg, MessageKind, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph, highest_rank,
+    Dealt, Ends, Flow, Leg, MemoryNodes, MessageKind, PageUses, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph,
+    highest_rank,
 };
 use proptest::prelude::*;
 
 use crate::support::cube_ticking::{Stopped, Ticked, tick};
+use crate::support::memory_ticking;
 
 /// What a run came to, in the oracle's terms.
 fn ticked(nodes: usize, stats: &Measured, recording: &Recording, seen: &Seen) -> Ticked {
@@ -192,12 +194,13 @@ proptest! {
         times in times(),
         flow in flow(),
         is_token in any::<bool>(),
+        asks_for_slots in any::<bool>(),
         pixels_first in any::<bool>(),
     ) {
         let graph = graph(&numbers, nodes, trees);
         let machine = machine(nodes, times);
         let ends = if is_token && !matches!(flow, Flow::Window(_)) { Ends::Token } else { Ends::Credit };
-        let rules = Rules { flow: enough(flow, &graph), ends, pixels_first };
+        let rules = Rules { flow: enough(flow, &graph), ends, asks_for_slots, pixels_first };
         let owners: Vec<u16> = (0..trees).map(|tree| match numbers[tree] % 3 {
             0 => (tree % nodes) as u16,
             _ => graph.start_of(graph.trees[tree]),
@@ -230,6 +233,7 @@ proptest! {
         trees in 1usize..40,
         numbers in prop::collection::vec(any::<u32>(), 400),
         times in times(),
+        asks_for_slots in any::<bool>(),
     ) {
         let mut maker = Maker {
             numbers: numbers.iter().cycle(),
@@ -239,11 +243,65 @@ proptest! {
         (0..trees).for_each(|_| maker.tree(40));
         let graph = maker.graph;
         let owners: Vec<u16> = graph.trees.iter().map(|&ray| graph.start_of(ray)).collect();
-        let rules = Rules { flow: Flow::Classes(highest_rank(&graph) + 1), ends: Ends::Credit, pixels_first: true };
+        let rules = Rules { flow: Flow::Classes(highest_rank(&graph) + 1), ends: Ends::Credit, asks_for_slots, pixels_first: true };
         let ended = run(&machine(nodes, times), &graph, &owners, rules);
         prop_assert!(ended.is_ok(), "{}", ended.unwrap_err());
         let most = ended.unwrap().1.nodes.iter().map(|node| node.most_slots).max();
         prop_assert!(most <= Some(highest_rank(&graph) + 1));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// With a shared memory, too, whether each node has its pixels or asks for them, and however few pages a cache holds.
+    #[test]
+    fn nodes_with_a_shared_memory_do_what_ticking_each_cycle_does(
+        nodes in 1usize..9,
+        trees in 1usize..12,
+        numbers in prop::collection::vec(any::<u32>(), 200),
+        times in times(),
+        pages in 1u32..20,
+        room in 1u64..20,
+        tile in prop::option::of(1usize..4),
+    ) {
+        let mut maker = Maker {
+            numbers: numbers.iter().cycle(),
+            nodes: 1,
+            graph: TaskGraph { regions: 1, ..TaskGraph::default() },
+        };
+        (0..trees).for_each(|_| maker.tree(60 / trees));
+        let mut uses = PageUses { pages, page_bytes: 64, ..PageUses::default() };
+        for _ in 0..maker.graph.rays.len() {
+            let mut read: Vec<u32> = (0..maker.below(5)).map(|_| maker.below(pages)).collect();
+            read.sort_unstable();
+            read.dedup();
+            read.rotate_left(maker.below(5) as usize % read.len().max(1));
+            uses.uses.extend(read.into_iter().map(|page| (page, 1 + page % 3)));
+            uses.ends.push(uses.uses.len() as u32);
+        }
+        let graph = TaskGraph { pages: Some(uses), ..maker.graph };
+        let mut machine = machine(nodes, times);
+        machine.memory_bytes = 64 * (u64::from(pages).div_ceil(nodes as u64) + room);
+        let all: Vec<u32> = (0..trees as u32).collect();
+        let dealt = match tile {
+            Some(trees) => Dealt::AsAsked(all.chunks(trees).map(<[u32]>::to_vec).collect()),
+            None => Dealt::Before((0..nodes).map(|node| all.iter().copied().skip(node).step_by(nodes).collect()).collect()),
+        };
+        let (expected, fetched) = memory_ticking::tick(&machine, &graph, dealt.clone());
+        let mut memory = MemoryNodes::new(&machine, &graph, dealt).unwrap();
+        let (topology, states) = (memory.topology(), MemoryNodes::SENDING_AND_IDLE);
+        let events = Events::with_helpers(topology, memory.helpers(), machine.cube(), states);
+        let mut events = events.recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
+        while !memory.is_over() && events.step(&mut |task, now, taken| memory.next(task, now, taken)) {}
+        let (stats, observed) = events.stop(|task| memory.rests(task));
+        let found = ticked(nodes, &stats, &observed.recording.unwrap(), &memory.seen);
+        prop_assert_eq!(found, expected);
+        prop_assert_eq!(memory.seen.nodes.iter().map(|node| node.pages).collect::<Vec<_>>(), fetched);
+        prop_assert_eq!(memory.seen.nodes.iter().map(|node| node.pixels).sum::<usize>(), trees);
+        for station in &stats.stations {
+            prop_assert_eq!(station.total(), stats.cycles);
+        }
     }
 }
 
@@ -299,11 +357,11 @@ fn there_and_back() -> TaskGraph {
         rays: vec![ray(0, (1, 1), 0, RayKind::Primary, true), ray(2, (2, 0), 1, RayKind::Shadow, false)],
         legs: vec![leg(0, 2, 0, 0), leg(1, 1, 1, 1), leg(1, 1, 0, 0), leg(0, 1, 0, 0)],
         trees: vec![0],
-        pages: None,
+        ..TaskGraph::default()
     }
 }
 
-const UNLIMITED: Rules = Rules { flow: Flow::Unlimited, ends: Ends::Credit, pixels_first: false };
+const UNLIMITED: Rules = Rules { flow: Flow::Unlimited, ends: Ends::Credit, asks_for_slots: false, pixels_first: false };
 
 /// By hand, from the standard file's numbers in cycles of 62.5 ns: a pixel 3200; the grid 4002 and 1040 a voxel, slabs 1201 and 1734,
 /// intersection 133 and 4002, shading 83984; a short message 2560 at either end, 480 under way and 5.76 a byte.
@@ -341,7 +399,7 @@ fn a_ray_goes_there_and_its_shadow_ray_comes_back() {
 fn a_token_goes_round_once() {
     let ray =
         RayTask { first_leg: 0, children: (1, 0), tree: 0, hop: 0, turns: 0, kind: RayKind::Primary, shaded: false };
-    let graph = TaskGraph { regions: 4, rays: vec![ray], legs: vec![leg(0, 1, 0, 0)], trees: vec![0], pages: None };
+    let graph = TaskGraph { regions: 4, rays: vec![ray], legs: vec![leg(0, 1, 0, 0)], trees: vec![0], ..TaskGraph::default() };
     let (_, seen) = run(&standard(4), &graph, &[0], Rules { ends: Ends::Token, ..UNLIMITED }).unwrap();
     let done = 3200 + 4002 + 1040;
     assert_eq!((seen.true_end.0, seen.told_at.0), (done, done + 4 * (2560 + 480 + 93 + 2560)));
@@ -402,7 +460,7 @@ fn with_a_slot_less_classes_get_stuck() {
         rays: vec![ray(0, 0), ray(2, 1)],
         legs: vec![leg(0, 1, 0, 0), leg(1, 1, 0, 0), leg(1, 1, 0, 0), leg(0, 1, 0, 0)],
         trees: vec![0, 1],
-        pages: None,
+        ..TaskGraph::default()
     };
     assert_eq!(highest_rank(&graph), 1);
     let rules = |slots| Rules { flow: Flow::Classes(slots), ..UNLIMITED };

@@ -5,6 +5,7 @@ pub mod cube_ticking;
 pub mod farm_ticking;
 pub mod intervals;
 pub mod looking_back;
+pub mod memory_ticking;
 pub mod random_ops;
 pub mod ticking;
 pub mod whitted;
