@@ -8,7 +8,7 @@ use crate::host::camera::{ImageSize, primary_rays};
 use crate::input::reading;
 use crate::program::{ArrayProgram, Layout, NotLaidOut, Surfaces, Workload};
 use crate::scene::Scene;
-use crate::seam::KernelTimes;
+use crate::machine::KernelTimes;
 
 /// Which scene, and how fine its grid is.
 #[derive(Debug)]

@@ -1,17 +1,21 @@
 //! Nodes of a hypercube by themselves: against nodes that tick every cycle, by hand, and whether they ever get stuck.
 
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+
 use pcs_sim::host::shading::RayKind;
 use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, WireTimes};
 use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
-use pcs_sim::measure::{Clock, Measured, Recording, StateId, StationRecord};
+use pcs_sim::measure::{Clock, Measured, Recording, StateId, StateTimes, StationRecord};
 use pcs_sim::program::cube::{
     Dealt, Ends, Flow, Leg, MemoryNodes, MessageKind, PageUses, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph,
-    highest_rank,
+    gray_order, highest_rank,
 };
+use pcs_sim::run::{CubeMode, CubeRunOptions, CubeSpec, Workers};
 use proptest::prelude::*;
 
 use crate::support::cube_ticking::{Stopped, Ticked, tick};
-use crate::support::memory_ticking;
+use crate::support::{heap_events, memory_ticking};
 
 /// What a run came to, in the oracle's terms.
 fn ticked(nodes: usize, stats: &Measured, recording: &Recording, seen: &Seen) -> Ticked {
@@ -302,6 +306,118 @@ proptest! {
         for station in &stats.stations {
             prop_assert_eq!(station.total(), stats.cycles);
         }
+    }
+}
+
+/// What a real image's nodes came to: the end, each task's cycles in each state, and the links'.
+type Came = (u64, Vec<BTreeMap<u8, u64>>, Vec<u64>);
+
+/// The same of the engine's run, in the other scheduler's terms.
+fn came(stats: &Measured) -> Came {
+    let states = stats.topology.states.all();
+    let spent = |times: &StateTimes| {
+        let all = states.iter().map(|state| (state.id.0, times.of(state.id).0));
+        all.filter(|(_, cycles)| *cycles > 0).collect()
+    };
+    let links = stats.links.iter().map(|link| link.busy.0).collect();
+    (stats.cycles.0, stats.stations.iter().map(spent).collect(), links)
+}
+
+/// On a real scene, another scheduler, which has all that is to happen in one heap, comes to the same.
+#[test]
+fn another_scheduler_comes_to_the_same() {
+    let scene_of = |mode: CubeMode| {
+        let mut options = CubeRunOptions::default();
+        options.scene.scene = Some("gears".to_owned());
+        options.shape.size = Some("24x24".parse().unwrap());
+        options.cube.mode = Some(mode);
+        options.machine.nodes = Some(13);
+        let spec = CubeSpec::new(&options, None).unwrap();
+        let scene = spec.lay_out(false, &Workers::on_all_cores(), |_| Ok::<_, Infallible>(())).unwrap();
+        (spec.machine.build().unwrap(), scene.graph)
+    };
+    let (machine, graph) = scene_of(CubeMode::Regions);
+    let node_of = gray_order(machine.nodes);
+    let owners: Vec<u16> = graph.trees.iter().map(|&ray| node_of[usize::from(graph.start_of(ray))]).collect();
+    let order: Vec<u32> = (0..graph.trees.len() as u32).collect();
+    let slots = highest_rank(&graph) + 1;
+    for (flow, ends, asks_for_slots) in [
+        (Flow::Classes(slots), Ends::Credit, false),
+        (Flow::Classes(2 * slots), Ends::Token, true),
+        (Flow::Unlimited, Ends::Token, false),
+        (Flow::Window(4), Ends::Credit, false),
+        (Flow::Block(4096), Ends::Credit, false),
+    ] {
+        let rules = Rules { flow, ends, asks_for_slots, pixels_first: false };
+        let nodes = || RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules);
+        let mut own = nodes();
+        let mut events = Events::new(own.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
+        while !own.is_over() && events.step(&mut |task, now, taken| own.next(task, now, taken)) {}
+        assert!(own.is_over(), "{flow:?}");
+        let (stats, _) = events.stop(|task| own.rests(task));
+        let mut other = nodes();
+        let ended = heap_events::run(
+            (&machine, machine.nodes + 1),
+            &mut other,
+            RegionNodes::next,
+            RegionNodes::is_over,
+            RegionNodes::rests,
+            RegionNodes::SENDING_AND_IDLE,
+        );
+        assert_eq!(came(&stats), (ended.cycles, ended.spent, ended.links), "{flow:?}");
+        assert_eq!(own.seen, other.seen, "{flow:?}");
+    }
+    let (machine, graph) = scene_of(CubeMode::SharedMemory);
+    let all: Vec<u32> = (0..graph.trees.len() as u32).collect();
+    let nodes = || MemoryNodes::new(&machine, &graph, Dealt::AsAsked(all.chunks(10).map(<[u32]>::to_vec).collect())).unwrap();
+    let mut own = nodes();
+    let states = MemoryNodes::SENDING_AND_IDLE;
+    let mut events = Events::with_helpers(own.topology(), own.helpers(), machine.cube(), states);
+    while !own.is_over() && events.step(&mut |task, now, taken| own.next(task, now, taken)) {}
+    let (stats, _) = events.stop(|task| own.rests(task));
+    let mut other = nodes();
+    let tasks = machine.nodes + 1 + other.helpers();
+    let (next, is_over, rests) = (MemoryNodes::next, MemoryNodes::is_over, MemoryNodes::rests);
+    let mut ended = heap_events::run((&machine, tasks), &mut other, next, is_over, rests, states);
+    ended.spent.truncate(machine.nodes + 1);
+    assert_eq!(came(&stats), (ended.cycles, ended.spent, ended.links));
+    assert_eq!(own.seen, other.seen);
+}
+
+proptest! {
+    /// Whatever messages take, the token never says too early that all is over, and begins at the most two more rounds once it is.
+    #[test]
+    fn the_token_is_never_early_and_at_most_two_rounds_late(
+        nodes in 2usize..9,
+        trees in 1usize..12,
+        numbers in prop::collection::vec(any::<u32>(), 200),
+        times in times(),
+        wires in prop::array::uniform6(0u64..3000),
+        pixels_first in any::<bool>(),
+    ) {
+        let graph = graph(&numbers, nodes, trees);
+        let mut machine = machine(nodes, times);
+        machine.costs.pixel += Cycles(1);
+        let [short, long, hop, byte, short_work, long_work] = wires;
+        (machine.wires.short, machine.wires.long, machine.wires.hop) = (Cycles(short), Cycles(long), Cycles(hop));
+        machine.wires.byte_millicycles = byte;
+        (machine.messages.short, machine.messages.long) = (Cycles(short_work % 40), Cycles(long_work % 40));
+        let owners: Vec<u16> = (0..trees).map(|tree| (numbers[tree] as usize % nodes) as u16).collect();
+        let node_of: Vec<u16> = (0..nodes as u16).collect();
+        let order: Vec<u32> = (0..trees as u32).collect();
+        let rules = Rules { ends: Ends::Token, pixels_first, ..UNLIMITED };
+        let mut run = RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules);
+        let mut events = Events::new(run.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
+        let mut begun = None;
+        while !run.is_over() && events.step(&mut |task, now, taken| run.next(task, now, taken)) {
+            if run.seen.true_end > Cycles(0) {
+                begun = begun.or(Some(run.seen.probes));
+            } else {
+                prop_assert_eq!(run.seen.told_at, Cycles(0), "too early");
+            }
+        }
+        prop_assert!(run.is_over() && run.seen.true_end <= run.seen.told_at);
+        prop_assert!(run.seen.probes - begun.unwrap() <= 2, "{} rounds", run.seen.probes - begun.unwrap());
     }
 }
 

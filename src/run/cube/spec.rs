@@ -15,7 +15,7 @@ use crate::host::shading::Limits;
 use crate::machine::Ipsc2File;
 use crate::program::cube::{Ends, Flow, Rules};
 use crate::run::spec::{configuration, read_configuration, standard_size};
-use crate::run::{FarmRays, ImageSpec, Key};
+use crate::run::{FarmRays, Key};
 
 /// An image on a hypercube, described: enough to make it again to the cycle.
 ///
@@ -256,8 +256,7 @@ impl CubeSpec {
 
     fn check(&self) -> Result<(), InputError> {
         self.machine.build()?;
-        let FarmRays { samples, depth, min_contribution, .. } = self.rays;
-        ImageSpec { samples, depth, min_contribution, ..ImageSpec::default() }.check()?;
+        self.rays.check()?;
         match (&self.regions, self.page_bytes) {
             (Some(regions), None) => regions.check(),
             (None, Some(64..)) => Ok(()),
@@ -274,11 +273,5 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 fn rays(options: &CubeRunOptions, base: Option<&CubeSpec>) -> FarmRays {
     let below = base.map(|base| base.rays.clone());
     let below = below.unwrap_or(FarmRays { grid_coefficient: GRID_COEFFICIENT, ..FarmRays::default() });
-    let light = &options.light;
-    FarmRays {
-        grid_coefficient: options.cube.grid_coefficient.unwrap_or(below.grid_coefficient),
-        samples: light.samples.unwrap_or(below.samples),
-        depth: light.depth.unwrap_or(below.depth),
-        min_contribution: light.min_contribution.unwrap_or(below.min_contribution),
-    }
+    below.changed(options.cube.grid_coefficient, &options.light)
 }

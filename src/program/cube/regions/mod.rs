@@ -13,11 +13,10 @@ use std::collections::VecDeque;
 
 use super::graph::TaskGraph;
 use super::mapping::gray_order;
-use super::messages::{MessageKind, RAY_BYTES, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES, packet_bytes};
+use super::messages::{MessageKind, RAY_BYTES, RESULT_BYTES, WORD_BYTES, packet_bytes};
 use super::pool::{Flow, Placing, Slots};
 use super::seen::{NodeSeen, Seen};
 use super::states::{BLOCKED, GRID, IDLE, INTERSECTION, PIXELS, RECEIVING, SENDING, SHADING, SLABS, WAITING, topology};
-use super::stuck::{Stuck, Waiting};
 use super::token::{Account, Token};
 use crate::host::shading::RayKind;
 use crate::machine::events::{Act, Cube, Delivery, Message, Sender};
@@ -137,8 +136,6 @@ enum Next {
     Looks,
     /// Has seen all that has come, and chooses.
     Chooses,
-    /// Has worked on a ray.
-    Worked(Visit),
     /// Has been asked for a slot.
     Answers(Placing),
     /// Places what follows from a ray.
@@ -235,10 +232,6 @@ impl<'a> RegionNodes<'a> {
         match self.nodes[task].next {
             Next::Chooses => self.choose(task, now),
             Next::Looks => self.look(task),
-            Next::Worked(visit) => {
-                self.nodes[task].next = Next::Places(Placing { visit, is_new: false, placed: 0 });
-                Act::Done
-            }
             Next::Answers(placing) => self.answer(task, placing),
             Next::Places(placing) => self.place(task, placing, false, now),
             Next::PlacesGranted(placing) => self.place(task, placing, true, now),
@@ -382,15 +375,21 @@ impl<'a> RegionNodes<'a> {
         let time = self.graph.time(visit.ray, visit.leg, &self.machine.times);
         self.seen.nodes[task].legs += 1;
         let node = &mut self.nodes[task];
-        node.next = Next::Worked(visit);
-        node.script.push_back(Act::SpendEach([
+        node.next = Next::Places(Placing { visit, is_new: false, placed: 0 });
+        let spells = [
             (RECEIVING, receiving),
             (GRID, time.grid),
             (SLABS, time.slabs),
             (INTERSECTION, time.intersection),
             (SHADING, time.shading),
-        ]));
-        Some(Act::Begin(visit.ray))
+        ];
+        let job = Act::Job(visit.ray, spells);
+        if node.script.is_empty() {
+            return Some(job);
+        }
+        // Whom the free slot is given to is woken first.
+        node.script.push_back(job);
+        node.script.pop_front()
     }
 
     /// Begins a pixel, if there is one and it may.
