@@ -47,7 +47,7 @@ struct Peak {
 const MAX_STRETCH: usize = 64;
 
 /// The fewest words that are remembered. More than a shallow FIFO holds, so that there, too, many are counted at once.
-const LEAST_RING: u64 = 64;
+const LEAST_RING: u64 = 256;
 
 /// A ring's length is a power of two.
 #[inline(always)]
