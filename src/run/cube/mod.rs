@@ -21,7 +21,6 @@ use crate::host::sampling::Pass;
 use crate::machine::events::{Act, Events};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
 use crate::measure::{Measured, Observed, Recording, Topology};
-use crate::program::Workload;
 use crate::program::cube::{
     MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, TaskGraph, gray_order, highest_rank, swapped,
     topology,

@@ -53,7 +53,8 @@ const SHAPES: [(&str, bool); 11] = [
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Draft, InputError> {
     let tokens = source::read(path)?;
     let draft = Draft::new(Vec3::Z);
-    let mut parser = Parser { tokens: &tokens, at: 0, names: HashMap::new(), draft, options, polygons: 0, textures: 0, shown: 0 };
+    let mut parser =
+        Parser { tokens: &tokens, at: 0, names: HashMap::new(), draft, options, polygons: 0, textures: 0, shown: 0 };
     parser.draft.materials.clear();
     parser.file()?;
     parser.finish(path)
