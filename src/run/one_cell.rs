@@ -6,9 +6,9 @@ use crate::cancel::Cancel;
 use crate::error::InputError;
 use crate::host::camera::{ImageSize, primary_rays};
 use crate::input::reading;
+use crate::machine::KernelTimes;
 use crate::program::{ArrayProgram, Layout, NotLaidOut, Surfaces, Workload};
 use crate::scene::Scene;
-use crate::machine::KernelTimes;
 
 /// Which scene, and how fine its grid is.
 #[derive(Debug)]
