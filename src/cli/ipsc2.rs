@@ -150,6 +150,7 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
         losses: None,
         configuration: &configuration,
         image: has_image.then_some(&png),
+        regions: told::region_map(setup, outcome),
     };
     files.views.write(&seen, &mut written)?;
     Ok(written)

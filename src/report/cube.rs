@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::bottleneck;
-use super::plot::Caption;
+use super::plot::{Caption, RegionMap};
 use super::stats::{Configuration, station};
 use super::summary::{self, Rows, grouped, percent, time};
 use crate::host::shading::RayKind;
@@ -93,6 +93,15 @@ pub fn text(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
     lines.extend(queues(setup, outcome));
     let parts = [losses(outcome), messages(outcome, clock), summary::cells(&outcome.stats, &[])];
     format!("{}\n\n{}\n{}\n", lines.join("\n"), parts.join("\n"), sentence(setup, outcome))
+}
+
+/// The regions, if the nodes have any.
+pub fn region_map<'a>(setup: &'a CubeSetup, outcome: &'a CubeOutcome) -> Option<RegionMap<'a>> {
+    setup.spec.regions?;
+    let cut = &setup.scene.cut;
+    let cells = (cut.regions.plane().size(), cut.cells.as_slice());
+    let (rectangles, sent) = (cut.regions.rectangles(), outcome.seen.sent.as_slice());
+    Some(RegionMap { cells, rectangles, node_of: &outcome.node_of, sent })
 }
 
 /// What runs, and on what machine.

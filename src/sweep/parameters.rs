@@ -162,7 +162,9 @@ impl SweepFile {
         let all = points.parameters().into_iter();
         let parameter = |known: &'static ParameterInfo| {
             let values = take(known)?;
-            let column = Column { name: known.name, kind: kind(known.kind, &values), label: known.label };
+            let has_words = known.kind == Form::WholeOrWord && values.iter().any(|value| value.parse::<u64>().is_err());
+            let kind = if has_words { Kind::Text } else { known.kind.into() };
+            let column = Column { name: known.name, kind, label: known.label };
             Some(Parameter { column, values })
         };
         let parameters: Vec<Parameter> = all.filter_map(parameter).collect();
@@ -198,15 +200,15 @@ impl<'de> Deserialize<'de> for Name {
     }
 }
 
-/// What the cells of a table's column hold, that have such values.
-fn kind(form: Form, values: &[String]) -> Kind {
-    let is_whole = |value: &String| value.parse::<u64>().is_ok();
-    match form {
-        Form::Text | Form::Size => Kind::Text,
-        Form::Truth => Kind::Truth,
-        Form::WholeOrWord if !values.iter().all(is_whole) => Kind::Text,
-        Form::Whole | Form::WholeOrWord => Kind::Whole,
-        Form::Number => Kind::Number,
+impl From<Form> for Kind {
+    /// What the cells of a table's column hold, but for words in place of numbers.
+    fn from(form: Form) -> Kind {
+        match form {
+            Form::Text | Form::Size => Kind::Text,
+            Form::Truth => Kind::Truth,
+            Form::Whole | Form::WholeOrWord => Kind::Whole,
+            Form::Number => Kind::Number,
+        }
     }
 }
 

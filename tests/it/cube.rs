@@ -280,7 +280,8 @@ proptest! {
             let mut read: Vec<u32> = (0..maker.below(5)).map(|_| maker.below(pages)).collect();
             read.sort_unstable();
             read.dedup();
-            read.rotate_left(maker.below(5) as usize % read.len().max(1));
+            let by = maker.below(5) as usize % read.len().max(1);
+            read.rotate_left(by);
             uses.uses.extend(read.into_iter().map(|page| (page, 1 + page % 3)));
             uses.ends.push(uses.uses.len() as u32);
         }
