@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pcs_sim::machine::Ipsc2Options;
-use pcs_sim::run::{CubeMode, CubeOptions, CubeRunOptions, KnownTime, LightOptions, RunSpec, SceneOptions, ShapeOptions};
+use pcs_sim::run::{
+    CubeMode, CubeOptions, CubeRunOptions, KnownTime, LightOptions, RunSpec, SceneOptions, ShapeOptions,
+};
 
 use super::args::{Typed, ViewArgs};
 

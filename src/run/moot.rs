@@ -165,7 +165,11 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
         return refuse(&OF_REGIONS, why, "leave it out, or ask for --mode regions");
     };
     let why = "is about pages of a shared memory, and these nodes have a region each";
-    refuse(&["page_bytes", "distribution", "lookup_us", "serve_us"], why, "leave it out, or ask for --mode shared-memory")?;
+    refuse(
+        &["page_bytes", "distribution", "lookup_us", "serve_us"],
+        why,
+        "leave it out, or ask for --mode shared-memory",
+    )?;
     if regions.flow != FlowKind::Window {
         refuse(&["window"], "is about pixels under way, which are not limited", "ask for --flow window")?;
     }

@@ -212,7 +212,10 @@ impl RunSpec {
         check_order(order, rays.as_deref())?;
         Ok(RunSpec {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            scene: scene.clone().or(base.map(|base| base.scene.clone())).unwrap_or_else(|| RunSpec::STANDARD_SCENE.to_owned()),
+            scene: scene
+                .clone()
+                .or(base.map(|base| base.scene.clone()))
+                .unwrap_or_else(|| RunSpec::STANDARD_SCENE.to_owned()),
             size_factor: shape.size_factor.or(of_same_scene.and_then(|base| base.size_factor)),
             resolution: shape.resolution.or(of_same_scene.and_then(|base| base.resolution)),
             size,

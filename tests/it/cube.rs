@@ -370,7 +370,8 @@ fn another_scheduler_comes_to_the_same() {
     }
     let (machine, graph) = scene_of(CubeMode::SharedMemory);
     let all: Vec<u32> = (0..graph.trees.len() as u32).collect();
-    let nodes = || MemoryNodes::new(&machine, &graph, Dealt::AsAsked(all.chunks(10).map(<[u32]>::to_vec).collect())).unwrap();
+    let nodes =
+        || MemoryNodes::new(&machine, &graph, Dealt::AsAsked(all.chunks(10).map(<[u32]>::to_vec).collect())).unwrap();
     let mut own = nodes();
     let states = MemoryNodes::SENDING_AND_IDLE;
     let mut events = Events::with_helpers(own.topology(), own.helpers(), machine.cube(), states);
@@ -478,7 +479,8 @@ fn there_and_back() -> TaskGraph {
     }
 }
 
-const UNLIMITED: Rules = Rules { flow: Flow::Unlimited, ends: Ends::Credit, asks_for_slots: false, pixels_first: false };
+const UNLIMITED: Rules =
+    Rules { flow: Flow::Unlimited, ends: Ends::Credit, asks_for_slots: false, pixels_first: false };
 
 /// By hand, from the standard file's numbers in cycles of 62.5 ns: a pixel 3200; the grid 4002 and 1040 a voxel, slabs 1201 and 1734,
 /// intersection 133 and 4002, shading 83984; a short message 2560 at either end, 480 under way and 5.76 a byte.
@@ -516,7 +518,8 @@ fn a_ray_goes_there_and_its_shadow_ray_comes_back() {
 fn a_token_goes_round_once() {
     let ray =
         RayTask { first_leg: 0, children: (1, 0), tree: 0, hop: 0, turns: 0, kind: RayKind::Primary, shaded: false };
-    let graph = TaskGraph { regions: 4, rays: vec![ray], legs: vec![leg(0, 1, 0, 0)], trees: vec![0], ..TaskGraph::default() };
+    let graph =
+        TaskGraph { regions: 4, rays: vec![ray], legs: vec![leg(0, 1, 0, 0)], trees: vec![0], ..TaskGraph::default() };
     let (_, seen) = run(&standard(4), &graph, &[0], Rules { ends: Ends::Token, ..UNLIMITED }).unwrap();
     let done = 3200 + 4002 + 1040;
     assert_eq!((seen.true_end.0, seen.told_at.0), (done, done + 4 * (2560 + 480 + 93 + 2560)));

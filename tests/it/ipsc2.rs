@@ -283,7 +283,8 @@ fn what_the_authors_say_holds_of_regions() {
             assert!(more <= less + most, "{flow}, {} nodes: {less}, then {more}", few["nodes"]);
         }
         // Computation grows with the nodes, as each region has to be entered, and so does communication.
-        let grows = |what: fn(&HashMap<String, String>) -> f64| rows.windows(2).all(|pair| what(pair[0]) < what(pair[1]));
+        let grows =
+            |what: fn(&HashMap<String, String>) -> f64| rows.windows(2).all(|pair| what(pair[0]) < what(pair[1]));
         assert!(grows(|row| number(row, "computing") / number(row, "one_node")), "{flow}");
         assert!(grows(|row| number(row, "ray_messages")), "{flow}");
     }
@@ -310,5 +311,8 @@ fn a_point_of_figure_3_is_as_in_the_report() {
     let outcome = spec.run(&scene, &machine, &Watching::default(), &workers.cancel).unwrap();
     let row = report("speed").into_iter().find(|row| row["flow"] == "classes" && row["nodes"] == "32").unwrap();
     assert_eq!(row["cycles"], outcome.stats.cycles.0.to_string());
-    assert_eq!(number(&row, "ray_messages"), outcome.seen.sent.iter().sum::<u64>() as f64 / scene.graph.rays.len() as f64);
+    assert_eq!(
+        number(&row, "ray_messages"),
+        outcome.seen.sent.iter().sum::<u64>() as f64 / scene.graph.rays.len() as f64
+    );
 }

@@ -45,7 +45,13 @@ impl Figure for Regions<'_> {
         let share = 100.0 * most as f64 / all.max(1) as f64;
         let told = [
             (format!("sampled work of a cell, by its root: at the most {share:.2} % of all"), palette::AMOUNT),
-            (format!("rays from a node to another: at the most {}", grouped(sent.iter().max().copied().unwrap_or(0))), palette::ANSWER),
+            (
+                format!(
+                    "rays from a node to another: at the most {}",
+                    grouped(sent.iter().max().copied().unwrap_or(0))
+                ),
+                palette::ANSWER,
+            ),
         ];
         let legend: Vec<(&str, Rgb)> = told.iter().map(|(told, color)| (told.as_str(), *color)).collect();
         chart::head(area, self.caption, "Regions, and the rays between them", &legend)?;
@@ -61,12 +67,18 @@ impl Regions<'_> {
         let side = f64::from(SIDE) / f64::from(across.max(down).max(1));
         // What is high along the second axis is high in the picture.
         let at = |[x, y]: [u32; 2]| {
-            (EDGE + (f64::from(x) * side).round() as i32, EDGE / 2 + (f64::from(down - y.min(down)) * side).round() as i32)
+            (
+                EDGE + (f64::from(x) * side).round() as i32,
+                EDGE / 2 + (f64::from(down - y.min(down)) * side).round() as i32,
+            )
         };
         let most = work.iter().max().copied().unwrap_or(0);
         for (cell, &amount) in work.iter().enumerate().filter(|(_, amount)| **amount > 0) {
             let (x, y) = (cell as u32 % across, cell as u32 / across);
-            area.draw(&Rectangle::new([at([x, y + 1]), at([x + 1, y])], shade(palette::AMOUNT, amount, most).filled()))?;
+            area.draw(&Rectangle::new(
+                [at([x, y + 1]), at([x + 1, y])],
+                shade(palette::AMOUNT, amount, most).filled(),
+            ))?;
         }
         for (regions::Rectangle { low, high }, node) in rectangles.iter().zip(node_of) {
             let (top, foot) = (at([low[0], high[1]]), at([high[0], low[1]]));

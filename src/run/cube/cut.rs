@@ -11,8 +11,8 @@ use crate::geometry::regions::Rectangle;
 use crate::geometry::{CellPlane, Grid, Regions};
 use crate::host::camera::ImageSize;
 use crate::machine::Ipsc2;
-use crate::program::{NotLaidOut, Workload};
 use crate::program::cube::Part;
+use crate::program::{NotLaidOut, Workload};
 use crate::run::render::Picture;
 use crate::run::{RunError, Workers};
 

@@ -24,8 +24,8 @@ use crate::machine::events::{Act, Events};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
 use crate::measure::{Measured, Observed, Recording, Topology};
 use crate::program::cube::{
-    Dealt, MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, TaskGraph, gray_order, highest_rank, swapped,
-    topology,
+    Dealt, MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, TaskGraph, gray_order, highest_rank,
+    swapped, topology,
 };
 use crate::run::one_cell::Whole;
 use crate::run::render::Picture;
@@ -34,8 +34,8 @@ use crate::run::trees::ByKind;
 pub use calibrate::{Calibrated, Known, KnownTime};
 pub use cut::Cut;
 pub use options::{
-    CubeMode, CubeOptions, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent, PixelOrder, PixelsOf,
-    QueueRays, Termination,
+    CubeMode, CubeOptions, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent, PixelOrder,
+    PixelsOf, QueueRays, Termination,
 };
 pub use spec::{CubeSpec, RegionSpec};
 use trees::{Traced, Tracing};

@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::options::{
-    CubeMode, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent, PixelOrder, PixelsOf, QueueRays,
-    Termination,
+    CubeMode, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent, PixelOrder, PixelsOf,
+    QueueRays, Termination,
 };
 use crate::error::InputError;
 use crate::host::camera::ImageSize;
@@ -247,8 +247,18 @@ impl CubeSpec {
     /// What the task graph depends on: regions are cut by what work takes.
     pub fn work_key(&self) -> Key {
         // All fields by name, so that a new one cannot be forgotten here.
-        let CubeSpec { version: _, scene, size_factor, resolution, size, rays, regions, page_bytes, machine, distribution: _ } =
-            self;
+        let CubeSpec {
+            version: _,
+            scene,
+            size_factor,
+            resolution,
+            size,
+            rays,
+            regions,
+            page_bytes,
+            machine,
+            distribution: _,
+        } = self;
         let regions = regions.map(|regions| (regions.sub_sample, regions.cell_grid, regions.grids));
         let cut = regions.map(|regions| (regions, machine.nodes, machine.times_us));
         Key::of((scene, size_factor, resolution, size, rays, cut, page_bytes))

@@ -95,7 +95,8 @@ pub fn tick(machine: &Ipsc2, graph: &TaskGraph, dealt: Dealt) -> (Ticked, Vec<u6
     };
     let (wires, trees) = (Wires::new(machine), graph.trees.len());
     let room = (room as usize).clamp(1, uses.pages as usize);
-    let mut memory = Memory { machine, graph, wires, tasks, tiles, given: 0, room, trees, untold, number: 0, now: 0, out };
+    let mut memory =
+        Memory { machine, graph, wires, tasks, tiles, given: 0, room, trees, untold, number: 0, now: 0, out };
     memory.run()
 }
 
@@ -204,7 +205,9 @@ impl Memory<'_> {
             Todo::Read(ray, first) => self.read(task, ray, first),
             Todo::Work(ray) => {
                 let legs = graph.legs_of(ray);
-                let sum = |count: fn(&pcs_sim::program::cube::Leg) -> u32| legs.iter().map(|leg| u64::from(count(leg))).sum::<u64>();
+                let sum = |count: fn(&pcs_sim::program::cube::Leg) -> u32| {
+                    legs.iter().map(|leg| u64::from(count(leg))).sum::<u64>()
+                };
                 let (voxels, slabs, tests) =
                     (sum(|leg| leg.voxels), sum(|leg| leg.slab_tests), sum(|leg| leg.intersection_tests));
                 let times = &machine.times;
@@ -261,7 +264,9 @@ impl Memory<'_> {
             lookups += u64::from(reads) * self.machine.costs.lookup.0;
             let node = &mut self.tasks[task];
             let known = node.cache.iter().position(|&known| known == page);
-            known.into_iter().for_each(|place| drop(node.cache.remove(place)));
+            if let Some(place) = known {
+                node.cache.remove(place);
+            }
             node.cache.push(page);
             if node.cache.len() > self.room {
                 node.cache.remove(0);

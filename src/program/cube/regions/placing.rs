@@ -155,7 +155,9 @@ impl RegionNodes<'_> {
                 self.nodes[task].next = Next::Places(placing);
                 Some(Act::Sleep(BLOCKED))
             }
-            Flow::Classes(_) if to != task && self.rules.asks_for_slots && !is_granted => Some(self.ask(task, to, placing)),
+            Flow::Classes(_) if to != task && self.rules.asks_for_slots && !is_granted => {
+                Some(self.ask(task, to, placing))
+            }
             Flow::Classes(_) if !is_granted && !self.has_room(to, self.rank(visit)) => {
                 self.ages += 1;
                 let (rank, age) = (self.rank(visit), self.ages);
@@ -233,7 +235,8 @@ impl RegionNodes<'_> {
 
     /// What a node has asked another for a slot for, and that other.
     fn asked_for(&self, node: usize) -> Option<(usize, Placing)> {
-        let waits = |(to, other): (usize, &Node)| Some((to, other.slots.waiting_of(|placing| self.asker(placing) == node)?));
+        let waits =
+            |(to, other): (usize, &Node)| Some((to, other.slots.waiting_of(|placing| self.asker(placing) == node)?));
         self.nodes.iter().enumerate().find_map(waits)
     }
 
