@@ -6,7 +6,7 @@ sweep tiles
 sweep sample
 sweep cells
 sweep flow
-sweep block
+sweep_where_some_fail block
 sweep window
 sweep eye
 sweep messages
