@@ -16,7 +16,7 @@ table table table.awk published.csv memory.csv
 table losses losses.awk speed.csv
 table stuck stuck.awk block.csv
 table machines machines.awk ../capitan/machines.csv speed.csv memory.csv line.csv
-plot figure3 figure3 "The teapot, 512 x 512, three lights: speed-up of the iPSC/2" x=nodes y=speed-up by=version
+plot figure3 figure3 "The teapot, 512 x 512, three lights: speed-up of the iPSC/2" x=nodes y=speed-up by=version log=none
 plot losses losses "Regions: what the nodes' time goes to (%)" x=nodes y=share by=what
 plot tiles tiles "A shared memory: pixels by lines in turn, or by tiles on demand" x=nodes y=efficiency by=distribution
 plot sample sample "32 nodes, 256 x 256: seconds over the share of pixels sampled" x=sub_sample y=seconds by=flow log=x
