@@ -165,7 +165,11 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
         return refuse(&OF_REGIONS, why, "leave it out, or ask for --mode regions");
     };
     let why = "is about pages of a shared memory, and these nodes have a region each";
-    refuse(&["page_bytes", "lookup_us", "serve_us"], why, "leave it out, or ask for --mode shared-memory")?;
+    refuse(
+        &["page_bytes", "distribution", "lookup_us", "serve_us"],
+        why,
+        "leave it out, or ask for --mode shared-memory",
+    )?;
     if regions.flow != FlowKind::Window {
         refuse(&["window"], "is about pixels under way, which are not limited", "ask for --flow window")?;
     }
@@ -173,16 +177,22 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
         let why = "is about slots of queues, which are not limited";
         refuse(&["queue_rays"], why, "ask for --flow classes or block")?;
     }
+    if regions.flow != FlowKind::Classes {
+        let why = "is about slots by rank, of which other nodes must know whether they are free";
+        refuse(&["grant"], why, "ask for --flow classes")?;
+    }
     Ok(())
 }
 
 /// What only nodes look at that have regions.
-const OF_REGIONS: [&str; 12] = [
+const OF_REGIONS: [&str; 14] = [
     "sub_sample",
     "cell_grid",
+    "grids",
     "mapping",
     "flow",
     "queue_rays",
+    "grant",
     "window",
     "termination",
     "pixel_order",

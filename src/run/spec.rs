@@ -181,6 +181,9 @@ impl Default for ImageSpec {
 }
 
 impl RunSpec {
+    /// The scene where none is named.
+    pub const STANDARD_SCENE: &str = "teapot";
+
     /// What a run of primary rays is that was asked for by `options`: they are laid over `base`, or over the defaults.
     ///
     /// Fails if a file cannot be read, or if the options make an impossible program or machine.
@@ -209,7 +212,10 @@ impl RunSpec {
         check_order(order, rays.as_deref())?;
         Ok(RunSpec {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            scene: scene.clone().or(base.map(|base| base.scene.clone())).unwrap_or_else(|| "teapot".to_owned()),
+            scene: scene
+                .clone()
+                .or(base.map(|base| base.scene.clone()))
+                .unwrap_or_else(|| RunSpec::STANDARD_SCENE.to_owned()),
             size_factor: shape.size_factor.or(of_same_scene.and_then(|base| base.size_factor)),
             resolution: shape.resolution.or(of_same_scene.and_then(|base| base.resolution)),
             size,
