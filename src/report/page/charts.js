@@ -5,7 +5,8 @@ const decode = (text, Type) => new Type(Uint8Array.from(atob(text), (letter) => 
 // Shares of each bin in percent, from hundredths; null stands for none.
 const shares = (text) => text === null ? new Float32Array(run.bins) : Float32Array.from(decode(text, Uint16Array), (part) => part / 100);
 
-const times = Array.from({ length: run.bins }, (_, bin) => bin * run.bin).concat([run.end]);
+// Where the bins begin, and the end of the last.
+let times = [];
 // A curve holds its value to the end of its bin; so does the last one.
 const held = (values) => [...values, values[values.length - 1]];
 const stepped = uPlot.paths.stepped({ align: 1 });
@@ -19,16 +20,24 @@ const binAt = (chart) => {
   return cycle === null ? null : Math.max(0, Math.min(Math.floor(cycle * run.cycle / run.bin + 1e-9), run.bins - 1));
 };
 
-run.cells.forEach((cell) => { cell.shares = memo(() => cell.states.map(shares)); });
-run.fifos.forEach((fifo) => {
-  fifo.levels = memo(() => ({
-    min: decode(fifo.min, Float32Array), mean: decode(fifo.mean, Float32Array), max: decode(fifo.max, Float32Array),
-    full: shares(fifo.full),
-  }));
-});
-
 const charts = [];
-let view = { min: 0, max: run.end };
+// What is shown of the run.
+let view = { min: 0, max: 0 };
+
+// Makes the run's figures ready to be drawn.
+function loadCharts() {
+  times = Array.from({ length: run.bins }, (_, bin) => bin * run.bin).concat([run.end]);
+  view = { min: 0, max: run.end };
+  run.cells.forEach((cell) => { cell.shares = memo(() => cell.states.map(shares)); });
+  run.fifos.forEach((fifo) => {
+    fifo.levels = memo(() => ({
+      min: decode(fifo.min, Float32Array), mean: decode(fifo.mean, Float32Array), max: decode(fifo.max, Float32Array),
+      full: shares(fifo.full),
+    }));
+  });
+  path = run.path?.map((place) => memo(() => place.map(shares)));
+  deepest = Math.max(1, ...run.fifos.map(({ capacity }) => capacity));
+}
 
 // Shows a part of the run in all charts.
 function zoom(min, max) {
@@ -53,10 +62,11 @@ function tellWindow() {
 
 // A time as the axis tells it: in a unit that suits what is on screen, and in cycles.
 const UNITS = [["s", 1], ["ms", 1e-3], ["µs", 1e-6], ["ns", 1e-9]];
-const secondsOfUnit = Object.fromEntries(UNITS)[run.unit];
+const secondsOfUnit = () => Object.fromEntries(UNITS)[run.unit];
+const seconds = (time) => time * secondsOfUnit();
 function inBoth(tick, { min, max }) {
-  const [name, seconds] = UNITS.find(([, seconds]) => (max - min) * secondsOfUnit >= 0.5 * seconds) ?? UNITS[3];
-  return `${+(tick * secondsOfUnit / seconds).toPrecision(8)} ${name}\n${grouped(tick / run.cycle)} cycles`;
+  const [name, unit] = UNITS.find(([, unit]) => seconds(max - min) >= 0.5 * unit) ?? UNITS[3];
+  return `${+(seconds(tick) / unit).toPrecision(8)} ${name}\n${grouped(tick / run.cycle)} cycles`;
 }
 
 let paperWidth = null;
@@ -180,7 +190,7 @@ function describeFifo(fifo, bin) {
 }
 
 // For each cell, and the host behind them, the critical path's share of each bin by state.
-const path = run.path?.map((place) => memo(() => place.map(shares)));
+let path;
 const onPath = (place, bin) => path[place]().reduce((sum, part) => sum + part[bin], 0);
 
 function describePath(place, bin) {
@@ -215,7 +225,7 @@ function addCell(cell, index) {
 }
 
 // All FIFOs have one scale, so that they compare: from 0 to what the deepest holds.
-const deepest = Math.max(1, ...run.fifos.map(({ capacity }) => capacity));
+let deepest = 1;
 
 function addFifo(fifo, station, reader) {
   const { min, mean, max, full } = fifo.levels();

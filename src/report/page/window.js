@@ -28,8 +28,15 @@ function lastUpTo(numbers, most) {
   return low - 1;
 }
 
-const tape = run.window && (() => {
-  const { from, until, states } = run.window;
+// What the page holds of the run, if it holds any.
+let tape = null;
+
+function loadTape() {
+  tape = run.window && unrolled(run.window);
+}
+
+function unrolled(window) {
+  const { from, until, states } = window;
   const stretches = (text) => {
     const numbers = unpack(text), found = { state: [], from: [] };
     for (let at = 0, next = from; at < numbers.length; at += 2) {
@@ -59,15 +66,15 @@ const tape = run.window && (() => {
   const station = (packed) => packed && { states: memo(() => stretches(packed.states)), jobs: memo(() => jobs(packed.jobs)) };
   return {
     from, until, states,
-    host: station(run.window.host),
-    answers: memo(() => jobs(run.window.answers)),
-    stations: run.window.stations.map(station),
-    fifos: run.window.fifos.map((fifo, at) => ({
+    host: station(window.host),
+    answers: memo(() => jobs(window.answers)),
+    stations: window.stations.map(station),
+    fifos: window.fifos.map((fifo, at) => ({
       name: run.fifos[at].name, capacity: run.fifos[at].capacity, from: fifo.from, to: fifo.to, group: fifo.group,
       levels: memo(() => levels(fifo.levels)), jobs: memo(() => jobs(fifo.jobs)),
     })),
   };
-})();
+}
 
 const isOnTape = (cycle) => tape && tape.from <= cycle && cycle < tape.until;
 const recordOf = (station) => station === null ? tape.host : tape.stations[station];
