@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::{Counts, Entered, Mailbox, RayInGroup, Stopping};
+use rayon::prelude::*;
+
+use super::{Counts, Entered, Mailbox, RayInGroup, Stopping, Tracer};
 use crate::geometry::{Hit, Ray};
 use crate::program::Workload;
 use crate::seam::OpStream;
@@ -61,6 +63,16 @@ pub enum Said {
 }
 
 impl Workload {
+    /// The first hits of rays that no run sends. All cores take part.
+    pub fn look(&self, rays: &[Ray]) -> Vec<Hit> {
+        let tracer = || (Tracer { programs: None, ..Tracer::new(self) }, vec![OpStream::default(); self.cells()]);
+        let look = |(tracer, cells): &mut (Tracer<'_>, Vec<OpStream>), ray: &Ray| {
+            cells.iter_mut().for_each(OpStream::clear);
+            tracer.trace_cells(0, ray, cells)
+        };
+        rays.par_iter().with_min_len(1024).map_init(tracer, look).collect()
+    }
+
     /// What the group's cells do for a ray, test by test. Cells that run programs do the same.
     pub fn visit(&self, ray: &Ray) -> Visit {
         let mut mailbox = Mailbox::of(self);
