@@ -2,8 +2,9 @@
 // Steps through the cycles that the page holds: draws the array as it stands in one of them, and follows rays through it.
 
 // What a page with a server behind it asks there; null where there is none.
-// `window(from, until)` gives other cycles, `find(question, cycle)` a cycle, `look(ray)` a ray's way, `instructions(cell, ray)` what a cell executes.
-const doors = { window: null, find: null, look: null, instructions: null };
+// `window(from, until)` gives other cycles, `find(question, cycle)` a cycle, `ray([x, y])` a pixel's ray, `look(ray)` a ray's way,
+// `instructions(cell, ray)` what a cell executes.
+const doors = { window: null, find: null, ray: null, look: null, instructions: null };
 
 // As many cells are drawn at once.
 const MOST_DRAWN = 16;
@@ -172,6 +173,7 @@ class Stepper {
   edge(direction) {
     const isEnd = direction > 0 ? tape.until >= run.cycles : tape.from === 0;
     if (isEnd) return direction > 0 ? "The run ends here." : "The run begins here.";
+    if (doors.window) return "There is no more of the run to be had.";
     return `The page holds the cycles ${grouped(tape.from)} to before ${grouped(tape.until)} one by one; --trace-window ${windowAround(direction > 0 ? tape.until : tape.from)} holds others.`;
   }
 
@@ -209,7 +211,7 @@ class Stepper {
     const asked = question(text);
     if (!asked) return this.say(`“${text}” is no moment. Ask for a cycle, a time as 1.5 ms, X1 is full, cell 2 waits, ray 17, ray 17 comes to cell 3, ray 17 comes back, pixel 3 4.`);
     if (asked.pixel) {
-      const ray = this.rayOf(asked.pixel);
+      const ray = this.rayOf(asked.pixel) ?? (doors.ray ? await doors.ray(asked.pixel) : null);
       if (ray === null) return this.say(`The ray of pixel ${asked.pixel.join(", ")} is not among those of the cycles that the page holds.`);
       Object.assign(asked, { ray });
     }
