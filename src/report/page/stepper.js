@@ -65,7 +65,7 @@ class Stepper {
   }
 
   build() {
-    const bar = element("div", { class: "steps", role: "toolbar", "aria-label": "Steps" });
+    const bar = element("div", { class: "steps", role: "group", "aria-label": "Steps" });
     const step = (text, hint, kind, direction) => bar.append(button(text, hint, () => this.step(kind, direction)));
     step("⇤ op", "Back to where the chosen cell came to its op, or the one before ([)", "op", -1);
     step("« event", "Back by an event: anything that changes (Shift and left arrow)", "event", -1);
@@ -102,7 +102,7 @@ class Stepper {
     this.map = element("div", { class: "map" });
     this.row = element("div", { class: "row", role: "group", "aria-label": "The array in this cycle" });
     this.details = element("div", { class: "details" });
-    const around = element("div", { class: "around", tabindex: 0, role: "group", "aria-label": "The array, step by step: arrows go by cycles, with Shift by events, brackets by ops, space plays" },
+    const around = element("div", { class: "around", tabindex: 0, role: "group", "aria-label": "The array, step by step: left and right go by cycles, with Shift by events, up and down choose a cell, brackets go by its ops, space plays" },
       bar, line, asks, this.told, this.way, this.map, this.row, this.details);
     around.addEventListener("keydown", (event) => this.key(event));
     this.place.replaceChildren(around);
@@ -132,6 +132,7 @@ class Stepper {
     const action = {
       ArrowLeft: () => this.step(shiftKey ? "event" : "cycle", -1), ArrowRight: () => this.step(shiftKey ? "event" : "cycle", 1),
       "[": () => this.step("op", -1), "]": () => this.step("op", 1), ",": () => this.step("instruction", -1), ".": () => this.step("instruction", 1),
+      ArrowUp: () => this.choose(Math.max(0, this.station - 1)), ArrowDown: () => this.choose(Math.min(tape.stations.length - 1, this.station + 1)),
       "<": () => this.stop(-1), ">": () => this.stop(1),
       Home: () => this.go(tape.from), End: () => this.go(tape.until - 1), " ": !isButton && (() => this.toggle()),
     }[key];
@@ -296,6 +297,8 @@ class Stepper {
     if (cells <= MOST_DRAWN) return;
     if (!this.map.firstChild) {
       this.map.replaceChildren(...tape.stations.map((_, cell) => button("", `cell ${cell}`, () => this.choose(cell))));
+      // By keys cells are chosen with the arrows.
+      for (const square of this.map.children) square.tabIndex = -1;
     }
     [...this.map.children].forEach((square, cell) => {
       square.style.background = this.stateColor(doing(cell, this.cycle).state.name);
