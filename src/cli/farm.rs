@@ -103,6 +103,7 @@ fn write_outputs(
         configuration: &configuration,
         image: None,
         regions: None,
+        setup: None,
     };
     views.write(&seen, &mut written)?;
     Ok(written)

@@ -251,6 +251,7 @@ fn write_outputs(
             configuration: &configuration,
             image: Some(&png),
             regions: None,
+            setup: Some(setup),
         };
         files.views.write(&seen, &mut written)?;
     }

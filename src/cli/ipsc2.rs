@@ -151,6 +151,7 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
         configuration: &configuration,
         image: has_image.then_some(&png),
         regions: told::region_map(setup, outcome),
+        setup: None,
     };
     files.views.write(&seen, &mut written)?;
     Ok(written)

@@ -55,6 +55,7 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
         configuration: &Configuration::Replay(Box::new(replay.spec.clone())),
         regions: None,
         image: None,
+        setup: None,
     };
     views.write(&seen, &mut written)?;
     print(&outputs::list(&written))

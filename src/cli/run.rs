@@ -175,6 +175,7 @@ fn write_views(
         configuration,
         image: image.as_deref(),
         regions: None,
+        setup: Some(setup),
     };
     views.write(&seen, written)
 }

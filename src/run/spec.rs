@@ -449,10 +449,12 @@ pub fn array_program(options: &RunOptions, base: Option<&ArrayProgram>) -> Resul
         return Err(InputError::new(message).help("several macro-pipelines side by side are --program hybrid-3"));
     }
     program.partition = options.partition.unwrap_or(program.partition);
+    program.numbering = options.numbering.unwrap_or(program.numbering);
     program.grid_coefficient = options.grid_coefficient.unwrap_or(program.grid_coefficient);
     program.mailbox |= options.mailbox.unwrap_or(false);
     program.stop_words = options.stop_words.or(program.stop_words);
     program.forward_ahead = options.forward_ahead.unwrap_or(program.forward_ahead);
+    program.bounded_walk |= options.bounded_walk.unwrap_or(false);
     program.check()?;
     Ok(program)
 }
