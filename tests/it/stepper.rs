@@ -83,8 +83,8 @@ fn a_cells_instructions_are_its_ops() {
     let costs = workload.costs();
     for (id, ray) in (0..).zip(&rays) {
         for cell in 0..workload.cells() {
-            let lines = batches.iter().flat_map(|batch| batch.cells[cell].lines());
-            let ops = lines.clone().find(|(job, _)| *job == id).unwrap().1;
+            let mut lines = batches.iter().flat_map(|batch| batch.cells[cell].lines());
+            let ops = lines.find(|(job, _)| *job == id).unwrap().1;
             let work = ops.iter().filter_map(|op| Some(costs.of(op.unit()?).0 * u64::from(op.count()))).sum::<u64>();
             let moved = ops.iter().filter(|op| !matches!(op.kind(), OpKind::Work(_))).map(|op| op.count()).sum::<u32>();
             let steps = workload.instructions(cell, id, ray, usize::MAX);
@@ -382,4 +382,40 @@ fn pages_are_bounded() {
     let page = folder.read("a.html");
     assert!(page == folder.read("b.html"));
     assert!(page.len() < 4_000_000, "{} bytes", page.len());
+}
+
+/// The mean brightness of a picture, from 0 to 255.
+fn brightness(path: &std::path::Path) -> f64 {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    pixels.iter().map(|&value| f64::from(value)).sum::<f64>() / pixels.len() as f64
+}
+
+#[test]
+fn the_steps_fit_narrow_and_wide_windows_light_and_dark() {
+    let Some(browser) = Browser::start() else { return };
+    let shown = Shown::new("--mode broadcast --cells 24 --scene tetra --size 6x5 --fifo-words 16");
+    let page = shown.open(&browser, (1600, 900));
+    page.eval("stepper.follow(3)");
+    for width in [900, 1600] {
+        page.resize(width, 900);
+        for dark in [false, true] {
+            page.dark(dark);
+            page.wait_for(&format!("isDark() === {dark}"));
+            assert_eq!(page.eval("document.documentElement.scrollWidth <= innerWidth"), true, "{width}");
+            let picture = shown.folder.path("page.png");
+            page.screenshot(&picture);
+            let brightness = brightness(&picture);
+            assert!(if dark { brightness < 90.0 } else { brightness > 180.0 }, "{width}, dark {dark}: {brightness}");
+        }
+    }
+    // All that has an action has a name, and what is drawn is told.
+    let unnamed = "[...document.querySelectorAll('.around :is(button, input, select)')].filter((one) => \
+        !one.getAttribute('aria-label') && !one.textContent.trim() && !one.closest('label')).length";
+    assert_eq!(page.eval(unnamed), 0);
+    let untold = "[...document.querySelectorAll('.store canvas, .walk')].filter((one) => !one.getAttribute('aria-label')).length";
+    assert_eq!(page.eval(untold), 0);
+    page.assert_quiet();
 }
