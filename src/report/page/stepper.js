@@ -143,6 +143,7 @@ class Stepper {
 
   // Shows a cycle.
   go(cycle) {
+    this.began = null;
     this.cycle = Math.max(tape.from, Math.min(cycle, tape.until - 1));
     this.draw();
   }
@@ -151,7 +152,20 @@ class Stepper {
   async step(kind, direction) {
     this.pause();
     if (kind === "instruction") return this.instruct(direction);
-    const next = { cycle: () => this.cycle + direction, event: () => changeBeside(this.cycle, direction), op: () => opBeside(this.station, this.cycle, direction) }[kind]();
+    if (kind === "event") return this.stepEvent(direction);
+    return this.reachOrStop(direction, { cycle: () => this.cycle + direction, op: () => opBeside(this.station, this.cycle, direction) }[kind]());
+  }
+
+  // Events lead back the way that they led, to where the first step was taken, though nothing may have changed there.
+  async stepEvent(direction) {
+    const began = this.began ?? this.cycle, change = changeBeside(this.cycle, direction);
+    const isBetween = direction > 0 ? began > this.cycle && began < (change ?? Infinity) : began < this.cycle && began > (change ?? -1);
+    await this.reachOrStop(direction, isBetween && isOnTape(began) ? began : change);
+    this.began = began;
+  }
+
+  // Goes to a cycle; if there is none on the tape, to where it ends, or goes on with another one.
+  async reachOrStop(direction, next) {
     if (next !== null && isOnTape(next)) return this.go(next);
     const edge = direction > 0 ? tape.until : tape.from - 1;
     if (await this.reach(edge)) return this.go(edge);
