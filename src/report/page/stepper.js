@@ -8,6 +8,8 @@ const doors = { window: null, find: null, ray: null, look: null, instructions: n
 
 // As many cells are drawn at once.
 const MOST_DRAWN = 16;
+// As many stops of a ray.
+const MOST_STOPS = 48;
 const SPEEDS = [1, 5, 20, 100, 500, 2500, 12500, 62500];
 let stepper = null;
 
@@ -384,7 +386,10 @@ class Stepper {
 
   // Where the followed ray has been and comes to.
   drawWay() {
-    const stops = this.followed === null ? [] : wayOf(this.followed);
+    const all = this.followed === null ? [] : wayOf(this.followed);
+    // Of a long way those around the moment.
+    const here = all.filter(({ from }) => from <= this.cycle).length, first = Math.max(0, Math.min(here - MOST_STOPS / 2, all.length - MOST_STOPS));
+    const stops = all.slice(first, first + MOST_STOPS);
     this.way.hidden = this.followed === null;
     this.way.replaceChildren(...stops.map(({ name, from, until, station }) => {
       const isHere = from <= this.cycle && this.cycle < until;
