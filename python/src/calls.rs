@@ -127,13 +127,14 @@ pub fn replay(
 /// Runs a farm: a master and workers that share an image, on CAPITAN.
 ///
 /// Takes the parameters of farms, by the names of the flags of `pcs-sim farm`; `tasks` is a number of workers (`sweep` makes
-/// tables of many). `config` is a farm to be repeated.
+/// tables of many). `config` is a farm to be repeated. `why` adds the critical path to what is seen and saved.
 #[pyfunction]
-#[pyo3(signature = (scene=None, *, config=None, threads=None, progress=None, **parameters))]
+#[pyo3(signature = (scene=None, *, config=None, why=false, threads=None, progress=None, **parameters))]
 pub fn farm(
     py: Python<'_>,
     scene: Option<&Bound<'_, PyAny>>,
     config: Option<&Bound<'_, PyAny>>,
+    why: bool,
     threads: Option<i64>,
     progress: Option<bool>,
     parameters: Option<&Bound<'_, PyDict>>,
@@ -152,7 +153,7 @@ pub fn farm(
             task.set(done as u64, samples);
             Ok::<_, Infallible>(())
         })?;
-        let outcome = setup.run(setup.spec.tasks, &Watching::default(), &task.workers.cancel)?;
+        let outcome = setup.run(setup.spec.tasks, &watching(why, false), &task.workers.cancel)?;
         Ok(Made::Farm { setup: Box::new(setup), outcome: Box::new(outcome) })
     })?;
     Ok(Run::new(made, crew))

@@ -30,7 +30,7 @@ pub fn command() -> Command {
 
 /// The parameters that commands share with others, and always refuse: a run of primary rays refuses the shading of hits.
 const REFUSED: [(&str, &[&str]); 5] = [
-    ("farm", &["adaptive", "why"]),
+    ("farm", &["adaptive"]),
     ("ipsc2", &["adaptive", "enough", "why"]),
     ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead"]),
     ("replay", &["memory_words"]),

@@ -4,19 +4,21 @@ use std::fmt;
 use std::ops::Range;
 
 use super::agenda::Agenda;
+use super::causes::Causes;
 use super::lanes::Lanes;
 use super::mailbox::{Mail, Mailbox, Sender};
 use super::network::Network;
-use crate::measure::{Measured, Observed, StateId, Topology};
+use crate::measure::{Measured, Observed, PathUnit, StateId, Topology};
 use crate::quantities::Cycles;
+use crate::seam::Unit;
 
 /// What a task does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act<M> {
-    /// Spends some cycles in a state.
-    Spend(StateId, Cycles),
-    /// Spends some cycles in one state, then in the next.
-    SpendEach([(StateId, Cycles); MOST_SPELLS]),
+    /// Spends some time.
+    Spend(Spell),
+    /// Spends some time, then some more, and so on.
+    SpendEach([Spell; MOST_SPELLS]),
     /// Sends a message.
     Send(Message<M>),
     /// Takes a message; until there is one, it is in that state.
@@ -35,16 +37,49 @@ pub enum Act<M> {
     End,
 }
 
-/// States that a task can spend its time in, one after the other.
-pub const MOST_SPELLS: usize = 5;
+/// Spells that can follow each other in one act.
+pub const MOST_SPELLS: usize = 8;
+
+/// Some time that a task spends at work: in which state, and on how much of what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spell {
+    /// The state of the task.
+    pub state: StateId,
+    /// The unit of work, by its place among those by which causes are [told](Events::explained).
+    pub unit: Unit,
+    /// How many of them.
+    pub count: u32,
+    /// What they take together.
+    pub cycles: Cycles,
+}
+
+impl<M> Act<M> {
+    /// A few spells, one after the other.
+    pub fn each<const N: usize>(spells: [Spell; N]) -> Act<M> {
+        const { assert!(N <= MOST_SPELLS) };
+        let mut all = [Spell::NONE; MOST_SPELLS];
+        all[..N].copy_from_slice(&spells);
+        Act::SpendEach(all)
+    }
+}
+
+impl Spell {
+    /// Some time in a state, on work that is told by the state alone.
+    pub const fn of(state: StateId, cycles: Cycles) -> Spell {
+        Spell { state, unit: Unit(state.0), count: 1, cycles }
+    }
+
+    /// No time.
+    pub const NONE: Spell = Spell { state: StateId(0), unit: Unit(0), count: 0, cycles: Cycles(0) };
+}
 
 /// A message that a task sends: first the task itself is at work on it, then a bus carries it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Message<M> {
     /// Whom it is for, and what its sender does when it is ready to go.
     pub delivery: Delivery,
-    /// What the sender itself spends on it.
-    pub time: Cycles,
+    /// What the sender itself spends on it, in its state of sending.
+    pub work: Spell,
     /// How long it is.
     pub bytes: u64,
     /// What is in it.
@@ -88,6 +123,8 @@ pub struct Events<M> {
     agenda: Agenda,
     network: Network,
     lanes: Lanes,
+    /// What follows from what, if that is asked for.
+    causes: Option<Causes>,
     /// The state of a task that is at work on a message, or whose message is on its way and held.
     sending: StateId,
     now: u64,
@@ -128,6 +165,7 @@ impl<M: Copy> Events<M> {
             agenda: Agenda::new(tasks),
             network: network.into(),
             lanes: Lanes::new(topology, idle),
+            causes: None,
             sending,
             now: 0,
         }
@@ -145,6 +183,13 @@ impl<M: Copy> Events<M> {
         self
     }
 
+    /// The same with its causes followed. What tasks spend is told by `units`. So is a message, by the first of `carrying` as long as
+    /// it has a bus or its links, and by the second as long as it is on its way without.
+    pub fn explained(mut self, units: Vec<PathUnit>, carrying: [Unit; 2]) -> Events<M> {
+        self.causes = Some(Causes::new(self.phases.len(), self.network.count(), units, carrying));
+        self
+    }
+
     /// Lets the next task do what it can; `next` tells what that is, given the time and what the task has taken. False if no task has
     /// anything left to do.
     #[inline]
@@ -155,6 +200,9 @@ impl<M: Copy> Events<M> {
             while let Some(message) = self.act(task, next(task, Cycles(now), taken)) {
                 taken = message;
             }
+        }
+        if let Some(causes) = self.causes.as_mut().filter(|causes| causes.is_full()) {
+            causes.reckon(self.mailboxes.iter_mut().flat_map(Mailbox::all).map(|mail| &mut mail.cause));
         }
         true
     }
@@ -180,20 +228,20 @@ impl<M: Copy> Events<M> {
     /// A task does something. `None` if that takes time, else the message that it took, if it did.
     fn act(&mut self, task: usize, act: Act<M>) -> Option<Option<M>> {
         match act {
-            Act::Spend(state, cycles) => self.spend(task, state, cycles, Phase::Busy).then_some(None),
-            Act::SpendEach(spells) => self.spend_each(task, spells).then_some(None),
-            Act::Send(message) => match self.spend(task, self.sending, message.time, Phase::Sends(message)) {
+            Act::Spend(spell) => self.spend(task, spell, Phase::Busy).then_some(None),
+            Act::SpendEach(spells) => self.spend_each(task, &spells).then_some(None),
+            Act::Send(message) => match self.spend(task, message.work, Phase::Sends(message)) {
                 true => self.send(task, message),
                 false => None,
             },
             Act::Receive(from, state) => self.receive(task, from, state),
-            Act::Poll => Some(self.mailboxes[task].take(Sender::Anyone, self.now).map(|mail| self.taken(mail))),
+            Act::Poll => Some(self.mailboxes[task].take(Sender::Anyone, self.now).map(|mail| self.taken(task, mail))),
             Act::Sleep(state) => {
                 self.phases[task] = Phase::Sleeps(state);
                 None
             }
             Act::Wake(other) => {
-                self.wake(other);
+                self.wake(task, other);
                 Some(None)
             }
             Act::Begin(job) => {
@@ -212,23 +260,29 @@ impl<M: Copy> Events<M> {
     }
 
     /// True if that takes no time.
-    fn spend(&mut self, task: usize, state: StateId, cycles: Cycles, phase: Phase<M>) -> bool {
-        if cycles == Cycles(0) {
+    fn spend(&mut self, task: usize, spell: Spell, phase: Phase<M>) -> bool {
+        if let Some(causes) = &mut self.causes {
+            causes.work(task, &spell);
+        }
+        if spell.cycles == Cycles(0) {
             return true;
         }
-        let until = self.now + cycles.0;
-        self.lanes.spend(task, state, until);
+        let until = self.now + spell.cycles.0;
+        self.lanes.spend(task, spell.state, until);
         self.agenda.wake(task, until);
         self.phases[task] = phase;
         false
     }
 
-    /// The same of several states, one after the other.
-    fn spend_each(&mut self, task: usize, spells: [(StateId, Cycles); MOST_SPELLS]) -> bool {
+    /// The same of several spells, one after the other.
+    fn spend_each(&mut self, task: usize, spells: &[Spell]) -> bool {
         let mut until = self.now;
-        for (state, cycles) in spells {
-            until += cycles.0;
-            self.lanes.spend(task, state, until);
+        for spell in spells {
+            until += spell.cycles.0;
+            self.lanes.spend(task, spell.state, until);
+        }
+        if let Some(causes) = &mut self.causes {
+            spells.iter().for_each(|spell| causes.work(task, spell));
         }
         if until == self.now {
             return true;
@@ -238,12 +292,15 @@ impl<M: Copy> Events<M> {
         false
     }
 
-    /// A task goes on that sleeps or waits for a message.
-    fn wake(&mut self, task: usize) {
+    /// A task goes on that sleeps or waits for a message, as another wakes it.
+    fn wake(&mut self, waker: usize, task: usize) {
         if let Phase::Sleeps(state) | Phase::Waits { state, .. } = self.phases[task] {
             self.lanes.spend(task, state, self.now);
             self.phases[task] = Phase::Busy;
             self.agenda.wake(task, self.now);
+            if let Some(causes) = &mut self.causes {
+                causes.woken(task, waker);
+            }
         }
     }
 
@@ -265,8 +322,8 @@ impl<M: Copy> Events<M> {
 
     /// Lets the network carry a message, and tells when it arrives.
     fn carry(&mut self, task: usize, to: usize, is_held: bool, message: &Message<M>) -> u64 {
-        let at = self.network.carry((task, to), self.now, message.bytes);
-        self.deliver(to, Mail { at, from: task, is_held, content: message.content });
+        let (at, cause) = self.pass(task, to, message.bytes);
+        self.deliver(to, Mail { at, cause, from: task, is_held, content: message.content });
         at
     }
 
@@ -278,9 +335,18 @@ impl<M: Copy> Events<M> {
                 self.carry(task, other, false, message);
             });
         }
-        let at = self.network.carry((task, task), self.now, message.bytes);
-        let mail = Mail { at, from: task, is_held: false, content: message.content };
+        let (at, cause) = self.pass(task, task, message.bytes);
+        let mail = Mail { at, cause, from: task, is_held: false, content: message.content };
         others.for_each(|other| self.deliver(other, mail.clone()));
+    }
+
+    /// When a message that is ready to go arrives, and by what chain of causes.
+    fn pass(&mut self, task: usize, to: usize, bytes: u64) -> (u64, u32) {
+        let passage = self.network.carry((task, to), self.now, bytes);
+        let cause = self.causes.as_mut().map_or(0, |causes| {
+            causes.carry(task, &passage, &self.network.taken_by((task, to), &passage))
+        });
+        (passage.arrives, cause)
     }
 
     fn deliver(&mut self, to: usize, mail: Mail<M>) {
@@ -295,7 +361,7 @@ impl<M: Copy> Events<M> {
     /// Takes a message, if there is one.
     fn receive(&mut self, task: usize, from: Sender, state: StateId) -> Option<Option<M>> {
         if let Some(mail) = self.mailboxes[task].take(from, self.now) {
-            return Some(Some(self.taken(mail)));
+            return Some(Some(self.taken(task, mail)));
         }
         self.phases[task] = Phase::Waits { from, state };
         if let Some(at) = self.mailboxes[task].arrival(from) {
@@ -305,7 +371,10 @@ impl<M: Copy> Events<M> {
     }
 
     /// What is in a message that a task takes, whose sender may wait for that.
-    fn taken(&mut self, mail: Mail<M>) -> M {
+    fn taken(&mut self, task: usize, mail: Mail<M>) -> M {
+        if let Some(causes) = &mut self.causes {
+            causes.taken(task, &mail);
+        }
         if mail.is_held {
             self.agenda.wake(mail.from, self.now);
         }
@@ -320,7 +389,13 @@ impl<M: Copy> Events<M> {
                 self.lanes.spend(task, state, rests(task).map_or(self.now, |since| since.0));
             }
         }
-        self.lanes.finish(self.now, self.network.stats())
+        self.measured()
+    }
+
+    fn measured(self) -> (Measured, Observed) {
+        let (measured, observed) = self.lanes.finish(self.now, self.network.stats());
+        let path = self.causes.map(|causes| causes.finish(&measured.topology, self.now));
+        (measured, Observed { path, ..observed })
     }
 
     /// What was measured and seen, when all tasks have ended.
@@ -334,7 +409,7 @@ impl<M: Copy> Events<M> {
         let waiting: Vec<_> =
             self.phases.iter().enumerate().filter_map(|(task, phase)| Some((task, waits(phase)?))).collect();
         match waiting.is_empty() {
-            true => Ok(self.lanes.finish(self.now, self.network.stats())),
+            true => Ok(self.measured()),
             false => Err(Standstill(waiting)),
         }
     }

@@ -14,6 +14,7 @@
 
 mod agenda;
 mod buses;
+mod causes;
 mod cube;
 mod engine;
 mod lanes;
@@ -23,6 +24,6 @@ mod recorder;
 
 pub use buses::Buses;
 pub use cube::{Cube, WireTimes};
-pub use engine::{Act, Delivery, Events, MOST_SPELLS, Message, Standstill, Waits};
+pub use engine::{Act, Delivery, Events, MOST_SPELLS, Message, Spell, Standstill, Waits};
 pub use mailbox::Sender;
 pub use network::Network;

@@ -7,9 +7,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::items::Items;
-use crate::machine::events::{Act, Delivery, Message, Sender};
+use super::pixels::{UNITS, prices};
+use crate::machine::events::{Act, Delivery, Message, Sender, Spell};
 use crate::machine::{Capitan, Cycles};
-use crate::measure::{Names, Shape, State, StateId, StateKind, States, Topology};
+use crate::measure::{Names, PathUnit, Shape, State, StateId, StateKind, States, Topology};
+use crate::program::work;
+use crate::seam::Unit;
 
 /// How work items come to the workers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -67,6 +70,15 @@ const WAITING_ANSWER: StateId = StateId(6);
 const WAITING_MAIL: StateId = StateId(7);
 const IDLE: StateId = StateId(8);
 
+/// The units of work of tasks are those of a pixel in a scene of polygons, and then these.
+const FIXED: Unit = Unit(UNITS as u8);
+const PER_CAP: Unit = Unit(UNITS as u8 + 1);
+const MESSAGE: Unit = Unit(UNITS as u8 + 2);
+const SEGMENT: Unit = Unit(UNITS as u8 + 3);
+const PIXEL: Unit = Unit(UNITS as u8 + 4);
+const COLOR: Unit = Unit(UNITS as u8 + 5);
+const BUS: Unit = Unit(UNITS as u8 + 6);
+
 /// The states of tasks: the waiting ones are for the scene, for a work item (called `noun`), until the master takes a message,
 /// for the answer of one task, and for a message of anyone.
 pub fn states(noun: &str) -> States {
@@ -98,6 +110,8 @@ pub fn states(noun: &str) -> States {
 pub struct Farm<'a> {
     machine: &'a Capitan,
     items: &'a Items,
+    /// What each unit of work on a pixel takes.
+    prices: [Cycles; UNITS],
     scene_bytes: u64,
     scene_by: SceneBy,
     hand_out: HandOut,
@@ -158,6 +172,7 @@ impl<'a> Farm<'a> {
         Farm {
             machine,
             items,
+            prices: prices(machine),
             scene_bytes,
             scene_by,
             hand_out,
@@ -187,6 +202,31 @@ impl<'a> Farm<'a> {
     /// The states of a task that sends, and of one that has ended.
     pub const SENDING_AND_IDLE: (StateId, StateId) = (SENDING, IDLE);
 
+    /// What a message is told as by its bus, and beyond.
+    pub const CARRYING: [Unit; 2] = [BUS, BUS];
+
+    /// The units of work, by the names of what they take in the machine's file; `bus_message` is a message on a bus. Of a pixel that is made
+    /// up, and of a message, it tells what they take on average.
+    pub fn units(&self) -> Vec<PathUnit> {
+        let unit = |name: &str, state, cycles| PathUnit { name: name.to_owned(), state, cycles };
+        let vocabulary = work::vocabulary(false);
+        let pixel = vocabulary.units.iter().zip(self.prices).map(|(of_pixel, price)| match of_pixel.name.as_str() {
+            "host_hit" => unit("shade_hit", COMPUTING, price),
+            name => unit(name, COMPUTING, price),
+        });
+        let costs = &self.machine.costs;
+        let others = [
+            unit("fixed_ms", COMPUTING, costs.fixed),
+            unit("per_cap_ms", SENDING, costs.per_cap),
+            unit("message_ms", SENDING, costs.message),
+            unit("segment_ms", COMPUTING, costs.segment),
+            unit("pixel_ms", COMPUTING, costs.pixel),
+            unit("color_ms", RECEIVING, costs.color),
+            unit("bus_message", SENDING, self.machine.buses.time(self.machine.header_bytes)),
+        ];
+        pixel.chain(others).collect()
+    }
+
     /// How many tasks there are.
     fn tasks(&self) -> usize {
         FIRST_WORKER + self.workers.len()
@@ -207,7 +247,7 @@ impl<'a> Farm<'a> {
         match self.station {
             Station::Reads => {
                 self.station = Station::GivesOut(MASTER);
-                Act::Spend(COMPUTING, costs.fixed)
+                Act::Spend(once(COMPUTING, FIXED, costs.fixed))
             }
             Station::GivesOut(to) if to < self.tasks() => {
                 let (delivery, next) = match self.scene_by {
@@ -215,7 +255,7 @@ impl<'a> Farm<'a> {
                     SceneBy::Broadcast => (Delivery::Broadcast, self.tasks()),
                 };
                 self.station = Station::GivesOut(next);
-                self.send(delivery, costs.per_cap, Letter::Scene)
+                self.send(delivery, once(SENDING, PER_CAP, costs.per_cap), Letter::Scene)
             }
             Station::GivesOut(_) => {
                 self.station = Station::Files(self.items.pixels().len());
@@ -223,7 +263,7 @@ impl<'a> Farm<'a> {
             }
             Station::Files(left) if taken.is_some() => {
                 self.station = Station::Files(left - 1);
-                Act::Spend(RECEIVING, costs.color)
+                Act::Spend(once(RECEIVING, COLOR, costs.color))
             }
             Station::Files(0) => Act::End,
             Station::Files(_) => Act::Receive(Sender::Anyone, WAITING_MAIL),
@@ -240,7 +280,7 @@ impl<'a> Farm<'a> {
             (Master::Listens, Some(Letter::Ready(worker))) => {
                 self.master = Master::Answered(worker as usize);
                 let answer = self.answer(worker as usize);
-                self.send(Delivery::Hold(worker as usize, WAITING_ANSWER), self.machine.costs.message, answer)
+                self.send(Delivery::Hold(worker as usize, WAITING_ANSWER), self.message(), answer)
             }
             (Master::Answered(worker), None) => Act::Receive(Sender::Task(worker), WAITING_ANSWER),
             (Master::Answered(_) | Master::Listens, _) if self.at_work == 0 => Act::End,
@@ -281,14 +321,15 @@ impl<'a> Farm<'a> {
             },
             Worker::Has(item) => (Worker::SetsUp(item), Act::Begin(item as u32)),
             Worker::SetsUp(item) => {
-                (Worker::Computes(item, self.items.range(item).start), Act::Spend(COMPUTING, costs.segment))
+                let set_up = once(COMPUTING, SEGMENT, costs.segment);
+                (Worker::Computes(item, self.items.range(item).start), Act::Spend(set_up))
             }
             Worker::Computes(item, pixel) if pixel < self.items.range(item).end => {
-                (Worker::Shows(item, pixel), Act::Spend(COMPUTING, self.items.pixels()[pixel]))
+                (Worker::Shows(item, pixel), self.compute(pixel))
             }
             Worker::Computes(item, _) => (self.after(item), Act::Done),
             Worker::Shows(item, pixel) => {
-                let color = self.send(Delivery::Post(STATION), Cycles(0), Letter::Color);
+                let color = self.send(Delivery::Post(STATION), Spell::NONE, Letter::Color);
                 (Worker::Computes(item, pixel + 1), color)
             }
             Worker::Ends => (Worker::Ends, Act::End),
@@ -305,10 +346,27 @@ impl<'a> Farm<'a> {
     }
 
     fn to_master(&self, letter: Letter) -> Act<Letter> {
-        self.send(Delivery::Hold(MASTER, WAITING_MASTER), self.machine.costs.message, letter)
+        self.send(Delivery::Hold(MASTER, WAITING_MASTER), self.message(), letter)
     }
 
-    fn send(&self, delivery: Delivery, time: Cycles, letter: Letter) -> Act<Letter> {
+    /// What it takes to compute a pixel.
+    fn compute(&self, pixel: usize) -> Act<Letter> {
+        let Some(counts) = self.items.counts(pixel) else {
+            return Act::Spend(once(COMPUTING, PIXEL, self.items.pixels()[pixel]));
+        };
+        let spell = |unit: usize| {
+            let (count, price) = (counts[unit], self.prices[unit].0);
+            Spell { state: COMPUTING, unit: Unit(unit as u8), count, cycles: Cycles(u64::from(count) * price) }
+        };
+        Act::each(std::array::from_fn::<Spell, UNITS, _>(spell))
+    }
+
+    /// What it takes to send a message between master and worker.
+    fn message(&self) -> Spell {
+        once(SENDING, MESSAGE, self.machine.costs.message)
+    }
+
+    fn send(&self, delivery: Delivery, work: Spell, letter: Letter) -> Act<Letter> {
         let inside = match letter {
             Letter::Scene => self.scene_bytes,
             Letter::Ready(_) => 0,
@@ -316,6 +374,11 @@ impl<'a> Farm<'a> {
             Letter::Item(_) => 2 * INTEGER,
             Letter::Color => 5 * INTEGER,
         };
-        Act::Send(Message { delivery, time, bytes: self.machine.header_bytes + inside, content: letter })
+        Act::Send(Message { delivery, work, bytes: self.machine.header_bytes + inside, content: letter })
     }
+}
+
+/// One unit of work, in a state.
+fn once(state: StateId, unit: Unit, cycles: Cycles) -> Spell {
+    Spell { state, unit, count: 1, cycles }
 }

@@ -93,6 +93,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         has_window => page.recording.is_some(),
         why => page.path.map(|path| context! {
             sentence => why::sentence(path),
+            subject_to => why::subject_to(path),
             times => value(why::time_rows(path, false)),
             places => value(why::place_rows(path)),
         }),

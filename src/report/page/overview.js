@@ -102,8 +102,8 @@ const stateColors = () => run.states.map((state) => rgb(seen(state.color)));
 const statesOf = (shares, from, until, colors) => shares.map((share, at) => [mean(share, from, until) / 100, colors[at]]);
 
 function addPath() {
-  const where = (row) => row < count ? `cell ${row}` : "the host";
-  addOverview("where the critical path is, and why", count + 1, (row, from, until) => statesOf(path[row](), from, until, stateColors()), {
+  const where = (row) => {% if is_line %}row < count ? `cell ${row}` : "the host"{% else %}run.cells[row].name{% endif %};
+  addOverview("where the critical path is, and why", path.length, (row, from, until) => statesOf(path[row](), from, until, stateColors()), {
     thin: "each in the colour of what takes most of it",
     name: (row) => row < count ? `${row}` : "host",
     station: (row) => row < count ? row : null,

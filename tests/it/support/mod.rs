@@ -2,6 +2,7 @@
 
 pub mod command;
 pub mod cube_ticking;
+pub mod farm_looking_back;
 pub mod farm_ticking;
 pub mod intervals;
 pub mod looking_back;

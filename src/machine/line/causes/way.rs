@@ -1,10 +1,9 @@
 //! The way back from some points, through the ops since the last reckoning.
 
-use super::chains::Chains;
-use super::tally::Code;
 use super::waits::{Wait, Waits, last_before};
 use super::window::{NOW, Past, Point};
 use super::{Stand, Station};
+use crate::machine::chains::{Chains, Code};
 use crate::seam::{Op, OpKind};
 
 /// All points since the last reckoning that some points lead back to.
