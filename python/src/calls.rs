@@ -148,11 +148,8 @@ pub fn farm(
             let error = error::InputError::new("statistics and views are of one number of workers, not of a range");
             return Err(error.help("ask for one number of tasks; a sweep makes tables of many").into());
         }
-        let samples = spec.samples() as u64;
-        let setup = FarmSetup::new(spec, &task.workers, |done| {
-            task.set(done as u64, samples);
-            Ok::<_, Infallible>(())
-        })?;
+        let told = samples(task, spec.samples());
+        let setup = FarmSetup::new(spec, &task.workers, told)?;
         let outcome = setup.run(setup.spec.tasks, &watching(why, false), &task.workers.cancel)?;
         Ok(Made::Farm { setup: Box::new(setup), outcome: Box::new(outcome) })
     })?;
@@ -177,15 +174,20 @@ pub fn ipsc2(
     let made = work(py, crew, "samples", |task| {
         let spec = CubeSpec::new(&options, base)?;
         moot::check_cube(&options, &spec)?;
-        let samples = spec.samples() as u64;
-        let setup = CubeSetup::new(spec, false, &task.workers, |done| {
-            task.set(done as u64, samples);
-            Ok::<_, Infallible>(())
-        })?;
+        let told = samples(task, spec.samples());
+        let setup = CubeSetup::new(spec, false, &task.workers, told)?;
         let outcome = setup.run(&Watching::default(), &task.workers.cancel)?;
         Ok(Made::Cube { setup: Box::new(setup), outcome: Box::new(outcome) })
     })?;
     Ok(Run::new(made, crew))
+}
+
+/// Tells the bar how many of an image's samples are traced.
+fn samples(task: &Task, all: usize) -> impl FnMut(usize) -> Result<(), Infallible> {
+    move |done| {
+        task.set(done as u64, all as u64);
+        Ok(())
+    }
 }
 
 /// What is watched of a run as it is made.
