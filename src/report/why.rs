@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::summary::{Rows, WIDTH, aligned_with, grouped, percent, prose, table, wrapped};
+use super::summary::{Rows, WIDTH, aligned_with, grouped, percent, prose, table, time, wrapped};
+use crate::machine::Capitan;
 use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit, Shape};
 use crate::quantities::Cycles;
 
@@ -159,16 +160,28 @@ fn place(path: &CriticalPath, at: Actor) -> String {
     }
 }
 
-/// What a path's cycles are called.
-fn cycles(path: &CriticalPath) -> &'static str {
-    if path.topology.shape == Shape::Farm { "ns" } else { "cycles" }
+/// What the lengths of parts are called.
+fn lengths(path: &CriticalPath) -> &'static str {
+    if path.topology.shape == Shape::Farm { "time" } else { "cycles" }
+}
+
+/// A length: in cycles, which of a farm are nanoseconds, and are told as times.
+fn length(path: &CriticalPath, cycles: Cycles) -> String {
+    if path.topology.shape == Shape::Farm { time(Capitan::CLOCK.seconds(cycles)) } else { grouped(cycles.0) }
+}
+
+/// The length of a path.
+fn whole(path: &CriticalPath) -> String {
+    let length = length(path, path.cycles);
+    if path.topology.shape == Shape::Farm { length } else { length + " cycles" }
 }
 
 /// A part of a path, in words: `the grid's steps in cell 0`, `X4, full`.
 fn phrase(path: &CriticalPath, part: &PathPart) -> String {
     let fifo = |fifo: usize| &path.topology.fifos[fifo].name;
     match part.cause {
-        Cause::Work(unit) if path.units[unit].name == BUS => doing(path, &path.units[unit]),
+        // Which of the workers it is at a time says nothing.
+        Cause::Work(unit) if path.topology.shape == Shape::Farm => doing(path, &path.units[unit]),
         Cause::Work(unit) => format!("{} in {}", doing(path, &path.units[unit]), place(path, part.at)),
         Cause::Move => format!("moving words in {}", place(path, part.at)),
         Cause::Latency(place) => format!("the way into {}", fifo(place)),
@@ -197,15 +210,15 @@ pub fn time_rows(path: &CriticalPath, by_cell: bool) -> Rows {
         let saved = percent(time.cycles, Cycles(path.cycles.0.saturating_mul(10)));
         vec![
             time.at.map_or(time.label.clone(), |at| format!("{} {} {}", time.label, time.side(), place(path, at))),
-            grouped(time.cycles.0),
+            length(path, time.cycles),
             percent(time.cycles, path.cycles),
             grouped(time.count),
-            grouped(time.each.0),
+            length(path, time.each),
             if time.varies { saved } else { String::new() },
         ]
     };
     Rows {
-        header: ["cause", cycles(path), "share", "times", "each", "10 % less saves"].map(str::to_owned).to_vec(),
+        header: ["cause", lengths(path), "share", "times", "each", "10 % less saves"].map(str::to_owned).to_vec(),
         rows: times(path, by_cell).into_iter().map(row).collect(),
     }
 }
@@ -228,15 +241,15 @@ pub fn place_rows(path: &CriticalPath) -> Rows {
         causes.iter().take(NAMED).map(|(label, cycles)| format!("{label} {}", share(**cycles))).collect::<Vec<_>>()
     };
     let row = |(at, (cycles, causes)): &(Actor, (Cycles, BTreeMap<String, Cycles>))| {
-        vec![place(path, *at), grouped(cycles.0), share(*cycles), mostly(causes).join("; ")]
+        vec![place(path, *at), length(path, *cycles), share(*cycles), mostly(causes).join("; ")]
     };
     let mut rows: Vec<Vec<String>> = places.iter().take(MOST_CELLS).map(row).collect();
     let others = &places[rows.len()..];
     if !others.is_empty() {
         let cycles: Cycles = others.iter().map(|(_, (cycles, _))| *cycles).sum();
-        rows.push(vec![format!("{} others", others.len()), grouped(cycles.0), share(cycles), String::new()]);
+        rows.push(vec![format!("{} others", others.len()), length(path, cycles), share(cycles), String::new()]);
     }
-    Rows { header: ["where", cycles(path), "share", "mostly"].map(str::to_owned).to_vec(), rows }
+    Rows { header: ["where", lengths(path), "share", "mostly"].map(str::to_owned).to_vec(), rows }
 }
 
 /// What the figures mean.
@@ -278,7 +291,7 @@ which it sent them, as a replay of the ops keeps it.
 pub fn text(path: &CriticalPath, by_cell: bool) -> String {
     format!(
         "{}\n{}\n{}\n{}",
-        prose(&format!("why {} {}: {}", grouped(path.cycles.0), cycles(path), sentence(path))),
+        prose(&format!("why {}: {}", whole(path), sentence(path))),
         meaning(path),
         figures(time_rows(path, by_cell), &[]),
         figures(in_lines(place_rows(path)), &[3]),

@@ -113,7 +113,7 @@ impl Causes {
     }
 
     /// Forgets what nothing can follow from any more. `mails` are the chains of all messages that nobody has taken yet.
-    pub fn reckon<'a>(&mut self, mails: impl Iterator<Item = &'a mut u32>) {
+    pub fn reckon<'a>(&'a mut self, mails: impl Iterator<Item = &'a mut u32>) {
         let own = self.tasks.iter_mut().chain(&mut self.links).map(|point| &mut point.chain);
         let live: Vec<&mut u32> = own.chain(mails).collect();
         let old: Vec<u32> = live.iter().map(|chain| **chain).collect();
