@@ -1,7 +1,7 @@
 //! Nodes of a hypercube by themselves: against nodes that tick every cycle, by hand, and whether they ever get stuck.
 
 use pcs_sim::host::shading::RayKind;
-use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, Spell, WireTimes};
+use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, WireTimes};
 use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
 use pcs_sim::measure::{Clock, Measured, Recording, StateId, StationRecord};
 use pcs_sim::program::cube::{
@@ -359,7 +359,7 @@ fn messages_wait_for_all_links_of_their_way() {
         let mut events = Events::new(topology(4), Cube::new(4, wires), RegionNodes::SENDING_AND_IDLE);
         let mut lists: Vec<Vec<Act<usize>>> = vec![Vec::new(); 5];
         for (number, &(from, to, bytes)) in sends.iter().enumerate() {
-            let message = Message { delivery: Delivery::Post(to), work: Spell::NONE, bytes, content: number };
+            let message = Message { delivery: Delivery::Post(to), time: Cycles(0), bytes, content: number };
             lists[from].push(Act::Send(message));
         }
         let mut takes = [0; 5];

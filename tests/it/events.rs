@@ -1,7 +1,7 @@
 //! The engine of events by itself: its order, its rendezvous, its standstill.
 
 use pcs_sim::machine::Cycles;
-use pcs_sim::machine::events::{Act, Buses, Delivery, Events, Message, Sender, Spell, Standstill, Waits};
+use pcs_sim::machine::events::{Act, Buses, Delivery, Events, Message, Sender, Standstill, Waits};
 use pcs_sim::measure::{Measured, Shape, State, StateId, StateKind, States, Topology};
 
 const BUSY: StateId = StateId(0);
@@ -38,11 +38,7 @@ fn run(lists: &[Vec<Act<u32>>]) -> (Result<Measured, Standstill>, Vec<(usize, u3
 }
 
 fn message(delivery: Delivery, time: u64, bytes: u64, content: u32) -> Act<u32> {
-    Act::Send(Message { delivery, work: Spell::of(SENDS, Cycles(time)), bytes, content })
-}
-
-fn busy(time: u64) -> Act<u32> {
-    Act::Spend(Spell::of(BUSY, Cycles(time)))
+    Act::Send(Message { delivery, time: Cycles(time), bytes, content })
 }
 
 const TAKE: Act<u32> = Act::Receive(Sender::Anyone, WAITS);
@@ -50,10 +46,10 @@ const TAKE: Act<u32> = Act::Receive(Sender::Anyone, WAITS);
 #[test]
 fn the_first_to_arrive_is_taken_first_and_then_the_lowest_sender() {
     let post =
-        |time, bytes, content| vec![busy(time), message(Delivery::Post(0), 0, bytes, content)];
+        |time, bytes, content| vec![Act::Spend(BUSY, Cycles(time)), message(Delivery::Post(0), 0, bytes, content)];
     // Task 3 is first; those of 1 and 2 arrive together, as no bytes take no time.
     let (measured, took) =
-        run(&[vec![busy(20), TAKE, TAKE, TAKE], post(9, 0, 1), post(9, 0, 2), post(5, 2, 3)]);
+        run(&[vec![Act::Spend(BUSY, Cycles(20)), TAKE, TAKE, TAKE], post(9, 0, 1), post(9, 0, 2), post(5, 2, 3)]);
     assert_eq!(took, [(0, 3), (0, 1), (0, 2)]);
     assert_eq!(measured.unwrap().cycles, Cycles(20));
     let (_, took) =
@@ -64,8 +60,8 @@ fn the_first_to_arrive_is_taken_first_and_then_the_lowest_sender() {
 /// By hand: 3 cycles of work on the message, 4 on the bus, then held until the receiver is done with something else.
 #[test]
 fn a_rendezvous_holds_its_sender() {
-    let sender = vec![message(Delivery::Hold(1, HELD), 3, 4, 7), busy(1)];
-    let (measured, took) = run(&[sender, vec![busy(10), TAKE]]);
+    let sender = vec![message(Delivery::Hold(1, HELD), 3, 4, 7), Act::Spend(BUSY, Cycles(1))];
+    let (measured, took) = run(&[sender, vec![Act::Spend(BUSY, Cycles(10)), TAKE]]);
     let measured = measured.unwrap();
     let times = |task: usize| [BUSY, SENDS, WAITS, HELD, IDLE].map(|state| measured.stations[task].of(state).0);
     assert_eq!((measured.cycles, took), (Cycles(11), vec![(1, 7)]));

@@ -67,7 +67,7 @@ fn capitan() -> Capitan {
 fn run(machine: &Capitan, items: &Items, scene: (u64, SceneBy), workers: (usize, HandOut)) -> (Measured, Observed) {
     let mut farm = Farm::new(machine, items, scene, workers);
     let events = Events::new(farm.topology(), machine.buses.clone(), Farm::SENDING_AND_IDLE);
-    let events = events.explained(farm.units(), Farm::CARRYING);
+    let events = events.explained(farm.explanation(), Farm::sending);
     let mut events = events.probed().recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
     while events.step(&mut |task, _, taken| farm.next(task, taken)) {}
     events.finish().unwrap()

@@ -7,12 +7,12 @@
 
 use std::sync::Arc;
 
-use super::engine::Spell;
+use super::engine::{Explanation, Work};
 use super::mailbox::Mail;
 use super::network::Passage;
 use crate::machine::chains::{Chains, Code, Entry};
 use crate::machine::timeline::bins_for;
-use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit, Topology};
+use crate::measure::{Actor, Cause, CriticalPath, PathPart, Topology};
 use crate::quantities::Cycles;
 use crate::seam::Unit;
 
@@ -30,9 +30,7 @@ pub(super) struct Causes {
     tasks: Vec<Point>,
     /// When each bus or link is free, and by what.
     links: Vec<Point>,
-    units: Vec<PathUnit>,
-    /// What a message is told as that has a bus or its links, and one that is on its way without.
-    carrying: [Unit; 2],
+    explanation: Explanation,
     most_points: u32,
 }
 
@@ -51,45 +49,50 @@ impl Point {
 }
 
 impl Causes {
-    pub fn new(tasks: usize, links: usize, units: Vec<PathUnit>, carrying: [Unit; 2]) -> Causes {
+    pub fn new(tasks: usize, links: usize, explanation: Explanation) -> Causes {
         Causes {
             chains: Chains::new(bins_for(tasks) as u64),
             tasks: vec![Point::default(); tasks],
             links: vec![Point::default(); links],
-            units,
-            carrying,
+            explanation,
             most_points: FEW_POINTS,
         }
     }
 
-    /// A point some cycles after another, which were spent on something of a task's.
-    fn add(&mut self, from: Point, task: usize, spell: &Spell) -> Point {
-        let at = from.at + spell.cycles.0;
+    /// A point some cycles after another, which a task spent on so many units of something.
+    fn add(&mut self, from: Point, task: usize, (unit, count): (Unit, u32), cycles: u64) -> Point {
+        let at = from.at + cycles;
         self.chains.reach(at);
         self.chains.pen.turn_to(task);
-        self.chains.pen.add(Code(spell.unit.0), from.at, spell.cycles.0, u64::from(spell.count));
+        self.chains.pen.add(Code(unit.0), from.at, cycles, u64::from(count));
         let chain = self.chains.len();
         self.chains.push(from.chain, false);
         Point { at, chain }
     }
 
     /// A task works.
-    pub fn work(&mut self, task: usize, spell: &Spell) {
-        if spell.count > 0 || spell.cycles > Cycles(0) {
-            self.tasks[task] = self.add(self.tasks[task], task, spell);
+    pub fn work(&mut self, task: usize, cycles: Cycles, work: Work) {
+        match work {
+            Work::Unit(unit) => self.tasks[task] = self.add(self.tasks[task], task, (unit, 1), cycles.0),
+            Work::Piece(piece) => {
+                let Some(&counts) = self.explanation.pieces.get(piece as usize) else { return };
+                for (unit, count) in counts.into_iter().enumerate().filter(|(_, count)| *count > 0) {
+                    let cycles = u64::from(count) * self.explanation.units[unit].cycles.0;
+                    self.tasks[task] = self.add(self.tasks[task], task, (Unit(unit as u8), count), cycles);
+                }
+            }
         }
     }
 
     /// A message that a task has made passes, by way of some links. Returns its chain.
     pub fn carry(&mut self, task: usize, passage: &Passage, links: &[usize]) -> u32 {
         let sets_out = links.iter().fold(self.tasks[task], |point, &link| point.or_later(self.links[link]));
-        let [holds, on_its_way] = self.carrying;
-        let spell = |unit, cycles| Spell { unit, count: 1, cycles: Cycles(cycles), ..Spell::NONE };
-        let free = self.add(sets_out, task, &spell(holds, passage.free - passage.starts));
+        let [holds, on_its_way] = self.explanation.carrying;
+        let free = self.add(sets_out, task, (holds, 1), passage.free - passage.starts);
         links.iter().for_each(|&link| self.links[link] = free);
         match passage.arrives - passage.free {
             0 => free.chain,
-            rest => self.add(free, task, &spell(on_its_way, rest)).chain,
+            rest => self.add(free, task, (on_its_way, 1), rest).chain,
         }
     }
 
@@ -142,6 +145,6 @@ impl Causes {
             bins.get_mut(bin).into_iter().for_each(|bin: &mut Vec<PathPart>| bin.push(part(entry)));
         }
         let topology = Arc::clone(topology);
-        CriticalPath { topology, cycles: Cycles(cycles), units: self.units, bin: Cycles(bin), bins }
+        CriticalPath { topology, cycles: Cycles(cycles), units: self.explanation.units, bin: Cycles(bin), bins }
     }
 }

@@ -15,10 +15,12 @@ use crate::seam::Unit;
 /// What a task does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act<M> {
-    /// Spends some time.
-    Spend(Spell),
-    /// Spends some time, then some more, and so on.
-    SpendEach([Spell; MOST_SPELLS]),
+    /// Spends some cycles in a state.
+    Spend(StateId, Cycles),
+    /// The same, and says on what.
+    Work(StateId, Cycles, Work),
+    /// Spends some cycles in one state, then in the next.
+    SpendEach([(StateId, Cycles); MOST_SPELLS]),
     /// Sends a message.
     Send(Message<M>),
     /// Takes a message; until there is one, it is in that state.
@@ -37,49 +39,39 @@ pub enum Act<M> {
     End,
 }
 
-/// Spells that can follow each other in one act.
-pub const MOST_SPELLS: usize = 8;
+/// States that a task can spend its time in, one after the other.
+pub const MOST_SPELLS: usize = 5;
 
-/// Some time that a task spends at work: in which state, and on how much of what.
+/// What time is spent on, where [causes](Events::explained) are followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Spell {
-    /// The state of the task.
-    pub state: StateId,
-    /// The unit of work, by its place among those by which causes are [told](Events::explained).
-    pub unit: Unit,
-    /// How many of them.
-    pub count: u32,
-    /// What they take together.
-    pub cycles: Cycles,
+pub enum Work {
+    /// One unit of work.
+    Unit(Unit),
+    /// A piece of work, by its number, which consists of several units.
+    Piece(u32),
 }
 
-impl<M> Act<M> {
-    /// A few spells, one after the other.
-    pub fn each<const N: usize>(spells: [Spell; N]) -> Act<M> {
-        const { assert!(N <= MOST_SPELLS) };
-        let mut all = [Spell::NONE; MOST_SPELLS];
-        all[..N].copy_from_slice(&spells);
-        Act::SpendEach(all)
-    }
+/// By what names causes are told.
+#[derive(Clone, Debug)]
+pub struct Explanation {
+    /// The units of work, and what each takes.
+    pub units: Vec<PathUnit>,
+    /// What a message takes as long as it has a bus or its links, and as long as it is on its way without.
+    pub carrying: [Unit; 2],
+    /// What each piece of work consists of: how many of each of the first units.
+    pub pieces: Vec<[u32; PIECE_UNITS]>,
 }
 
-impl Spell {
-    /// Some time in a state, on work that is told by the state alone.
-    pub const fn of(state: StateId, cycles: Cycles) -> Spell {
-        Spell { state, unit: Unit(state.0), count: 1, cycles }
-    }
-
-    /// No time.
-    pub const NONE: Spell = Spell { state: StateId(0), unit: Unit(0), count: 0, cycles: Cycles(0) };
-}
+/// As many units a piece of work can consist of.
+pub const PIECE_UNITS: usize = 8;
 
 /// A message that a task sends: first the task itself is at work on it, then a bus carries it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Message<M> {
     /// Whom it is for, and what its sender does when it is ready to go.
     pub delivery: Delivery,
-    /// What the sender itself spends on it, in its state of sending.
-    pub work: Spell,
+    /// What the sender itself spends on it.
+    pub time: Cycles,
     /// How long it is.
     pub bytes: u64,
     /// What is in it.
@@ -124,7 +116,7 @@ pub struct Events<M> {
     network: Network,
     lanes: Lanes,
     /// What follows from what, if that is asked for.
-    causes: Option<Causes>,
+    causes: Option<(Causes, fn(&M) -> Option<Unit>)>,
     /// The state of a task that is at work on a message, or whose message is on its way and held.
     sending: StateId,
     now: u64,
@@ -183,10 +175,10 @@ impl<M: Copy> Events<M> {
         self
     }
 
-    /// The same with its causes followed. What tasks spend is told by `units`. So is a message, by the first of `carrying` as long as
-    /// it has a bus or its links, and by the second as long as it is on its way without.
-    pub fn explained(mut self, units: Vec<PathUnit>, carrying: [Unit; 2]) -> Events<M> {
-        self.causes = Some(Causes::new(self.phases.len(), self.network.count(), units, carrying));
+    /// The same with its causes followed, of which all time is told as work: [`Act::Work`] says what.
+    /// `sending` tells the unit of work that a task spends on a message, by what is in it.
+    pub fn explained(mut self, explanation: Explanation, sending: fn(&M) -> Option<Unit>) -> Events<M> {
+        self.causes = Some((Causes::new(self.phases.len(), self.network.count(), explanation), sending));
         self
     }
 
@@ -201,7 +193,7 @@ impl<M: Copy> Events<M> {
                 taken = message;
             }
         }
-        if let Some(causes) = self.causes.as_mut().filter(|causes| causes.is_full()) {
+        if let Some((causes, _)) = self.causes.as_mut().filter(|(causes, _)| causes.is_full()) {
             causes.reckon(self.mailboxes.iter_mut().flat_map(Mailbox::all).map(|mail| &mut mail.cause));
         }
         true
@@ -228,9 +220,15 @@ impl<M: Copy> Events<M> {
     /// A task does something. `None` if that takes time, else the message that it took, if it did.
     fn act(&mut self, task: usize, act: Act<M>) -> Option<Option<M>> {
         match act {
-            Act::Spend(spell) => self.spend(task, spell, Phase::Busy).then_some(None),
-            Act::SpendEach(spells) => self.spend_each(task, &spells).then_some(None),
-            Act::Send(message) => match self.spend(task, message.work, Phase::Sends(message)) {
+            Act::Spend(state, cycles) => self.spend(task, state, cycles, Phase::Busy).then_some(None),
+            Act::Work(state, cycles, work) => {
+                if let Some((causes, _)) = &mut self.causes {
+                    causes.work(task, cycles, work);
+                }
+                self.spend(task, state, cycles, Phase::Busy).then_some(None)
+            }
+            Act::SpendEach(spells) => self.spend_each(task, spells).then_some(None),
+            Act::Send(message) => match self.begin_to_send(task, message) {
                 true => self.send(task, message),
                 false => None,
             },
@@ -259,30 +257,34 @@ impl<M: Copy> Events<M> {
         }
     }
 
-    /// True if that takes no time.
-    fn spend(&mut self, task: usize, spell: Spell, phase: Phase<M>) -> bool {
-        if let Some(causes) = &mut self.causes {
-            causes.work(task, &spell);
+    /// A task is at work on a message. True if that takes no time.
+    fn begin_to_send(&mut self, task: usize, message: Message<M>) -> bool {
+        if let Some((causes, sending)) = &mut self.causes
+            && let Some(unit) = sending(&message.content)
+        {
+            causes.work(task, message.time, Work::Unit(unit));
         }
-        if spell.cycles == Cycles(0) {
+        self.spend(task, self.sending, message.time, Phase::Sends(message))
+    }
+
+    /// True if that takes no time.
+    fn spend(&mut self, task: usize, state: StateId, cycles: Cycles, phase: Phase<M>) -> bool {
+        if cycles == Cycles(0) {
             return true;
         }
-        let until = self.now + spell.cycles.0;
-        self.lanes.spend(task, spell.state, until);
+        let until = self.now + cycles.0;
+        self.lanes.spend(task, state, until);
         self.agenda.wake(task, until);
         self.phases[task] = phase;
         false
     }
 
-    /// The same of several spells, one after the other.
-    fn spend_each(&mut self, task: usize, spells: &[Spell]) -> bool {
+    /// The same of several states, one after the other.
+    fn spend_each(&mut self, task: usize, spells: [(StateId, Cycles); MOST_SPELLS]) -> bool {
         let mut until = self.now;
-        for spell in spells {
-            until += spell.cycles.0;
-            self.lanes.spend(task, spell.state, until);
-        }
-        if let Some(causes) = &mut self.causes {
-            spells.iter().for_each(|spell| causes.work(task, spell));
+        for (state, cycles) in spells {
+            until += cycles.0;
+            self.lanes.spend(task, state, until);
         }
         if until == self.now {
             return true;
@@ -298,7 +300,7 @@ impl<M: Copy> Events<M> {
             self.lanes.spend(task, state, self.now);
             self.phases[task] = Phase::Busy;
             self.agenda.wake(task, self.now);
-            if let Some(causes) = &mut self.causes {
+            if let Some((causes, _)) = &mut self.causes {
                 causes.woken(task, waker);
             }
         }
@@ -343,7 +345,7 @@ impl<M: Copy> Events<M> {
     /// When a message that is ready to go arrives, and by what chain of causes.
     fn pass(&mut self, task: usize, to: usize, bytes: u64) -> (u64, u32) {
         let passage = self.network.carry((task, to), self.now, bytes);
-        let cause = self.causes.as_mut().map_or(0, |causes| {
+        let cause = self.causes.as_mut().map_or(0, |(causes, _)| {
             causes.carry(task, &passage, &self.network.taken_by((task, to), &passage))
         });
         (passage.arrives, cause)
@@ -372,7 +374,7 @@ impl<M: Copy> Events<M> {
 
     /// What is in a message that a task takes, whose sender may wait for that.
     fn taken(&mut self, task: usize, mail: Mail<M>) -> M {
-        if let Some(causes) = &mut self.causes {
+        if let Some((causes, _)) = &mut self.causes {
             causes.taken(task, &mail);
         }
         if mail.is_held {
@@ -394,7 +396,7 @@ impl<M: Copy> Events<M> {
 
     fn measured(self) -> (Measured, Observed) {
         let (measured, observed) = self.lanes.finish(self.now, self.network.stats());
-        let path = self.causes.map(|causes| causes.finish(&measured.topology, self.now));
+        let path = self.causes.map(|(causes, _)| causes.finish(&measured.topology, self.now));
         (measured, Observed { path, ..observed })
     }
 

@@ -24,6 +24,6 @@ mod recorder;
 
 pub use buses::Buses;
 pub use cube::{Cube, WireTimes};
-pub use engine::{Act, Delivery, Events, MOST_SPELLS, Message, Spell, Standstill, Waits};
+pub use engine::{Act, Delivery, Events, Explanation, MOST_SPELLS, Message, PIECE_UNITS, Standstill, Waits, Work};
 pub use mailbox::Sender;
 pub use network::Network;

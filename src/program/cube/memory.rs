@@ -13,7 +13,7 @@ use super::states::{
     GRID, IDLE, INTERSECTION, LOOKUP, PIXELS, RECEIVING, SENDING, SERVING, SHADING, SLABS, WAITING, WAITING_PAGE,
     topology,
 };
-use crate::machine::events::{Act, Cube, Delivery, Message, Sender, Spell};
+use crate::machine::events::{Act, Cube, Delivery, Message, Sender};
 use crate::machine::{Cycles, Ipsc2};
 use crate::measure::{StateId, Topology};
 
@@ -151,7 +151,7 @@ impl<'a> MemoryNodes<'a> {
         if let Some(PageNote::Pixels(count)) = taken {
             self.host_takes = count;
             let time = self.took(MessageKind::Calculation, packet_bytes(count));
-            return Act::Spend(Spell::of(RECEIVING, time));
+            return Act::Spend(RECEIVING, time);
         }
         self.host_waits -= std::mem::take(&mut self.host_takes) as usize;
         if self.host_waits > 0 {
@@ -166,7 +166,7 @@ impl<'a> MemoryNodes<'a> {
     fn serve(&mut self, node: usize, taken: Option<PageNote>) -> Act<PageNote> {
         if let Some(PageNote::Wants(asker)) = taken {
             self.nodes[node].serves = Some(asker);
-            return Act::Spend(Spell::of(SERVING, self.machine.costs.serve));
+            return Act::Spend(SERVING, self.machine.costs.serve);
         }
         let Some(asker) = self.nodes[node].serves.take() else { return Act::Receive(Sender::Anyone, IDLE) };
         if !self.nodes[node].waits {
@@ -187,13 +187,13 @@ impl<'a> MemoryNodes<'a> {
                 node.begun += 1;
                 node.rays = self.graph.tree(tree as usize);
                 node.next = Next::Ray;
-                Act::Spend(Spell::of(PIXELS, machine.costs.pixel))
+                Act::Spend(PIXELS, machine.costs.pixel)
             }
             Next::Ray if node.rays.is_empty() => self.end_pixel(task, now),
             Next::Ray => {
                 node.read = 0;
                 node.next = Next::Starts;
-                Act::Spend(Spell::of(SERVING, std::mem::take(&mut node.owes)))
+                Act::Spend(SERVING, std::mem::take(&mut node.owes))
             }
             Next::Starts => {
                 node.next = Next::Reads;
@@ -218,16 +218,17 @@ impl<'a> MemoryNodes<'a> {
                 node.waits = false;
                 node.next = Next::Reads;
                 let bytes = PAGE_HEAD_BYTES + u64::from(self.uses.page_bytes);
-                Act::Spend(Spell::of(RECEIVING, self.took(MessageKind::RealObject, bytes)))
+                Act::Spend(RECEIVING, self.took(MessageKind::RealObject, bytes))
             }
             Next::Works => {
                 node.next = Next::Worked;
                 let time = self.graph.time_in_one(node.rays.start, &machine.times);
-                Act::each([
-                    Spell::of(GRID, time.grid),
-                    Spell::of(SLABS, time.slabs),
-                    Spell::of(INTERSECTION, time.intersection),
-                    Spell::of(SHADING, time.shading),
+                Act::SpendEach([
+                    (GRID, time.grid),
+                    (SLABS, time.slabs),
+                    (INTERSECTION, time.intersection),
+                    (SHADING, time.shading),
+                    (SHADING, Cycles(0)),
                 ])
             }
             Next::Worked => {
@@ -259,7 +260,7 @@ impl<'a> MemoryNodes<'a> {
                 break;
             }
         }
-        Act::Spend(Spell::of(LOOKUP, Cycles(lookups * self.machine.costs.lookup.0)))
+        Act::Spend(LOOKUP, Cycles(lookups * self.machine.costs.lookup.0))
     }
 
     fn end_pixel(&mut self, task: usize, now: Cycles) -> Act<PageNote> {
@@ -296,7 +297,7 @@ impl<'a> MemoryNodes<'a> {
         counts.bytes += bytes;
         counts.hops += self.cube.hops(from, to);
         counts.processor += time;
-        Act::Send(Message { delivery: Delivery::Post(to), work: Spell::of(SENDING, time), bytes, content })
+        Act::Send(Message { delivery: Delivery::Post(to), time, bytes, content })
     }
 
     fn took(&mut self, kind: MessageKind, bytes: u64) -> Cycles {

@@ -2,8 +2,8 @@
 //! lets all begin when the last has done so (RR-0992, §4.1).
 
 use super::messages::{BLOCK_BYTES, WORD_BYTES};
-use super::states::{GRID, RECEIVING, SENDING, WAITING};
-use crate::machine::events::{Act, Delivery, Message, Sender, Spell};
+use super::states::{GRID, RECEIVING, WAITING};
+use crate::machine::events::{Act, Delivery, Message, Sender};
 use crate::machine::{Cycles, Ipsc2};
 
 /// A node's part of the scene.
@@ -82,7 +82,7 @@ impl<'a> Preparation<'a> {
             step if step < 2 * blocks => self.take(BLOCK_BYTES.min(self.parts[task].bytes)),
             step if step == 2 * blocks => {
                 self.phases.loaded = self.phases.loaded.max(now);
-                Act::Spend(Spell::of(GRID, Cycles(self.parts[task].references * self.machine.costs.fill.0)))
+                Act::Spend(GRID, Cycles(self.parts[task].references * self.machine.costs.fill.0))
             }
             step if step == 2 * blocks + 1 => self.send(self.machine.nodes, WORD_BYTES),
             step if step == 2 * blocks + 2 => Act::Receive(Sender::Anyone, WAITING),
@@ -96,10 +96,10 @@ impl<'a> Preparation<'a> {
 
     fn send(&self, to: usize, bytes: u64) -> Act<()> {
         let time = self.machine.messages.of(bytes);
-        Act::Send(Message { delivery: Delivery::Post(to), work: Spell::of(SENDING, time), bytes, content: () })
+        Act::Send(Message { delivery: Delivery::Post(to), time, bytes, content: () })
     }
 
     fn take(&self, bytes: u64) -> Act<()> {
-        Act::Spend(Spell::of(RECEIVING, self.machine.messages.of(bytes)))
+        Act::Spend(RECEIVING, self.machine.messages.of(bytes))
     }
 }

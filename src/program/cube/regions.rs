@@ -18,7 +18,7 @@ use super::states::{BLOCKED, GRID, IDLE, INTERSECTION, PIXELS, RECEIVING, SENDIN
 use super::stuck::{Stuck, Waiting};
 use super::token::{Account, Token};
 use crate::host::shading::RayKind;
-use crate::machine::events::{Act, Cube, Delivery, Message, Sender, Spell};
+use crate::machine::events::{Act, Cube, Delivery, Message, Sender};
 use crate::machine::{Cycles, Ipsc2};
 use crate::measure::{StateId, Topology};
 
@@ -278,7 +278,7 @@ impl<'a> RegionNodes<'a> {
         if let Some(Note::Pixels(count, is_last)) = taken {
             let time = self.took(MessageKind::Calculation, packet_bytes(count));
             self.host_takes = count + u32::from(is_last);
-            return Act::Spend(Spell::of(RECEIVING, time));
+            return Act::Spend(RECEIVING, time);
         }
         self.host_waits -= std::mem::take(&mut self.host_takes) as usize;
         if self.host_waits > 0 {
@@ -335,7 +335,7 @@ impl<'a> RegionNodes<'a> {
         if let Some(tree) = self.nodes[task].results.pop_front() {
             let time = self.took(MessageKind::Calculation, RESULT_BYTES) + self.machine.costs.result;
             self.nodes[task].next = Next::Counts(tree);
-            return Act::Spend(Spell::of(RECEIVING, time));
+            return Act::Spend(RECEIVING, time);
         }
         if let Some(placing) = self.movable(task) {
             return self.place(task, placing, false, now);
@@ -350,7 +350,7 @@ impl<'a> RegionNodes<'a> {
         if self.nodes[task].has_stopped {
             self.nodes[task].has_stopped = false;
             self.nodes[task].next = Next::Stops;
-            return Act::Spend(Spell::of(RECEIVING, self.took(MessageKind::Information, WORD_BYTES)));
+            return Act::Spend(RECEIVING, self.took(MessageKind::Information, WORD_BYTES));
         }
         if let Some(act) = self.token(task) {
             return act;
@@ -393,12 +393,12 @@ impl<'a> RegionNodes<'a> {
         self.seen.nodes[task].legs += 1;
         let node = &mut self.nodes[task];
         node.next = Next::Worked(visit);
-        node.script.push_back(Act::each([
-            Spell::of(RECEIVING, receiving),
-            Spell::of(GRID, time.grid),
-            Spell::of(SLABS, time.slabs),
-            Spell::of(INTERSECTION, time.intersection),
-            Spell::of(SHADING, time.shading),
+        node.script.push_back(Act::SpendEach([
+            (RECEIVING, receiving),
+            (GRID, time.grid),
+            (SLABS, time.slabs),
+            (INTERSECTION, time.intersection),
+            (SHADING, time.shading),
         ]));
         Some(Act::Begin(visit.ray))
     }
@@ -415,7 +415,7 @@ impl<'a> RegionNodes<'a> {
         let node = &mut self.nodes[task];
         node.begun += 1;
         node.next = Next::Began(tree);
-        Some(Act::Spend(Spell::of(PIXELS, self.machine.costs.pixel)))
+        Some(Act::Spend(PIXELS, self.machine.costs.pixel))
     }
 
     /// A ray has a slot here, and waits for its turn.
@@ -590,7 +590,7 @@ impl<'a> RegionNodes<'a> {
         counts.bytes += bytes;
         counts.hops += self.cube.hops(task, to);
         counts.processor += time;
-        Act::Send(Message { delivery: Delivery::Post(to), work: Spell::of(SENDING, time), bytes, content })
+        Act::Send(Message { delivery: Delivery::Post(to), time, bytes, content })
     }
 
     /// What it takes to take a message.
@@ -638,7 +638,7 @@ impl<'a> RegionNodes<'a> {
         // under way.
         let was_sent = task > 0 || self.seen.probes > 0;
         let time = if was_sent { self.took(MessageKind::Information, TOKEN_BYTES).max(Cycles(1)) } else { Cycles(0) };
-        Some(Act::Spend(Spell::of(RECEIVING, time)))
+        Some(Act::Spend(RECEIVING, time))
     }
 
     /// Passes the token on, or knows that all is over.

@@ -113,9 +113,9 @@ impl Items {
         &self.times
     }
 
-    /// What is counted on a pixel of all; `None` of a made-up scene.
-    pub fn counts(&self, pixel: usize) -> Option<&Counts> {
-        self.counts.get(pixel)
+    /// What is counted on all pixels, item by item; nothing of a made-up scene.
+    pub fn counts(&self) -> &[Counts] {
+        &self.counts
     }
 
     /// Where an item's pixels are among all.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::items::Items;
 use super::pixels::{UNITS, prices};
-use crate::machine::events::{Act, Delivery, Message, Sender, Spell};
+use crate::machine::events::{Act, Delivery, Explanation, Message, PIECE_UNITS, Sender, Work};
 use crate::machine::{Capitan, Cycles};
 use crate::measure::{Names, PathUnit, Shape, State, StateId, StateKind, States, Topology};
 use crate::program::work;
@@ -110,8 +110,6 @@ pub fn states(noun: &str) -> States {
 pub struct Farm<'a> {
     machine: &'a Capitan,
     items: &'a Items,
-    /// What each unit of work on a pixel takes.
-    prices: [Cycles; UNITS],
     scene_bytes: u64,
     scene_by: SceneBy,
     hand_out: HandOut,
@@ -172,7 +170,6 @@ impl<'a> Farm<'a> {
         Farm {
             machine,
             items,
-            prices: prices(machine),
             scene_bytes,
             scene_by,
             hand_out,
@@ -202,17 +199,15 @@ impl<'a> Farm<'a> {
     /// The states of a task that sends, and of one that has ended.
     pub const SENDING_AND_IDLE: (StateId, StateId) = (SENDING, IDLE);
 
-    /// What a message is told as by its bus, and beyond.
-    pub const CARRYING: [Unit; 2] = [BUS, BUS];
-
-    /// The units of work, by the names of what they take in the machine's file; `bus_message` is a message on a bus. Of a pixel that is made
-    /// up, and of a message, it tells what they take on average.
-    pub fn units(&self) -> Vec<PathUnit> {
+    /// By what names its causes are told: those of what they take in the machine's file; `bus_message` is a message on a bus. Of a pixel that
+    /// is made up, and of a message on a bus, it tells about what they take.
+    pub fn explanation(&self) -> Explanation {
+        const { assert!(UNITS == PIECE_UNITS) };
         let unit = |name: &str, state, cycles| PathUnit { name: name.to_owned(), state, cycles };
         let vocabulary = work::vocabulary(false);
-        let pixel = vocabulary.units.iter().zip(self.prices).map(|(of_pixel, price)| match of_pixel.name.as_str() {
-            "host_hit" => unit("shade_hit", COMPUTING, price),
-            name => unit(name, COMPUTING, price),
+        let of_pixel = vocabulary.units.iter().zip(prices(self.machine)).map(|(known, price)| {
+            let name = if known.name == "host_hit" { "shade_hit" } else { &known.name };
+            unit(name, COMPUTING, price)
         });
         let costs = &self.machine.costs;
         let others = [
@@ -224,7 +219,20 @@ impl<'a> Farm<'a> {
             unit("color_ms", RECEIVING, costs.color),
             unit("bus_message", SENDING, self.machine.buses.time(self.machine.header_bytes)),
         ];
-        pixel.chain(others).collect()
+        Explanation {
+            units: of_pixel.chain(others).collect(),
+            carrying: [BUS, BUS],
+            pieces: self.items.counts().to_vec(),
+        }
+    }
+
+    /// What a task spends on a message, by what is in it: nothing on a colour.
+    pub fn sending(letter: &Letter) -> Option<Unit> {
+        match letter {
+            Letter::Scene => Some(PER_CAP),
+            Letter::Ready(_) | Letter::Item(_) | Letter::End => Some(MESSAGE),
+            Letter::Color => None,
+        }
     }
 
     /// How many tasks there are.
@@ -247,7 +255,7 @@ impl<'a> Farm<'a> {
         match self.station {
             Station::Reads => {
                 self.station = Station::GivesOut(MASTER);
-                Act::Spend(once(COMPUTING, FIXED, costs.fixed))
+                Act::Work(COMPUTING, costs.fixed, Work::Unit(FIXED))
             }
             Station::GivesOut(to) if to < self.tasks() => {
                 let (delivery, next) = match self.scene_by {
@@ -255,7 +263,7 @@ impl<'a> Farm<'a> {
                     SceneBy::Broadcast => (Delivery::Broadcast, self.tasks()),
                 };
                 self.station = Station::GivesOut(next);
-                self.send(delivery, once(SENDING, PER_CAP, costs.per_cap), Letter::Scene)
+                self.send(delivery, costs.per_cap, Letter::Scene)
             }
             Station::GivesOut(_) => {
                 self.station = Station::Files(self.items.pixels().len());
@@ -263,7 +271,7 @@ impl<'a> Farm<'a> {
             }
             Station::Files(left) if taken.is_some() => {
                 self.station = Station::Files(left - 1);
-                Act::Spend(once(RECEIVING, COLOR, costs.color))
+                Act::Work(RECEIVING, costs.color, Work::Unit(COLOR))
             }
             Station::Files(0) => Act::End,
             Station::Files(_) => Act::Receive(Sender::Anyone, WAITING_MAIL),
@@ -280,7 +288,7 @@ impl<'a> Farm<'a> {
             (Master::Listens, Some(Letter::Ready(worker))) => {
                 self.master = Master::Answered(worker as usize);
                 let answer = self.answer(worker as usize);
-                self.send(Delivery::Hold(worker as usize, WAITING_ANSWER), self.message(), answer)
+                self.send(Delivery::Hold(worker as usize, WAITING_ANSWER), self.machine.costs.message, answer)
             }
             (Master::Answered(worker), None) => Act::Receive(Sender::Task(worker), WAITING_ANSWER),
             (Master::Answered(_) | Master::Listens, _) if self.at_work == 0 => Act::End,
@@ -321,15 +329,15 @@ impl<'a> Farm<'a> {
             },
             Worker::Has(item) => (Worker::SetsUp(item), Act::Begin(item as u32)),
             Worker::SetsUp(item) => {
-                let set_up = once(COMPUTING, SEGMENT, costs.segment);
-                (Worker::Computes(item, self.items.range(item).start), Act::Spend(set_up))
+                let set_up = Act::Work(COMPUTING, costs.segment, Work::Unit(SEGMENT));
+                (Worker::Computes(item, self.items.range(item).start), set_up)
             }
             Worker::Computes(item, pixel) if pixel < self.items.range(item).end => {
                 (Worker::Shows(item, pixel), self.compute(pixel))
             }
             Worker::Computes(item, _) => (self.after(item), Act::Done),
             Worker::Shows(item, pixel) => {
-                let color = self.send(Delivery::Post(STATION), Spell::NONE, Letter::Color);
+                let color = self.send(Delivery::Post(STATION), Cycles(0), Letter::Color);
                 (Worker::Computes(item, pixel + 1), color)
             }
             Worker::Ends => (Worker::Ends, Act::End),
@@ -346,27 +354,16 @@ impl<'a> Farm<'a> {
     }
 
     fn to_master(&self, letter: Letter) -> Act<Letter> {
-        self.send(Delivery::Hold(MASTER, WAITING_MASTER), self.message(), letter)
+        self.send(Delivery::Hold(MASTER, WAITING_MASTER), self.machine.costs.message, letter)
     }
 
     /// What it takes to compute a pixel.
     fn compute(&self, pixel: usize) -> Act<Letter> {
-        let Some(counts) = self.items.counts(pixel) else {
-            return Act::Spend(once(COMPUTING, PIXEL, self.items.pixels()[pixel]));
-        };
-        let spell = |unit: usize| {
-            let (count, price) = (counts[unit], self.prices[unit].0);
-            Spell { state: COMPUTING, unit: Unit(unit as u8), count, cycles: Cycles(u64::from(count) * price) }
-        };
-        Act::each(std::array::from_fn::<Spell, UNITS, _>(spell))
+        let work = if self.items.counts().is_empty() { Work::Unit(PIXEL) } else { Work::Piece(pixel as u32) };
+        Act::Work(COMPUTING, self.items.pixels()[pixel], work)
     }
 
-    /// What it takes to send a message between master and worker.
-    fn message(&self) -> Spell {
-        once(SENDING, MESSAGE, self.machine.costs.message)
-    }
-
-    fn send(&self, delivery: Delivery, work: Spell, letter: Letter) -> Act<Letter> {
+    fn send(&self, delivery: Delivery, time: Cycles, letter: Letter) -> Act<Letter> {
         let inside = match letter {
             Letter::Scene => self.scene_bytes,
             Letter::Ready(_) => 0,
@@ -374,11 +371,6 @@ impl<'a> Farm<'a> {
             Letter::Item(_) => 2 * INTEGER,
             Letter::Color => 5 * INTEGER,
         };
-        Act::Send(Message { delivery, work, bytes: self.machine.header_bytes + inside, content: letter })
+        Act::Send(Message { delivery, time, bytes: self.machine.header_bytes + inside, content: letter })
     }
-}
-
-/// One unit of work, in a state.
-fn once(state: StateId, unit: Unit, cycles: Cycles) -> Spell {
-    Spell { state, unit, count: 1, cycles }
 }

@@ -184,7 +184,7 @@ fn run(
         events = events.probed();
     }
     if watching.path {
-        events = events.explained(farm.units(), Farm::CARRYING);
+        events = events.explained(farm.explanation(), Farm::sending);
     }
     if let Some(window) = &watching.recording {
         events = events.recorded(window.clone(), Recording::MOST_EVENTS);
