@@ -15,7 +15,7 @@ use super::{RunSpec, Workers};
 use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::{Edges, Hit, Partition, Ray};
-use crate::input::reading::{note_all, noting};
+use crate::input::reading;
 use crate::machine::{Machine, Observed};
 use crate::measure::Measured;
 use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, work};
@@ -198,8 +198,7 @@ impl Layers {
         {
             (self.prepared, self.laid_out, self.traced) = (None, None, None);
             let spec = run.spec.clone();
-            let (prepared, files) = cancel.wait_for(move || noting(|| Prepared::load(&spec, &scene)))?;
-            note_all(files);
+            let prepared = reading::wait_for(cancel, move || Prepared::load(&spec, &scene))?;
             self.prepared = Some((run.keys.prepared.clone(), prepared));
         }
         Ok(())
@@ -212,8 +211,7 @@ impl Layers {
         }
         *self = Layers::default();
         let spec = run.spec.clone();
-        let (scene, files) = cancel.wait_for(move || noting(|| spec.load_scene().map(Arc::new)))?;
-        note_all(files);
+        let scene = reading::wait_for(cancel, move || spec.load_scene().map(Arc::new))?;
         self.scene = Some((run.keys.scene.clone(), scene));
         Ok(())
     }

@@ -12,6 +12,7 @@ mod kept;
 mod layers;
 mod modelled;
 pub mod moot;
+mod one_cell;
 mod options;
 mod outputs;
 mod recording_memory;

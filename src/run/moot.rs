@@ -15,6 +15,16 @@ use crate::program::ArrayProgram;
 use crate::program::farm::ItemKind;
 use crate::scene::builtin;
 
+/// What commands share with others and refuse in any case, so that no help tells of it. (`run` is the command without a name.)
+pub const ALWAYS_REFUSED: [(&str, &[&str]); 6] = [
+    ("run", &["host_hit_us"]),
+    ("replay", &["memory_words"]),
+    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead"]),
+    ("size-fifos", &DEPTHS),
+    ("farm", &["adaptive", "enough"]),
+    ("ipsc2", &["adaptive", "why", "enough"]),
+];
+
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
     check_rays(typed)?;
@@ -39,7 +49,7 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
     }
     if image.timing == Switch::Off {
         let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
-        let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
+        let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &DEPTHS, &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
     check_resolution(&spec.scene, spec.resolution)?;
@@ -61,8 +71,7 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
     }
     if predict_only {
         let (why, help) = (WITHOUT_RUN, "leave out one of the two");
-        let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
-        refuse(typed, &names, why, help)?;
+        refuse(typed, &[&DEPTHS[..], &["latency_cycles", "memory_words"]].concat(), why, help)?;
     }
     check_rays(typed)?;
     check_shading(typed)?;
@@ -77,8 +86,7 @@ pub fn check_replay(typed: &RunOptions) -> Result<(), InputError> {
 
 /// Refuses what sizing the FIFOs finds out.
 pub fn check_size_fifos(typed: &RunOptions) -> Result<(), InputError> {
-    let depths = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"];
-    refuse(typed, &depths, "is what is sought here", "leave it out")
+    refuse(typed, &DEPTHS, "is what is sought here", "leave it out")
 }
 
 /// Refuses what a trace has recorded already.
@@ -233,17 +241,11 @@ fn refuse(typed: &RunOptions, names: &[&str], why: &str, help: &str) -> Result<(
     }
 }
 
-/// What joins the cells: all that computing does not depend on.
-const LINKS: [&str; 8] = [
-    "word_bytes",
-    "fifo_words",
-    "link_mb_s",
-    "rate_counts",
-    "latency_cycles",
-    "x_fifo_words",
-    "y_fifo_words",
-    "z_fifo_words",
-];
+/// The depths of the FIFOs.
+const DEPTHS: [&str; 4] = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"];
+
+/// What joins the cells beside: all that computing does not depend on.
+const LINKS: [&str; 4] = ["word_bytes", "link_mb_s", "rate_counts", "latency_cycles"];
 
 /// The host's times.
 const HOST: [&str; 2] = ["host_ray_us", "host_hit_us"];

@@ -16,7 +16,6 @@ use super::{RunError, Watching, Workers};
 use crate::cancel::Cancel;
 use crate::error::InputError;
 use crate::geometry::{CellPlane, Hit, Polygons, Regions};
-use crate::host::camera::primary_rays;
 use crate::host::order::Order;
 use crate::host::sampling::Pass;
 use crate::machine::events::{Act, Events};
@@ -26,9 +25,8 @@ use crate::program::cube::{
     MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, TaskGraph, gray_order, highest_rank, swapped,
     topology,
 };
-use crate::program::{ArrayProgram, Workload};
+use crate::run::one_cell::Whole;
 use crate::run::render::Picture;
-use crate::run::spec::load_scene;
 use crate::run::trees::ByKind;
 
 pub use calibrate::{Calibrated, Known, KnownTime};
@@ -172,11 +170,11 @@ impl CubeSpec {
         observe: impl FnMut(usize) -> Result<(), E>,
     ) -> Result<CubeScene, RunError<E>> {
         let machine = self.machine.build()?;
-        let scene = load_scene(&self.scene, self.size_factor, self.resolution)?;
-        let program = ArrayProgram::one_cell(self.rays.grid_coefficient);
-        let rays = primary_rays(&scene.camera, self.size);
-        let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
-        let (size, sampling, limits) = (self.size, self.sampling(), self.limits());
+        let CubeSpec { size_factor, resolution, size, .. } = *self;
+        let whole =
+            Whole { scene: &self.scene, size_factor, resolution, size, grid_coefficient: self.rays.grid_coefficient };
+        let (scene, workload) = whole.lay_out(machine.times, &workers.cancel)?;
+        let (sampling, limits) = (self.sampling(), self.limits());
         let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits };
         let cut = self.cut(&picture, &machine, workers)?;
         let pages = self.page_bytes.and_then(|bytes| {
