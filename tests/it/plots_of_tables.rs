@@ -81,6 +81,22 @@ fn mistakes_are_told() {
     }
 }
 
+/// Standard output takes one picture, and no table, which is several files.
+#[test]
+fn what_standard_output_takes() {
+    let folder = Folder::new();
+    folder.file("t.csv", TABLE);
+    folder.file("s.ron", "(scene: \"room\", size: \"4x4\")");
+    let plot = "plot t.csv x=cells y=speed_up by=mode scene=room -o -";
+    assert!(folder.run(plot).refused().contains("standard output takes one picture, and 2 are asked for"));
+    let svg = folder.run(&format!("{plot} --plot-format svg")).success();
+    assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"), "{svg}");
+    for command in ["sweep s.ron", "size-fifos --scene room --size 4x4"] {
+        assert!(folder.run(&format!("{command} -o -.csv")).refused().contains("a table is several files"), "{command}");
+    }
+    assert_eq!(folder.names(), ["s.ron", "t.csv"]);
+}
+
 /// The texts of a picture.
 fn texts(svg: &str) -> Vec<&str> {
     svg.split("<text").skip(1).filter_map(|text| text.split('\n').nth(1)).collect()
