@@ -19,7 +19,7 @@ use crate::scene::builtin;
 pub const ALWAYS_REFUSED: [(&str, &[&str]); 6] = [
     ("run", &["host_hit_us"]),
     ("replay", &["memory_words"]),
-    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead"]),
+    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk"]),
     ("size-fifos", &DEPTHS),
     ("farm", &["adaptive", "enough"]),
     ("ipsc2", &["adaptive", "why", "enough"]),
@@ -68,6 +68,10 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
         let error =
             InputError::new("the cost model knows neither stop words nor rays forwarded ahead, as the paper does not");
         return Err(error.help("take a program without them, or run this one to see what it does"));
+    }
+    if program.bounded_walk {
+        let error = InputError::new("the cost model knows no walk that is bounded by the hit from the left");
+        return Err(error.help("leave --bounded-walk out, or take a program with bounded_walk: false"));
     }
     if predict_only {
         let (why, help) = (WITHOUT_RUN, "leave out one of the two");
@@ -165,7 +169,11 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
         return refuse(&OF_REGIONS, why, "leave it out, or ask for --mode regions");
     };
     let why = "is about pages of a shared memory, and these nodes have a region each";
-    refuse(&["page_bytes", "lookup_us", "serve_us"], why, "leave it out, or ask for --mode shared-memory")?;
+    refuse(
+        &["page_bytes", "distribution", "lookup_us", "serve_us"],
+        why,
+        "leave it out, or ask for --mode shared-memory",
+    )?;
     if regions.flow != FlowKind::Window {
         refuse(&["window"], "is about pixels under way, which are not limited", "ask for --flow window")?;
     }
@@ -173,16 +181,22 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
         let why = "is about slots of queues, which are not limited";
         refuse(&["queue_rays"], why, "ask for --flow classes or block")?;
     }
+    if regions.flow != FlowKind::Classes {
+        let why = "is about slots by rank, of which other nodes must know whether they are free";
+        refuse(&["grant"], why, "ask for --flow classes")?;
+    }
     Ok(())
 }
 
 /// What only nodes look at that have regions.
-const OF_REGIONS: [&str; 12] = [
+const OF_REGIONS: [&str; 14] = [
     "sub_sample",
     "cell_grid",
+    "grids",
     "mapping",
     "flow",
     "queue_rays",
+    "grant",
     "window",
     "termination",
     "pixel_order",
@@ -209,7 +223,9 @@ fn check_cells(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
 fn check_program(typed: &RunOptions, program: &ArrayProgram) -> Result<(), InputError> {
     if program.groups == 1 {
         let why = "cuts the scene into sub-volumes, and one group has them all";
-        refuse(typed, &["partition"], why, "ask for several --groups")?;
+        refuse(typed, &["partition", "numbering"], why, "ask for several --groups")?;
+        let why = "is about the hit of the groups to the left, and one group has none";
+        refuse(typed, &["bounded_walk"], why, "ask for several --groups")?;
     }
     if program.placement().slabs.is_none() {
         let why = format!("is about slabs, which the program '{}' goes without", program.name);

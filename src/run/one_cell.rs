@@ -34,11 +34,11 @@ impl Whole<'_> {
             let scene = super::load_scene(&name, size_factor, resolution)?;
             let rays = primary_rays(&scene.camera, size);
             let surfaces = Arc::new(Surfaces::new(&scene.mesh, &rays));
-            Ok::<_, InputError>((scene, rays, surfaces))
+            Ok::<_, InputError>((scene, surfaces))
         };
-        let (scene, rays, surfaces) = reading::wait_for(cancel, load)??;
+        let (scene, surfaces) = reading::wait_for(cancel, load)??;
         let program = ArrayProgram::one_cell(self.grid_coefficient);
-        let layout = Layout::new(surfaces, &program, times, &rays, cancel)?;
+        let layout = Layout::new(surfaces, &program, times, &[], cancel)?;
         Ok((scene, Workload::of(Arc::new(layout), &program, times)))
     }
 }
