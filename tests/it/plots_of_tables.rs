@@ -110,7 +110,7 @@ fn no_point_is_an_average_over_what_is_not_shown() {
     folder.run("plot t.csv x=cells y=speed_up -o scenes").success();
     let svg = folder.read("scenes.svg");
     assert!(
-        ["Times as fast as one worker over cells, by scene", "room", "lake"]
+        ["Times as fast as one node over cells, by scene", "room", "lake"]
             .iter()
             .all(|text| texts(&svg).contains(text))
     );
