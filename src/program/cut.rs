@@ -120,8 +120,7 @@ impl Cut<'_> {
         } else {
             vec![Kernel::Grid, Kernel::Intersection]
         };
-        let one_cell =
-            ArrayProgram { stages: vec![stage], ..ArrayProgram::one_cell(self.program.grid_coefficient) };
+        let one_cell = ArrayProgram { stages: vec![stage], ..ArrayProgram::one_cell(self.program.grid_coefficient) };
         Ok(self.work(&one_cell, &[volume])?.stages.swap_remove(0))
     }
 
@@ -135,7 +134,9 @@ impl Cut<'_> {
         for _ in 0..MOST_ROUNDS {
             let mut work = self.work(self.program, &boxes)?;
             let busiest = work.groups.iter().flatten().copied().fold(0.0, f64::max);
-            if std::env::var("CUT_TRACE").is_ok() { eprintln!("{busiest}"); }
+            if std::env::var("CUT_TRACE").is_ok() {
+                eprintln!("{busiest}");
+            }
             if busiest < least {
                 (best, least, in_vain) = (boxes, busiest, 0);
             } else {

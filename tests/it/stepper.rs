@@ -20,9 +20,8 @@ fn counted(workload: &Workload, visit: &Visit) -> Counts {
     let intersected = |said: &Said| matches!(said, Said::Missed | Said::Behind(_) | Said::Nearest(_));
     Counts {
         voxels: voxels().count() as u64,
-        slab_tests: tests()
-            .filter(|test| has_slabs && (intersected(&test.said) || test.said == Said::Dropped))
-            .count() as u64,
+        slab_tests: tests().filter(|test| has_slabs && (intersected(&test.said) || test.said == Said::Dropped)).count()
+            as u64,
         intersection_tests: tests().filter(|test| intersected(&test.said)).count() as u64,
         hits: visit.hit.is_hit() as u64,
     }
@@ -49,7 +48,10 @@ fn a_rays_visit_is_what_the_run_counts() {
             counts += counted(&workload, &visit);
         }
         assert_eq!(counts, outcome.counts, "{}, mailbox {}", program.name, program.mailbox);
-        assert_eq!(workload.look(&rays).iter().map(bits).collect::<Vec<_>>(), outcome.hits.iter().map(bits).collect::<Vec<_>>());
+        assert_eq!(
+            workload.look(&rays).iter().map(bits).collect::<Vec<_>>(),
+            outcome.hits.iter().map(bits).collect::<Vec<_>>()
+        );
     }
 }
 
@@ -83,8 +85,8 @@ fn a_cells_instructions_are_its_ops() {
     let costs = workload.costs();
     for (id, ray) in (0..).zip(&rays) {
         for cell in 0..workload.cells() {
-            let lines = batches.iter().flat_map(|batch| batch.cells[cell].lines());
-            let ops = lines.clone().find(|(job, _)| *job == id).unwrap().1;
+            let mut lines = batches.iter().flat_map(|batch| batch.cells[cell].lines());
+            let ops = lines.find(|(job, _)| *job == id).unwrap().1;
             let work = ops.iter().filter_map(|op| Some(costs.of(op.unit()?).0 * u64::from(op.count()))).sum::<u64>();
             let moved = ops.iter().filter(|op| !matches!(op.kind(), OpKind::Work(_))).map(|op| op.count()).sum::<u32>();
             let steps = workload.instructions(cell, id, ray, usize::MAX);
@@ -269,7 +271,10 @@ fn moments_are_found_by_questions() {
         assert_eq!(page.eval("stepper.cycle"), 5, "{wrong}");
         let told = page.eval("document.querySelector('.told').textContent");
         let told = told.as_str().unwrap();
-        assert!(told.contains("is no moment") || told.contains("does not come") || told.contains("is not among"), "{told}");
+        assert!(
+            told.contains("is no moment") || told.contains("does not come") || told.contains("is not among"),
+            "{told}"
+        );
     }
     page.assert_quiet();
 }
@@ -298,7 +303,9 @@ fn keys_the_picture_and_the_charts_move_the_moment() {
     assert_eq!(page.eval("stepper.playing"), Value::Null);
     // The first pixel's ray is followed, from the host to the host.
     page.eval("document.querySelector('#run header img').scrollIntoView()");
-    let corner = page.eval("(({ left, top }) => [left + 3, top + 3])(document.querySelector('#run header img').getBoundingClientRect())");
+    let corner = page.eval(
+        "(({ left, top }) => [left + 3, top + 3])(document.querySelector('#run header img').getBoundingClientRect())",
+    );
     page.click(corner[0].as_f64().unwrap(), corner[1].as_f64().unwrap());
     page.wait_for("stepper.followed === 0");
     page.eval("stepper.go(0)");
@@ -340,7 +347,11 @@ fn cells_that_run_programs_are_stepped_by_instruction() {
     for end in ends.as_array().unwrap() {
         let [cell, ray, until, count] = [0, 1, 2, 3].map(|place| end[place].as_u64().unwrap());
         let jobs = &shown.recording.stations[cell as usize].jobs;
-        assert_eq!(jobs.iter().find(|span| u64::from(span.job) == ray).unwrap().until.0, until, "cell {cell}, ray {ray}");
+        assert_eq!(
+            jobs.iter().find(|span| u64::from(span.job) == ray).unwrap().until.0,
+            until,
+            "cell {cell}, ray {ray}"
+        );
         let sent = &shown.setup.prepared.rays[ray as usize];
         let steps = shown.setup.workload.instructions(cell as usize, ray as u32, sent, usize::MAX);
         assert_eq!(steps.len() as u64, count);
