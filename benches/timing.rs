@@ -158,10 +158,9 @@ fn main() {
         programs.iter().filter(|(name, ..)| only.as_ref().is_none_or(|only| name.contains(only.as_str())))
     {
         for fifo_words in [512, 64, 8] {
-            let spec =
-                MachineSpec { fifo_words: Words(fifo_words), link_mb_s: *link_mb_s, ..MachineSpec::default() };
-            let [alone, probed, explained] = [Watched::Not, Watched::Probed, Watched::Explained]
-                .map(|watched| median_rate(batch, &spec, watched));
+            let spec = MachineSpec { fifo_words: Words(fifo_words), link_mb_s: *link_mb_s, ..MachineSpec::default() };
+            let [alone, probed, explained] =
+                [Watched::Not, Watched::Probed, Watched::Explained].map(|watched| median_rate(batch, &spec, watched));
             println!("{name:<32} {fifo_words:>10} {alone:>16.0} {probed:>12.0} {explained:>12.0}");
         }
     }

@@ -35,7 +35,8 @@ impl Files {
     /// `name` with the ending of each format.
     pub fn open(name: &Path, formats: &[Format], force: bool) -> Result<Files, InputError> {
         if is_stream(name) && formats.len() > 1 {
-            let error = InputError::new(format!("standard output takes one picture, and {} are asked for", formats.len()));
+            let error =
+                InputError::new(format!("standard output takes one picture, and {} are asked for", formats.len()));
             return Err(error.help("ask for one with --plot-format, or name a file"));
         }
         let open = |&format: &Format| {

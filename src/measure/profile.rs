@@ -205,7 +205,10 @@ mod tests {
         (1..=1000).for_each(|cycles| latency.add(cycles));
         for (share, exact) in [(0.0, 1), (0.02, 20), (0.5, 500), (0.99, 990), (1.0, 1000)] {
             let (least, most) = latency.quantile(share);
-            assert!((least.0..=most.0).contains(&exact) && 32 * (most.0 - least.0) <= least.0, "{least} {exact} {most}");
+            assert!(
+                (least.0..=most.0).contains(&exact) && 32 * (most.0 - least.0) <= least.0,
+                "{least} {exact} {most}"
+            );
         }
         assert_eq!(latency.quantile(0.02), (Cycles(20), Cycles(20)), "short ones are exact");
         assert_eq!((latency.min, latency.max, latency.mean()), (Cycles(1), Cycles(1000), 500.5));

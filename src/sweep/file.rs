@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
+use super::effective;
 use super::parameters::{self, Parameter, Points, SweepFile};
 use super::range::MOST_VALUES;
-use super::effective;
 use crate::error::{InputError, Place};
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};

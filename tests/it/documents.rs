@@ -200,5 +200,8 @@ fn tables_md_lists_every_other_column() {
     let sizes = columns(&folder.read("s.csv"));
     let is_other_fifo = |name: &str| name != "X0" && name.parse::<FifoName>().is_ok();
     assert!(sizes.iter().any(|name| is_other_fifo(name)));
-    assert_eq!(sizes.into_iter().filter(|name| !is_other_fifo(name)).collect::<BTreeSet<_>>(), names("The sizes of FIFOs"));
+    assert_eq!(
+        sizes.into_iter().filter(|name| !is_other_fifo(name)).collect::<BTreeSet<_>>(),
+        names("The sizes of FIFOs")
+    );
 }

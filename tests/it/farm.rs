@@ -10,7 +10,9 @@ use crate::support::farm_ticking::{Plan, Ticked, tick, tick_recorded};
 use pcs_sim::cancel::Cancel;
 use pcs_sim::machine::events::{Buses, Events};
 use pcs_sim::machine::{Capitan, CapitanFile, Cycles, HostTimes, KernelTimes, TaskCosts};
-use pcs_sim::measure::{Actor, Cause, CriticalPath, JobSpan, Measured, Observed, Recording, StateTimes, StationRecord, Stretch};
+use pcs_sim::measure::{
+    Actor, Cause, CriticalPath, JobSpan, Measured, Observed, Recording, StateTimes, StationRecord, Stretch,
+};
 use pcs_sim::program::farm::{Farm, HandOut, ItemKind, Items, SceneBy};
 use pcs_sim::run::{
     self, FarmOutcome, FarmRunOptions, FarmSpec, Layers, Picture, PlannedRun, RunOptions, RunSpec, Watching, Workers,

@@ -45,7 +45,8 @@ fn numbers_near_each_other_or_out_of_reach() {
     let labels: Vec<&str> = svg.lines().filter(|line| line.starts_with("-44.6")).collect();
     let distinct: std::collections::BTreeSet<&&str> = labels.iter().collect();
     assert!(labels.len() > 1 && distinct.len() == labels.len(), "{labels:?}");
-    for (table, number) in [("1,0\n2,5e-324", "5e-324"), ("1,1\n2,1e300\n3,1e100", "1e300"), ("1,1\n1e200,2", "1e200")] {
+    for (table, number) in [("1,0\n2,5e-324", "5e-324"), ("1,1\n2,1e300\n3,1e100", "1e300"), ("1,1\n1e200,2", "1e200")]
+    {
         folder.file("far.csv", format!("x,y\n{table}\n"));
         let error = folder.run("plot far.csv x=x y=y -o far").refused();
         assert!(error.contains(&format!("{number} cannot be drawn")), "{error}");

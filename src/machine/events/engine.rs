@@ -361,9 +361,10 @@ impl<M: Copy> Events<M> {
     /// When a message that is ready to go arrives, and by what chain of causes.
     fn pass(&mut self, task: usize, to: usize, bytes: u64) -> (u64, u32) {
         let passage = self.network.carry((task, to), self.now, bytes);
-        let cause = self.causes.as_mut().map_or(0, |(causes, _)| {
-            causes.carry(task, &passage, &self.network.taken_by((task, to), &passage))
-        });
+        let cause = self
+            .causes
+            .as_mut()
+            .map_or(0, |(causes, _)| causes.carry(task, &passage, &self.network.taken_by((task, to), &passage)));
         (passage.arrives, cause)
     }
 

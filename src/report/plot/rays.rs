@@ -86,7 +86,9 @@ impl Figure for Latencies<'_> {
         mesh.max_light_lines(1).x_label_formatter(&name).y_label_formatter(&chart::number).y_labels(11);
         mesh.label_style(font(chart::SMALL)).axis_desc_style(font(chart::SMALL));
         let rounded = if self.is_rounded() { ", rounded up by 3 % at most" } else { "" };
-        mesh.x_desc(format!("latency ({}), logarithmic{rounded}", unit.name)).y_desc(format!("% of the {job}s")).draw()?;
+        mesh.x_desc(format!("latency ({}), logarithmic{rounded}", unit.name))
+            .y_desc(format!("% of the {job}s"))
+            .draw()?;
         let steps: Vec<(f64, f64)> = self.steps().into_iter().map(|(at, share)| (time(at), share)).collect();
         chart.draw_series(LineSeries::new(steps, rgb(palette::AMOUNT).stroke_width(2)))?;
         Ok(())

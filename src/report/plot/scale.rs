@@ -190,7 +190,9 @@ fn check(mut numbers: impl Iterator<Item = f64>) -> Result<(), String> {
     let is_beyond = |number: &f64| *number != 0.0 && !(1.0 / FARTHEST..=FARTHEST).contains(&number.abs());
     match numbers.find(is_beyond) {
         None => Ok(()),
-        Some(number) => Err(format!("{number:e} cannot be drawn, which takes numbers from {:e} to {FARTHEST:e}", 1.0 / FARTHEST)),
+        Some(number) => {
+            Err(format!("{number:e} cannot be drawn, which takes numbers from {:e} to {FARTHEST:e}", 1.0 / FARTHEST))
+        }
     }
 }
 

@@ -356,8 +356,10 @@ impl Farm<'_> {
 
     fn worker(&mut self, task: usize, stage: usize, told: Option<Text>) -> Option<Vec<Instruction>> {
         let plan = self.plan;
-        let says =
-            [Instruction::Be("sending", plan.message, "message_ms"), Instruction::Hand(1, "waiting master", Text::Ready(task))];
+        let says = [
+            Instruction::Be("sending", plan.message, "message_ms"),
+            Instruction::Hand(1, "waiting master", Text::Ready(task)),
+        ];
         let asks = [&says[..], &[Instruction::Take(Some(1), "waiting item")]].concat();
         if stage == 0 {
             return Some([&[Instruction::Take(Some(0), "waiting scene")], &asks[..]].concat());
