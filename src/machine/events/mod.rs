@@ -11,6 +11,7 @@
 //!   arrived together, that of the sender with the lowest number; of one sender's, the one that it sent first.
 //! - **Deterministic.** There are no threads, no random numbers, no tables without order, and no fractions.
 //! - **Accounted for.** Each cycle of a task is in one state, and its states sum to the run.
+//! - **Explained**, if that is asked for: each cycle of the run has one cause, on a chain from what is done last back to time 0.
 
 mod agenda;
 mod buses;
