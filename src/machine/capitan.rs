@@ -176,7 +176,7 @@ impl CapitanFile {
                 start: ns("intersection_start", us.intersection_start)?,
                 each: ns("intersection_polygon", us.intersection_polygon)?,
             },
-            host: HostTimes { ray: Cycles(0), hit: ns("shade_hit", us.shade_hit)? },
+            host: HostTimes { hit: ns("shade_hit", us.shade_hit)?, ..HostTimes::default() },
         })
     }
 }

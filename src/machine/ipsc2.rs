@@ -259,7 +259,7 @@ impl Ipsc2File {
                 start: cycles("intersection_start", us.intersection_start)?,
                 each: cycles("intersection_polygon", us.intersection_polygon)?,
             },
-            host: HostTimes { ray: Cycles(0), hit: cycles("shade_hit", us.shade_hit)? },
+            host: HostTimes { hit: cycles("shade_hit", us.shade_hit)?, ..HostTimes::default() },
         })
     }
 }

@@ -101,7 +101,7 @@ fn sample_work(
 ) -> Result<Vec<Weight>, NotLaidOut> {
     let layout = Layout::in_boxes(surfaces.clone(), &[volume], program.grid_coefficient, cancel)?;
     let slabs = program.placement().slabs.map(|_| 0);
-    let whole = Workload { stop_words: None, ..Workload::of(Arc::new(layout), program, times) };
+    let whole = Workload { stop_words: None, screening: None, ..Workload::of(Arc::new(layout), program, times) };
     let whole = Workload { stages: Stages { slabs, intersection: 0 }, ..whole };
     let mut sample = WorkSample::default();
     let mut tracer = Tracer::new(&whole);

@@ -177,7 +177,7 @@ impl CubeSpec {
         let rays = primary_rays(&scene.camera, self.size);
         let workload = Workload::new(&scene.mesh, &program, machine.times, &rays)?;
         let (size, sampling, limits) = (self.size, self.sampling(), self.limits());
-        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits };
+        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
         let cut = self.cut(&picture, &machine, workers)?;
         let pages = self.page_bytes.and_then(|bytes| {
             let grid = workload.grids().next()?;
