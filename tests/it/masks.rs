@@ -191,7 +191,7 @@ fn what_cannot_be_is_refused() {
         "--scene room --size 4x4 --program p.ron",
         "--scene room --rays rays.csv --mode broadcast --masks rectangles",
         "--scene room --size 4x4 --mode broadcast --masks boxes --cells-run programs",
-        "--scene room --size 4x4 --mode broadcast --masks boxes --host-mask-us -3",
+        "--scene room --size 4x4 --mode broadcast --masks boxes --host-mask-us=-3",
         "--scene room --size 4x4 --mode broadcast --host-mask-us 3",
         "model room --size 4x4 --mode broadcast --masks boxes",
         "image room --size 4x4 -o i.png --timing off --masks boxes",

@@ -146,7 +146,7 @@ fn a_run_is_that_of_the_trace_without_the_rays_that_are_not_sent() {
             assert!(bytes("all.png") == bytes("few.png"));
             let few = json(&folder, "few.json");
             let (sent, samples) = (few["rays"].as_u64().unwrap(), few["samples"].as_u64().unwrap());
-            assert!(samples == 320 && sent > 20 && (sent < samples || scene.starts_with("teapot")), "{sent} of {samples}");
+            assert!(samples == 320 && sent > 20 && (sent < samples || of == "scene"), "{sent} of {samples}");
             assert!(text.contains(&format!("320 samples, {sent} sent (")), "{text}");
             // What each ray of the one trace is in the other, only their order tells: those of the pixels that show something.
             let name = scene.split(' ').next().unwrap();
@@ -200,13 +200,13 @@ fn a_picture_of_nothing_sends_nothing() {
     folder.file(
         "away.ron",
         "(camera: (from: (0, 0, 5), at: (0, 0, 9), up: (0, 1, 0), angle: 40), background: (0.2, 0.4, 0.6),
-          meshes: [(shape: Sphere(center: (0, 0, 0), radius: 1))])",
+          meshes: [(shape: Csg(Sphere(slices: 12)))])",
     );
     for of in ["scene", "objects"] {
         let flags = format!("--size 6x4 --screen-rectangles {of} --force");
         let text = folder.run(&format!("--scene away.ron {flags} --hits h.csv --stats s.json --image p.png")).success();
         assert!(text.contains("24 samples, 0 sent (0.0 %), of these 0 hit"), "{text}");
-        assert_eq!(folder.read("h.csv").lines().filter(|line| line.ends_with(",inf,,,")).count(), 24);
+        assert_eq!(folder.read("h.csv").lines().filter(|line| line.ends_with(",,,,")).count(), 24);
         assert_eq!(json(&folder, "s.json")["rays"], 0);
         folder.run(&format!("image away.ron {flags} -o i.png --samples 2 --adaptive")).success();
         folder.run("image away.ron --size 6x4 -o plain.png --timing off --force").success();
@@ -227,24 +227,23 @@ fn glass() -> Scene {
 fn images_are_the_same_and_timed_as_their_ops_say() {
     let scene = glass();
     let program = crate::support::program("broadcast", 3);
-    for filter in [0, 900] {
+    for filter in [0, 300] {
         let mut times = crate::support::machine().times;
         (times.host.filter, times.host.hit) = (Cycles(filter), Cycles(filter));
         let workload = Workload::new(&scene.mesh, &program, times, &[]).unwrap();
         let tested = workload.clone().with_samples_tested(Default::default());
         for sampling in [Sampling::default(), Sampling { side: 2, adaptive: Some(Criterion::Lao) }] {
-            let size = ImageSize { width: 14, height: 10 };
+            let size = ImageSize { width: 7, height: 5 };
             let limits = Limits::default();
             let plain = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
             let (all, _) = timed(&plain, HostRules::default());
             for of in BOTH {
                 let screen = screen(&scene, workload.polygons(), size, of);
-                assert!(screen.count() < size.pixels() && screen.count() > 9);
+                assert!(screen.count() < size.pixels() && screen.count() > 3);
                 let picture = Picture { workload: &tested, screen: Some(&screen), ..plain };
                 for (policy, in_flight, open_samples) in [
                     (Policy::SecondariesFirst, None, 1024),
                     (Policy::PrimariesFirst, Some(3), 4),
-                    (Policy::ByGeneration, None, 7),
                 ] {
                     let rules = HostRules { policy, in_flight, open_samples, ..HostRules::default() };
                     let (few, batches) = timed(&picture, rules);
@@ -290,7 +289,7 @@ fn what_cannot_be_is_refused() {
     for flags in [
         "--scene room --rays rays.csv --screen-rectangles scene",
         "--scene room --size 4x4 --screen-rectangles all",
-        "--scene room --size 4x4 --screen-rectangles scene --host-filter-us -1",
+        "--scene room --size 4x4 --screen-rectangles scene --host-filter-us=-1",
         "--scene room --size 4x4 --screen-rectangles scene --host-filter-us nan",
         "--scene room --size 4x4 --host-filter-us 3",
         "image room --size 4x4 -o i.png --show-rectangles",
