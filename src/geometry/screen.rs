@@ -46,20 +46,31 @@ impl Eye {
         Eye { at: camera.from, forward, right, up: right.cross(forward) }
     }
 
-    /// The rectangle of a box: all of the plane if some of the box lies beside the eye or behind it, and nothing of an empty box.
+    /// The rectangle of a box, or of the part of it that lies before the eye. Nothing of an empty box; all of the plane if a corner lies
+    /// so near beside the eye that rounding could hide on which side.
     pub fn rectangle(&self, bounds: Bounds) -> ScreenRectangle {
         if bounds.is_empty() {
             return ScreenRectangle::NOTHING;
         }
         let ends = [bounds.low, bounds.high];
-        let mut found = ScreenRectangle::NOTHING;
-        for corner in 0..8 {
+        // Corners from the eye: to the right, upwards, forward.
+        let corners: [DVec3; 8] = std::array::from_fn(|corner| {
             let corner = DVec3::new(ends[corner & 1].x, ends[corner >> 1 & 1].y, ends[corner >> 2].z);
-            let Some(place) = self.place(corner - self.at.as_dvec3()) else { return ScreenRectangle::ALL };
-            found = ScreenRectangle { low: found.low.min(place), high: found.high.max(place) };
+            let away = corner - self.at.as_dvec3();
+            DVec3::new(away.dot(self.right), away.dot(self.up), away.dot(self.forward))
+        });
+        let size = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
+        if corners.iter().any(|corner| corner.z.abs() <= LEAST_DEPTH * size) {
+            return ScreenRectangle::ALL;
         }
+        let places = corners.iter().filter(|corner| corner.z > 0.0).map(|corner| corner.truncate() / corner.z);
+        let found = places.fold(ScreenRectangle::NOTHING, |found, place| ScreenRectangle {
+            low: found.low.min(place),
+            high: found.high.max(place),
+        });
         let off = ROUNDING * (1.0 + found.low.abs().max(found.high.abs()));
-        ScreenRectangle { low: found.low - off, high: found.high + off }
+        let found = ScreenRectangle { low: found.low - off, high: found.high + off };
+        edges(&corners).fold(found, |found, (one, other)| found.opened_towards(beside(one, other), ROUNDING * size))
     }
 
     /// Where a ray from the eye meets the plane; `None` if it starts elsewhere, or does not meet it.
@@ -82,7 +93,35 @@ impl Eye {
     }
 }
 
+/// The edges of a box that lead from before the eye to behind it.
+fn edges(corners: &[DVec3; 8]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
+    let pairs = (0..8usize).flat_map(|corner| [1, 2, 4].map(|bit| (corner, corner | bit)));
+    let pairs = pairs.filter(|(one, other)| one != other).map(|(one, other)| (corners[one], corners[other]));
+    pairs.filter(|(one, other)| (one.z > 0.0) != (other.z > 0.0))
+}
+
+/// Where an edge passes beside the eye, to the right and upwards.
+fn beside(one: DVec3, other: DVec3) -> DVec2 {
+    let share = one.z / (one.z - other.z);
+    (one + (other - one) * share).truncate()
+}
+
 impl ScreenRectangle {
+    /// The same, as far as it goes on that way: a box that passes beside the eye on one side is seen out to there. On which side, it is
+    /// not told to less than `off`.
+    fn opened_towards(self, beside: DVec2, off: f64) -> ScreenRectangle {
+        let mut opened = self;
+        for axis in 0..2 {
+            if beside[axis] >= -off {
+                opened.high[axis] = f64::INFINITY;
+            }
+            if beside[axis] <= off {
+                opened.low[axis] = f64::NEG_INFINITY;
+            }
+        }
+        opened
+    }
+
     /// No point.
     pub const NOTHING: ScreenRectangle = ScreenRectangle { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY };
 

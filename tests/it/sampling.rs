@@ -122,8 +122,8 @@ fn surfaces_shadows_and_mirror_images_have_their_edges() {
     mirror.lights = vec![Light::point(Vec3::Z * 9.0, Vec3::ONE)];
     assert_eq!(refined(&mirror, Criterion::Lao, SIDE).len(), 0);
     mirror.materials[0].specular = 0.6;
-    let before = refined(&mirror, Criterion::Lao, SIDE).len() as u32;
-    assert_eq!(before, 2 * SIDE);
+    let found = refined(&mirror, Criterion::Lao, SIDE);
+    assert!((0..SIDE).all(|line| [11, 12].iter().all(|column| found.contains(&(line * SIDE + column)))), "{found:?}");
     assert_eq!(refined(&mirror, Criterion::Surface, SIDE).len(), 0);
 }
 
