@@ -1,6 +1,6 @@
 #!/bin/sh
 . ../sweeps.sh
-size=48x48
+size=32x32
 
 # image SCENE BY MODE FLAGS...: makes an image with 3 x 3 samples where BY asks for them, and notes what it took and how far it is off.
 image() {
@@ -36,7 +36,7 @@ for scene in balls chapel gears lattice mountain reference rings room shells som
     done
 done
 # The thesis's table, on a scene of as many primitives.
-size=160x128
+size=96x80
 $pcs_sim image valve --size $size --samples 8 --timing off -o truth.pfm --force > /dev/null
 mv images.csv small.csv
 echo "scene,by,mode,samples,refined,rays,primary,primary_hit,shadow,shadow_hit,cycles,mean_square" > images.csv
