@@ -327,6 +327,10 @@ impl Made {
             cell_names: names,
             configuration,
             image: image.as_deref(),
+            setup: match self {
+                Made::Rays { setup, .. } | Made::Image { setup, .. } => Some(setup),
+                _ => None,
+            },
         })
         .map_err(output)
     }
@@ -336,17 +340,16 @@ impl Made {
         let Described { caption, names, .. } = &self.described();
         let (profile, recording) = (profile_of(seen)?, seen.recording.as_ref());
         let path = self.observed().and_then(|observed| observed.path.as_ref());
-        let run = plot::Run { caption, clock: self.clock(), profile, recording, path, cell_names: names };
+        let regions = match self {
+            Made::Cube { setup, outcome } => cube::region_map(setup, outcome),
+            _ => None,
+        };
+        let run = plot::Run { caption, clock: self.clock(), profile, recording, path, cell_names: names, regions };
         plot::pictures(&run).map_err(output)
     }
 
     /// Writes the picture under a name that says as what.
-    pub fn save_picture(
-        &self,
-        path: &Path,
-        colors: Option<(usize, Palette)>,
-        force: bool,
-    ) -> Result<PathBuf, Trouble> {
+    pub fn save_picture(&self, path: &Path, colors: Option<(usize, Palette)>, force: bool) -> Result<PathBuf, Trouble> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
         let form = match (extension.as_deref(), self, colors) {
             (Some("pfm"), Made::Image { .. }, None) => Form::Pfm,

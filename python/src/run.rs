@@ -384,7 +384,8 @@ impl Run {
 /// How many colours are asked for, and how they are chosen.
 fn few(py: Python<'_>, colors: i64, palette: Option<&str>) -> PyResult<(usize, Palette)> {
     let most = usize::try_from(colors).ok().filter(|most| (1..=ColorTable::MOST).contains(most));
-    let most = most.ok_or_else(|| wrong(py, format!("{colors} colours: there can be from 1 to {}", ColorTable::MOST)))?;
+    let most =
+        most.ok_or_else(|| wrong(py, format!("{colors} colours: there can be from 1 to {}", ColorTable::MOST)))?;
     let chosen = palette.map(str::parse).transpose();
     let chosen = chosen.map_err(|why: String| wrong(py, format!("there is no such palette: {why}")))?;
     Ok((most, chosen.unwrap_or_default()))

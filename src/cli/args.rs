@@ -9,8 +9,8 @@ use pcs_sim::host::color_table::Palette;
 use pcs_sim::machine::{Cycles, MachineOptions};
 use pcs_sim::report::plot::Format;
 use pcs_sim::run::{
-    CellsOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions, RayOptions, RecordingMemory, RunOptions,
-    SceneOptions, SendingOptions, ShapeOptions,
+    CellsOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions, RayOptions, RecordingMemory,
+    RunOptions, SceneOptions, SendingOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
 

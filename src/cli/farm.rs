@@ -102,6 +102,8 @@ fn write_outputs(
         losses: None,
         configuration: &configuration,
         image: None,
+        regions: None,
+        setup: None,
     };
     views.write(&seen, &mut written)?;
     Ok(written)

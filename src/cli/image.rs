@@ -9,8 +9,8 @@ use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::color_table::{Color, ColorError, ColorTable, Palette};
-use pcs_sim::host::screen::{self, ScreenRectangles};
 use pcs_sim::host::image;
+use pcs_sim::host::screen::{self, ScreenRectangles};
 use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
@@ -89,7 +89,9 @@ fn truth(path: &Path, size: ImageSize) -> Result<Vec<Color>, InputError> {
     let (found, pixels) = image::read_pfm(path)?;
     if found != size {
         let (found, size) = (String::from(found), String::from(size));
-        return Err(InputError::in_file(path, format!("is {found}, and the image {size}")).help("make both of one size"));
+        return Err(
+            InputError::in_file(path, format!("is {found}, and the image {size}")).help("make both of one size")
+        );
     }
     Ok(image::on_screen(&pixels))
 }
@@ -294,6 +296,8 @@ fn write_outputs(
             cell_names: &cell_names(&setup.workload),
             configuration: &configuration,
             image: Some(&png),
+            regions: None,
+            setup: Some(setup),
         };
         files.views.write(&seen, &mut written)?;
     }

@@ -84,7 +84,9 @@ impl Criterion {
         let differs = |all| plane.neighbours(pixel, all).any(|other| keys[other] != keys[pixel]);
         match self {
             Criterion::Object | Criterion::Surface => differs(false),
-            Criterion::Lao => differs(true) || plane.neighbours(pixel, true).chain([pixel]).any(|at| shown.is_small(at)),
+            Criterion::Lao => {
+                differs(true) || plane.neighbours(pixel, true).chain([pixel]).any(|at| shown.is_small(at))
+            }
             Criterion::Whitted { threshold } => plane.squares(pixel).any(|square| {
                 let colors = square.iter().flatten().map(|&at| color_of(keys[at]));
                 let (low, high) = colors.fold(([u8::MAX; 3], [0; 3]), |(low, high): (Color, Color), color| {

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
-use crate::geometry::Partition;
+use crate::geometry::{Numbering, Partition};
 use crate::input::fields::{self, Fault};
 
 /// A step of the geometric computation (§3).
@@ -34,6 +34,9 @@ pub struct ArrayProgram {
     /// How the scene is cut.
     #[serde(default)]
     pub partition: Partition,
+    /// Which sub-volume is which group's.
+    #[serde(default, skip_serializing_if = "Numbering::is_cut")]
+    pub numbering: Numbering,
     /// coeff_grid: voxels a polygon (annex A.1; 50 is UgRay's rule).
     #[serde(default = "ugray_coefficient")]
     pub grid_coefficient: f64,
@@ -51,6 +54,10 @@ pub struct ArrayProgram {
     /// more. `None` for the paper's way: all cells start on all rays. Beyond the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub masks: Option<Masks>,
+    /// Whether a cell reads the hit of the groups before its own before it begins, and looks for nothing behind that. Beyond the
+    /// paper, whose cells read it when they have done their own work.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub bounded_walk: bool,
 }
 
 /// How the host tells which sub-volumes a ray can meet.
@@ -128,11 +135,13 @@ impl ArrayProgram {
             groups: 1,
             stages: vec![vec![Kernel::Grid, Kernel::Slabs, Kernel::Intersection]],
             partition: Partition::default(),
+            numbering: Numbering::default(),
             grid_coefficient,
             mailbox: false,
             stop_words: None,
             forward_ahead: 0,
             masks: None,
+            bounded_walk: false,
         }
     }
 
@@ -190,6 +199,11 @@ impl ArrayProgram {
     /// Cells of the array.
     pub fn cells(&self) -> usize {
         self.groups.saturating_mul(self.stages.len())
+    }
+
+    /// Whether the cut looks at rays of all kinds, which an image has more of than those of its camera.
+    pub fn cut_by_all_rays(&self) -> bool {
+        self.groups > 1 && (self.partition == Partition::Measured || self.numbering == Numbering::Front)
     }
 
     /// Where each kernel runs.

@@ -3,10 +3,15 @@
 //! `RayInGroup` has the six steps that a group of cells takes for a ray, in the order and with the numbers of docs/machine.md.
 //! The paper's P1, P2 and P3 (§4.2, figure 5) are `walk`, `slabs_test` and `intersection_test` in the third of them.
 
+mod visit;
+
 use std::ops::ControlFlow;
 
 use bitvec::vec::BitVec;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
+
+pub use visit::{GroupVisit, Said, Test, Visit, VoxelVisit};
 
 use crate::geometry::partition::Weight;
 use crate::geometry::{Hit, Ray, RaySlabs};
@@ -18,9 +23,7 @@ use super::cells::ProgramTracer;
 use super::layout::{Group, Surfaces};
 use super::messages::{CANDIDATE_WORDS, HIT_WORDS};
 use super::stop_words::Stopping;
-use super::work::{
-    GRID_START, GRID_VOXEL, INTERSECTION_POLYGON, INTERSECTION_START, SLABS_POLYGON, SLABS_START,
-};
+use super::work::{GRID_START, GRID_VOXEL, INTERSECTION_POLYGON, INTERSECTION_START, SLABS_POLYGON, SLABS_START};
 use super::workload::Workload;
 
 /// How often the kernels did their work, over all cells.
@@ -45,10 +48,30 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
-/// Where a sample of rays made one cell work, and for how many cycles.
-#[derive(Debug, Default)]
+/// Where a sample of rays made cells work, and for how many cycles.
+#[derive(Debug)]
 pub(super) struct WorkSample {
-    pub weights: Vec<Weight>,
+    /// For each stage, where the cells that it is of worked how long.
+    pub stages: Vec<Vec<Weight>>,
+    /// For each group and each of its stages, all that the cell worked.
+    pub groups: Vec<Vec<f64>>,
+}
+
+impl WorkSample {
+    /// No ray yet, for so many groups of so many cells.
+    pub fn new(groups: usize, stages: usize) -> WorkSample {
+        WorkSample { stages: vec![Vec::new(); stages], groups: vec![vec![0.0; stages]; groups] }
+    }
+
+    /// Takes what the cells of a group have done, there or nowhere.
+    fn take(&mut self, cells: &mut [OpStream], group: usize, at: Option<DVec3>, costs: &Costs) {
+        for (stage, ops) in cells.iter_mut().enumerate() {
+            let amount = cycles(ops, costs).0 as f64;
+            ops.clear();
+            self.groups[group][stage] += amount;
+            self.stages[stage].extend(at.map(|at| Weight { at, amount }));
+        }
+    }
 }
 
 /// Traces rays through a workload. Each thread has its own.
@@ -74,8 +97,7 @@ struct Mailbox {
 impl<'a> Tracer<'a> {
     /// A tracer that has counted nothing yet.
     pub fn new(workload: &'a Workload) -> Tracer<'a> {
-        let polygons = if workload.program.mailbox { workload.polygons().len() } else { 0 };
-        let mailbox = Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() };
+        let mailbox = Mailbox::of(workload);
         let programs = workload.programs.as_ref().map(|cells| ProgramTracer::new(cells, workload.polygons().len()));
         Tracer { workload, mailbox, programs, counts: Counts::default(), fault: None }
     }
@@ -121,27 +143,23 @@ impl<'a> Tracer<'a> {
 
     /// The same where the cells take Figure 7's times.
     fn trace_groups(&mut self, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+        let bounded = self.workload.program.bounded_walk;
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
         let stages = self.workload.stages.count();
         for (index, (group, cells)) in self.workload.layout.groups.iter().zip(cells.chunks_mut(stages)).enumerate() {
-            let mut in_group = RayInGroup {
-                workload: self.workload,
-                surfaces: &self.workload.layout.surfaces,
-                ray,
-                cells,
-                ray_slabs,
-                entered: Entered::default(),
-                stopping: Stopping::default(),
-                hit: Hit::MISS,
-            };
+            let known = if bounded { nearest } else { Hit::MISS };
+            let mut in_group = RayInGroup::new(self.workload, ray, known, cells, ray_slabs);
             in_group.read_ray(passed_on);
+            if bounded && index > 0 {
+                in_group.read_earlier_hit();
+            }
             if self.workload.admits(ray, index) {
                 in_group.start_kernels();
                 in_group.take_candidates(group, &mut self.mailbox, &mut self.counts);
                 in_group.end_candidates();
             }
-            if index > 0 {
+            if !bounded && index > 0 {
                 in_group.read_earlier_hit();
             }
             in_group.write_hit();
@@ -152,33 +170,34 @@ impl<'a> Tracer<'a> {
         nearest
     }
 
-    /// Traces a ray through a workload of one cell and notes its work, voxel by voxel.
+    /// Traces a ray through all groups and notes the work of their cells, voxel by voxel. Where stop words are sent, the cells are
+    /// taken to stop at once.
     pub(super) fn sample(&mut self, ray: &Ray, sample: &mut WorkSample) {
-        let workload = self.workload;
-        let mut cells = [OpStream::default()];
-        let Some(group) = workload.layout.groups.first() else { return };
-        let mut in_group = RayInGroup {
-            workload,
-            surfaces: &workload.layout.surfaces,
-            ray,
-            cells: &mut cells,
-            ray_slabs: None,
-            entered: Entered::default(),
-            stopping: Stopping::default(),
-            hit: Hit::MISS,
-        };
-        let mut t_enter = 0.0;
-        group.grid.walk(ray, workload.polygons().beyond_margin(ray.origin), |voxel| {
-            for &polygon in voxel.polygons {
-                in_group.candidate(polygon, &mut self.counts);
-            }
-            let work = cycles(&in_group.cells[0], workload.costs());
-            in_group.cells[0].clear();
-            let at = group.grid.voxel_center(ray.at((t_enter + voxel.t_exit) / 2.0));
-            sample.weights.push(Weight { at, amount: (work + workload.costs().of(GRID_VOXEL)).0 as f64 });
-            t_enter = voxel.t_exit;
-            if in_group.t_done() <= voxel.t_exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
+        let (workload, program) = (self.workload, &self.workload.program);
+        let stops = workload.stages.intersection == 0 || workload.stop_words.is_some();
+        let mut cells: Vec<OpStream> = (0..workload.stages.count()).map(|_| OpStream::default()).collect();
+        let mut nearest = Hit::MISS;
+        for (index, group) in workload.layout.groups.iter().enumerate() {
+            let known = if program.bounded_walk { nearest } else { Hit::MISS };
+            let mut in_group = RayInGroup::new(workload, ray, known, &mut cells, None);
+            in_group.start_kernels();
+            sample.take(in_group.cells, index, None, workload.costs());
+            let (ray, mut t_enter) = (in_group.ray, 0.0);
+            group.grid.walk(&ray, workload.polygons().beyond_margin(ray.origin), |voxel| {
+                in_group.work(0, GRID_VOXEL, 1);
+                for &polygon in voxel.polygons {
+                    if !program.mailbox || self.mailbox.mark(polygon) {
+                        in_group.candidate(polygon, &mut self.counts);
+                    }
+                }
+                let at = group.grid.voxel_center(ray.at((t_enter + voxel.t_exit) / 2.0));
+                sample.take(in_group.cells, index, Some(at), workload.costs());
+                t_enter = voxel.t_exit;
+                if stops && in_group.hit.t <= voxel.t_exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            nearest = nearest.nearer(in_group.hit);
+            self.mailbox.clear();
+        }
     }
 }
 
@@ -199,7 +218,8 @@ struct Entered {
 struct RayInGroup<'a> {
     workload: &'a Workload,
     surfaces: &'a Surfaces,
-    ray: &'a Ray,
+    /// The ray, which ends at the hit that is known when the group begins.
+    ray: Ray,
     cells: &'a mut [OpStream],
     ray_slabs: Option<RaySlabs>,
     entered: Entered,
@@ -207,7 +227,32 @@ struct RayInGroup<'a> {
     hit: Hit,
 }
 
-impl RayInGroup<'_> {
+impl<'a> RayInGroup<'a> {
+    /// A group that begins with a ray, and knows a hit of it already or none. What slabs need of the ray may be known from the
+    /// groups before.
+    ///
+    /// The ray then ends there, as far as the group is concerned. What it hits nearer, or at the same t on a polygon with a lower
+    /// number, takes the known hit's place: that is how the hits of all groups are merged, whichever comes first.
+    fn new(
+        workload: &'a Workload,
+        ray: &Ray,
+        known: Hit,
+        cells: &'a mut [OpStream],
+        ray_slabs: Option<RaySlabs>,
+    ) -> RayInGroup<'a> {
+        let ray = ray.until(known.t);
+        RayInGroup {
+            workload,
+            surfaces: &workload.layout.surfaces,
+            ray,
+            cells,
+            ray_slabs: ray_slabs.map(|slabs| slabs.ending_at(ray.t_max)),
+            entered: Entered::default(),
+            stopping: Stopping::default(),
+            hit: known,
+        }
+    }
+
     /// Step 1, the ray: every cell reads it and passes it on. Where rays are passed on ahead, these are `passed_on` rays up to
     /// one further on: several at first, none at the end.
     fn read_ray(&mut self, passed_on: u64) {
@@ -254,7 +299,8 @@ impl RayInGroup<'_> {
     fn walk(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
         let workload = self.workload;
         let strayed = self.surfaces.polygons.beyond_margin(self.ray.origin);
-        let behind = group.grid.walk_occupied(self.ray, strayed, |stretch| {
+        let ray = self.ray;
+        let behind = group.grid.walk_occupied(&ray, strayed, |stretch| {
             self.work(0, GRID_VOXEL, stretch.voxels);
             counts.voxels += stretch.voxels;
             for &polygon in stretch.polygons {
@@ -274,7 +320,8 @@ impl RayInGroup<'_> {
     fn walk_told(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
         let workload = self.workload;
         let Some(words) = workload.stop_words else { return };
-        group.grid.walk(self.ray, self.surfaces.polygons.beyond_margin(self.ray.origin), |voxel| {
+        let ray = self.ray;
+        group.grid.walk(&ray, self.surfaces.polygons.beyond_margin(ray.origin), |voxel| {
             self.work(0, GRID_VOXEL, 1);
             counts.voxels += 1;
             for &polygon in voxel.polygons {
@@ -337,7 +384,7 @@ impl RayInGroup<'_> {
         }
         self.work(cell, SLABS_POLYGON, 1);
         let Surfaces { polygons, slabs } = self.surfaces;
-        let new = || RaySlabs::new(self.ray, polygons.largest_coordinate());
+        let new = || RaySlabs::new(&self.ray, polygons.largest_coordinate());
         slabs.meets(self.ray_slabs.get_or_insert_with(new), polygon)
     }
 
@@ -348,7 +395,7 @@ impl RayInGroup<'_> {
             self.enter_intersection();
         }
         self.work(self.workload.stages.intersection, INTERSECTION_POLYGON, 1);
-        self.hit = self.surfaces.polygons.nearer(self.ray, polygon, self.hit);
+        self.hit = self.surfaces.polygons.nearer(&self.ray, polygon, self.hit);
     }
 
     #[inline(always)]
@@ -366,7 +413,7 @@ impl RayInGroup<'_> {
     }
 
     /// Step 5, the earlier group's hit: every stage reads it, and all but the last pass it on. The last merges it with its
-    /// own, which takes no time.
+    /// own, which takes no time. Where it bounds the walk, that comes before step 2.
     fn read_earlier_hit(&mut self) {
         let last = self.workload.stages.intersection;
         for (stage, cell) in self.cells.iter_mut().enumerate() {
@@ -384,6 +431,12 @@ impl RayInGroup<'_> {
 }
 
 impl Mailbox {
+    /// An empty one, for the polygons of a workload that has mailboxes.
+    fn of(workload: &Workload) -> Mailbox {
+        let polygons = if workload.program.mailbox { workload.polygons().len() } else { 0 };
+        Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() }
+    }
+
     /// Marks a polygon; false if it was marked before.
     fn mark(&mut self, polygon: u32) -> bool {
         let new = !self.seen.replace(polygon as usize, true);

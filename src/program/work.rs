@@ -75,7 +75,8 @@ pub fn vocabulary_with(runs_programs: bool, more: &[Unit]) -> Arc<Vocabulary> {
         Class::ALL.iter().zip(CLASS_CODES).map(move |(class, add)| (code(add), class.name(), Activity(activity)))
     });
     let units = timed.chain(instructions.filter(|_| runs_programs));
-    let used = |place: usize| ![HOST_FILTER, HOST_MASK].contains(&Unit(place as u8)) || more.contains(&Unit(place as u8));
+    let used =
+        |place: usize| ![HOST_FILTER, HOST_MASK].contains(&Unit(place as u8)) || more.contains(&Unit(place as u8));
     let unit = |(place, (code, name, activity)): (usize, (String, &str, Activity))| UnitOfWork {
         code,
         name: name.to_owned(),

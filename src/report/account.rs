@@ -94,11 +94,7 @@ pub fn head(setup: &Setup, outcome: &Outcome) -> String {
     let Setup { machine, prepared, workload, .. } = setup;
     let (spec, rays) = (&machine.spec, prepared.rays.len());
     let hits = outcome.counts.hits;
-    let mut lines = vec![
-        title(setup),
-        machine_line(spec),
-        summary::speed(&outcome.stats, spec.clock()),
-    ];
+    let mut lines = vec![title(setup), machine_line(spec), summary::speed(&outcome.stats, spec.clock())];
     if prepared.screen.is_some() {
         lines.push(samples_line(prepared.count() as u64, rays as u64, hits));
     }

@@ -7,7 +7,7 @@ use crate::machine::{Machine, RateCounts};
 use crate::measure::{Actor, Measured, StateKind, StateTimes};
 use crate::model::cost::KernelTime;
 use crate::model::{ArrayModel, Bound, CellLoad, LinkLoad, Links, Prediction, Stage, Survey, Times};
-use crate::program::{ArrayProgram, Kernel, NotLaidOut};
+use crate::program::{ArrayProgram, Kernel, NotLaidOut, sub_sample};
 
 /// An array program on a machine, as the model sees it.
 pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
@@ -59,7 +59,7 @@ impl Layers {
         if prepared.screen.is_some() {
             array.times.host_ray += run.machine.times.host.filter.0 as f64 * prepared.samples_per_ray();
         }
-        let sub_volumes = surfaces.sub_volumes(program, run.machine.times, rays, cancel)?;
+        let sub_volumes = surfaces.sub_volumes(program, run.machine.times, &sub_sample(rays), cancel)?;
         let survey = Survey::new(surfaces.polygons(), &sub_volumes, rays);
         let too_large = |error| InputError::new(format!("{error}"));
         let predicted = survey.predict(&array, program.grid_coefficient).map_err(too_large)?;

@@ -6,9 +6,9 @@ use glam::{DVec3, Vec3};
 
 use super::ahead;
 use super::closed_loop::ClosedLoop;
+use super::shown::Look;
 use super::timed::UNLIMITED;
 use super::trace::BATCH_LINES;
-use super::shown::Look;
 use super::trees::{ByKind, Grower, KindCounts, TreeBatch};
 use super::{RunError, Watching, Workers};
 use crate::error::InputError;

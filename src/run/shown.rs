@@ -66,13 +66,16 @@ impl Look {
                     (true, _) => keys[child],
                 }
             } else {
-                let of = |kind: RayKind| (child..child + count).filter(move |&at| rays[at].kind == kind).map(|at| keys[at]);
+                let of =
+                    |kind: RayKind| (child..child + count).filter(move |&at| rays[at].kind == kind).map(|at| keys[at]);
                 // A set: in whichever order the lights stand.
                 let lights = of(RayKind::Shadow).fold(0u64, u64::wrapping_add);
                 let one = |kind| of(kind).next().unwrap_or(NOTHING);
                 match self.part(&hits[at]) {
                     NOTHING => NOTHING,
-                    part => [lights, one(RayKind::Reflected), one(RayKind::Refracted)].into_iter().fold(part, random::of_item),
+                    part => [lights, one(RayKind::Reflected), one(RayKind::Refracted)]
+                        .into_iter()
+                        .fold(part, random::of_item),
                 }
             };
         }

@@ -19,8 +19,8 @@ use crate::host::shading::Limits;
 use crate::input::fields;
 use crate::isa::Processor;
 use crate::machine::{Machine, MachineFile};
-use crate::program::{ArrayProgram, Masks};
 use crate::program::cells::CellOptions;
+use crate::program::{ArrayProgram, Masks};
 use crate::scene::{ReadOptions, Scene, builtin};
 
 /// A run, described: enough to repeat it to the bit.
@@ -201,6 +201,9 @@ impl Default for ImageSpec {
 }
 
 impl RunSpec {
+    /// The scene where none is named.
+    pub const STANDARD_SCENE: &str = "teapot";
+
     /// What a run of primary rays is that was asked for by `options`: they are laid over `base`, or over the defaults.
     ///
     /// Fails if a file cannot be read, or if the options make an impossible program or machine.
@@ -228,11 +231,15 @@ impl RunSpec {
         let sending = &options.sending;
         let order = sending.order.or(base.map(|base| base.order)).unwrap_or_default();
         check_order(order, rays.as_deref())?;
-        let screen_rectangles = sending.screen_rectangles.or(base.map(|base| base.screen_rectangles)).unwrap_or_default();
+        let screen_rectangles =
+            sending.screen_rectangles.or(base.map(|base| base.screen_rectangles)).unwrap_or_default();
         check_screen((screen_rectangles, program.masks), rays.as_deref())?;
         Ok(RunSpec {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            scene: scene.clone().or(base.map(|base| base.scene.clone())).unwrap_or_else(|| "teapot".to_owned()),
+            scene: scene
+                .clone()
+                .or(base.map(|base| base.scene.clone()))
+                .unwrap_or_else(|| RunSpec::STANDARD_SCENE.to_owned()),
             size_factor: shape.size_factor.or(of_same_scene.and_then(|base| base.size_factor)),
             resolution: shape.resolution.or(of_same_scene.and_then(|base| base.resolution)),
             size,
@@ -437,7 +444,8 @@ fn check_screen((rectangles, masks): (ScreenRectangles, Option<Masks>), rays: Op
     }
     match masks {
         Some(Masks::Rectangles) => {
-            let error = InputError::new("masks by rectangles are for rays from the camera's eye, and these are a file's");
+            let error =
+                InputError::new("masks by rectangles are for rays from the camera's eye, and these are a file's");
             Err(error.help("masks by boxes are for any rays"))
         }
         _ => Ok(()),
@@ -493,10 +501,12 @@ pub fn array_program(options: &RunOptions, base: Option<&ArrayProgram>) -> Resul
         return Err(InputError::new(message).help("several macro-pipelines side by side are --program hybrid-3"));
     }
     program.partition = options.partition.unwrap_or(program.partition);
+    program.numbering = options.numbering.unwrap_or(program.numbering);
     program.grid_coefficient = options.grid_coefficient.unwrap_or(program.grid_coefficient);
     program.mailbox |= options.mailbox.unwrap_or(false);
     program.stop_words = options.stop_words.or(program.stop_words);
     program.forward_ahead = options.forward_ahead.unwrap_or(program.forward_ahead);
+    program.bounded_walk |= options.bounded_walk.unwrap_or(false);
     program.masks = options.masks.or(program.masks);
     program.check()?;
     Ok(program)

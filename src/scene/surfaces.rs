@@ -29,7 +29,10 @@ pub fn surfaces(mesh: &Mesh) -> Vec<u32> {
     for (number, face) in mesh.faces().iter().enumerate() {
         for (edge, side) in sides_of(mesh, face, number as u32) {
             let others = sides.entry(edge).or_default();
-            others.iter().filter(|other| other.goes_over_into(&side)).for_each(|other| join(&mut joined, other.face, side.face));
+            others
+                .iter()
+                .filter(|other| other.goes_over_into(&side))
+                .for_each(|other| join(&mut joined, other.face, side.face));
             others.push(side);
         }
     }

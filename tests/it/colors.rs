@@ -63,7 +63,9 @@ fn other_tables_by_hand() {
 #[test]
 fn the_octree_is_the_best_on_a_smooth_picture() {
     let pixels: Vec<Color> = (0..64u32)
-        .flat_map(|line| (0..64u32).map(move |column| [(2 * line + column) as u8, (3 * column) as u8, (line * column / 20) as u8]))
+        .flat_map(|line| {
+            (0..64u32).map(move |column| [(2 * line + column) as u8, (3 * column) as u8, (line * column / 20) as u8])
+        })
         .collect();
     let error = |palette| ColorTable::new(&pixels, 64, palette).error(&pixels).mean_square;
     let [peano, large, fixed, popular] =
@@ -120,7 +122,9 @@ fn images_have_as_many_colours_as_asked_for() {
     }
     insta::assert_snapshot!(said);
     // More than a PNG's table can have are written one by one.
-    folder.run("image room --size 48x32 --timing off --samples 3 --colors 300 --palette peano-large -o many.png").success();
+    folder
+        .run("image room --size 48x32 --timing off --samples 3 --colors 300 --palette peano-large -o many.png")
+        .success();
     let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path("many.png")).unwrap()));
     let mut reader = decoder.read_info().unwrap();
     assert_eq!(reader.info().color_type, png::ColorType::Rgb);

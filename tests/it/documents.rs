@@ -113,7 +113,8 @@ fn tables_md_lists_every_column() {
         format!("| `{name}` | {holds} | {label} |")
     };
     let lines = |columns: &[Column]| columns.iter().map(|it| line(it.name, it.kind, it.label)).collect::<Vec<_>>();
-    let (arrays, farms) = (results(r#"(machine: "pcs.ron", host_filter_us: 1, host_mask_us: 1)"#), results("(farm: true, bus_mb_s: 10)"));
+    let (arrays, farms) =
+        (results(r#"(machine: "pcs.ron", host_filter_us: 1, host_mask_us: 1)"#), results("(farm: true, bus_mb_s: 10)"));
     let cubes = results(r#"(nodes: 4, machine: "my.ron")"#);
     let (rounded, of_arrays) = arrays.split_at(11);
     let (bus, of_farms) = farms.split_at(1);

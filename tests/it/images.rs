@@ -357,7 +357,9 @@ fn the_command_writes_the_same_picture_with_and_without_timing() {
 fn an_image_is_its_lines_wherever_it_is_cut() {
     let scene = glass();
     let workload = workload(&scene, "broadcast", 3, crate::support::machine().times);
-    for (sampling, threads) in [(plain(1), 1), (plain(3), 2), (Sampling { side: 4, adaptive: Some(Criterion::Object) }, 2)] {
+    for (sampling, threads) in
+        [(plain(1), 1), (plain(3), 2), (Sampling { side: 4, adaptive: Some(Criterion::Object) }, 2)]
+    {
         let picture = picture(&scene, &workload, 20, sampling);
         let whole = untimed(&picture, 1);
         for cuts in [&[0, 15][..], &[0, 1, 2, 9, 15], &[0, 7, 14, 15]] {

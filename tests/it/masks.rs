@@ -99,7 +99,8 @@ fn boxes_are_the_trace_without_lone_starts() {
 fn a_mask_of_ones_changes_nothing_but_its_word() {
     let (scene, rays) = scene("teapot", 3, 12);
     let masked = ArrayProgram { masks: Some(Masks::Rectangles), ..program("broadcast", 6) };
-    let (plain, masked) = (workload(&scene.mesh, &program("broadcast", 6), &rays), workload(&scene.mesh, &masked, &rays));
+    let (plain, masked) =
+        (workload(&scene.mesh, &program("broadcast", 6), &rays), workload(&scene.mesh, &masked, &rays));
     let edited: Vec<_> = crate::support::ops(&plain, &rays);
     let found = crate::support::ops(&masked, &rays);
     for (plain, masked) in edited.iter().zip(&found) {
@@ -157,10 +158,8 @@ fn images_are_the_same_and_timed_as_their_ops_say() {
 #[test]
 fn files_sweeps_and_configurations_have_them() {
     let folder = Folder::new();
-    folder.file(
-        "masked.ron",
-        "(name: \"masked\", groups: 8, stages: [[grid, slabs, intersection]], masks: Some(boxes))",
-    );
+    folder
+        .file("masked.ron", "(name: \"masked\", groups: 8, stages: [[grid, slabs, intersection]], masks: Some(boxes))");
     let run = "--scene teapot --size-factor 3 --size 8x8 --force";
     folder.run(&format!("{run} --program masked.ron --stats a.json")).success();
     folder.run(&format!("{run} --mode broadcast --cells 8 --masks boxes --stats b.json")).success();

@@ -90,7 +90,8 @@ fn each_criterion_finds_what_the_one_before_finds() {
     let valve = builtin::generate("valve", Some(1), Some(8)).unwrap();
     let mut more = [0; 2];
     for scene in [glass(), rooms, builtin("balls", 2), builtin("tree", 2), valve] {
-        let [object, surface, lao] = [Criterion::Object, Criterion::Surface, Criterion::Lao].map(|criterion| refined(&scene, criterion, 32));
+        let [object, surface, lao] =
+            [Criterion::Object, Criterion::Surface, Criterion::Lao].map(|criterion| refined(&scene, criterion, 32));
         assert!(object.is_subset(&surface) && surface.is_subset(&lao), "{}", scene.name);
         assert!(lao.len() < 32 * 32, "{}", scene.name);
         more[0] += surface.len() - object.len();
@@ -103,7 +104,8 @@ fn each_criterion_finds_what_the_one_before_finds() {
 /// differ; a mirror image's edge has what is reflected differ.
 #[test]
 fn surfaces_shadows_and_mirror_images_have_their_edges() {
-    let walls = before_the_eye("v -9 -9 0\nv 0.01 -9 0\nv 0.01 9 0\nv -9 9 0\nv 9 -9 -4\nv 9 9 -4\nf 1 2 3 4\nf 2 5 6 3\n");
+    let walls =
+        before_the_eye("v -9 -9 0\nv 0.01 -9 0\nv 0.01 9 0\nv -9 9 0\nv 9 -9 -4\nv 9 9 -4\nf 1 2 3 4\nf 2 5 6 3\n");
     assert_eq!(refined(&walls, Criterion::Object, SIDE).len(), 0);
     assert_eq!(refined(&walls, Criterion::Surface, SIDE).len() as u32, 2 * SIDE);
     assert_eq!(refined(&walls, Criterion::Lao, SIDE).len() as u32, 2 * SIDE);
@@ -189,9 +191,10 @@ fn the_command_tells_what_was_oversampled() {
         let lines = text.lines().filter(|line| line.contains("oversampled") || line.starts_with("off from"));
         report += &format!("{by}\n{}\n", lines.collect::<Vec<_>>().join("\n"));
         let stats: serde_json::Value = serde_json::from_str(&folder.read("s.json")).unwrap();
-        let mut reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path("mask.png")).unwrap()))
-            .read_info()
-            .unwrap();
+        let mut reader =
+            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path("mask.png")).unwrap()))
+                .read_info()
+                .unwrap();
         let mut mask = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut mask).unwrap();
         let white = mask.iter().filter(|value| **value == 255).count() as u64;

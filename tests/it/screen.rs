@@ -234,7 +234,9 @@ fn images_are_the_same_and_timed_as_their_ops_say() {
         let rays = primary_rays(&scene.camera, ImageSize { width: 2, height: 2 });
         let workload = Workload::new(&scene.mesh, &program, times, &rays).unwrap();
         let tested = workload.clone().with_samples_tested(Default::default());
-        for (sampling, size) in [(Sampling::default(), (6, 4)), (Sampling { side: 2, adaptive: Some(Criterion::Lao) }, (7, 5))] {
+        for (sampling, size) in
+            [(Sampling::default(), (6, 4)), (Sampling { side: 2, adaptive: Some(Criterion::Lao) }, (7, 5))]
+        {
             let size = ImageSize { width: size.0, height: size.1 };
             let limits = Limits::default();
             let plain = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
@@ -243,14 +245,16 @@ fn images_are_the_same_and_timed_as_their_ops_say() {
                 let screen = screen(&scene, workload.polygons(), size, of);
                 assert!(screen.count() < size.pixels() && screen.count() > 2);
                 let picture = Picture { workload: &tested, screen: Some(&screen), ..plain };
-                for (policy, in_flight, open_samples) in [
-                    (Policy::SecondariesFirst, None, 1024),
-                    (Policy::PrimariesFirst, Some(3), 4),
-                ] {
+                for (policy, in_flight, open_samples) in
+                    [(Policy::SecondariesFirst, None, 1024), (Policy::PrimariesFirst, Some(3), 4)]
+                {
                     let rules = HostRules { policy, in_flight, open_samples, ..HostRules::default() };
                     let (few, batches) = timed(&picture, rules);
                     assert!(few.pixels == all.pixels && few.refined == all.refined && few.samples == all.samples);
-                    assert_eq!(few.kinds[1..].iter().map(|kind| kind.rays).sum::<u64>(), all.kinds[1..].iter().map(|kind| kind.rays).sum::<u64>());
+                    assert_eq!(
+                        few.kinds[1..].iter().map(|kind| kind.rays).sum::<u64>(),
+                        all.kinds[1..].iter().map(|kind| kind.rays).sum::<u64>()
+                    );
                     assert!(few.kinds[0].rays < all.kinds[0].rays && few.kinds[0].hits == all.kinds[0].hits);
                     // Many cycles are many words of the judge's memory.
                     if sampling.side > 1 && (filter == 0 || of == ScreenRectangles::Scene) {
@@ -282,7 +286,8 @@ fn rectangles_are_drawn_on_the_picture() {
     let image = "image tree --size-factor 2 --size 30x20 --timing off --screen-rectangles objects";
     folder.run(&format!("{image} -o plain.pfm")).success();
     folder.run(&format!("{image} -o drawn.pfm --show-rectangles")).success();
-    let [plain, drawn] = ["plain.pfm", "drawn.pfm"].map(|name| pcs_sim::host::image::read_pfm(&folder.path(name)).unwrap().1);
+    let [plain, drawn] =
+        ["plain.pfm", "drawn.pfm"].map(|name| pcs_sim::host::image::read_pfm(&folder.path(name)).unwrap().1);
     let different = plain.iter().zip(&drawn).filter(|(a, b)| a != b);
     assert!(different.clone().count() > 20 && different.clone().all(|(_, drawn)| drawn.x == 1.0 && drawn.y < 0.1));
 }

@@ -10,7 +10,7 @@ mod tracer;
 use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
-use crate::isa::{Executable, InstructionCycles, Program, assemble};
+use crate::isa::{Executable, InstructionCycles, Program, Register, assemble};
 use crate::quantities::Words;
 
 use super::array_program::{ArrayProgram, Kernel};
@@ -28,6 +28,15 @@ pub struct CellOptions {
     pub folder: Option<PathBuf>,
     /// The most instructions that a cell may execute for one ray.
     pub instruction_limit: u64,
+}
+
+/// An instruction that a cell has executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstructionStep {
+    /// Where it stands.
+    pub address: u32,
+    /// The register that holds something else since, and what; none if all hold what they did.
+    pub changed: Option<(Register, u32)>,
 }
 
 /// The programs of all cells, loaded.
@@ -71,7 +80,7 @@ impl CellPrograms {
         let mut executables = Vec::new();
         for earlier in 0..variants {
             for kernels in &array.stages {
-                let program = open(kernels, earlier, array.mailbox, options)?;
+                let program = open(kernels, earlier, array, options)?;
                 executables.push(Executable::new(program, &options.cycles));
             }
         }
@@ -90,6 +99,11 @@ impl CellPrograms {
         Ok(CellPrograms { executables, cells, options: options.clone() })
     }
 
+    /// What a cell runs.
+    pub fn executable(&self, cell: usize) -> &Executable {
+        &self.executables[self.cells[cell].executable]
+    }
+
     /// Words that a cell's program, data and part of the scene take.
     pub fn words(&self, cell: usize) -> Words {
         let cell = &self.cells[cell];
@@ -98,9 +112,15 @@ impl CellPrograms {
     }
 }
 
-fn open(kernels: &[Kernel], earlier: usize, mailbox: bool, options: &CellOptions) -> Result<Program, InputError> {
+fn open(
+    kernels: &[Kernel],
+    earlier: usize,
+    array: &ArrayProgram,
+    options: &CellOptions,
+) -> Result<Program, InputError> {
     let name = program_name(kernels);
-    let set = [("EARLIER", earlier as i64), ("MAILBOX", mailbox as i64)];
+    let bounded = if array.bounded_walk { earlier } else { 0 };
+    let set = [("EARLIER", earlier as i64), ("BOUNDED", bounded as i64), ("MAILBOX", array.mailbox as i64)];
     match &options.folder {
         Some(folder) => assemble(&folder.join(name), crate::isa::Sources::Files, &set),
         None => assemble(Path::new(name), STANDARD, &set),

@@ -21,7 +21,10 @@ function addRows(title, { rows, pixels, draw, range, name, station, into, descri
   chart.over.addEventListener("click", (event) => {
     if (Math.abs(event.clientX - down) >= 4) return;
     const clicked = station(rowAt(chart));
-    if (clicked !== undefined) toggle(clicked === null ? count : clicked);
+    if (clicked === undefined) return;
+    // Where the steps are at hand a click is about the moment.
+    if (into === "space-time" && stepper) stepper.choose(clicked ?? stepper.station);
+    else toggle(clicked === null ? count : clicked);
   });
 }
 
@@ -118,7 +121,7 @@ const shadeOf = (at) => mixed(ground("ground"), seen(run.colors.amount), at / 4)
 function addOverviews() {
   addOverview("all {{ station }}s: a click on one shows or hides its charts", count, (row, from, until) => statesOf(run.cells[row].shares(), from, until, stateColors()), {
     thin: "each in the colour of what takes most of the time",
-    name: (row) => `${row}`,
+    name: (row) => {% if is_line %}`${row}`{% else %}shortName(row){% endif %},
     station: (row) => row,
     describe: (row, bin) => `{% if is_line %}cell ${row}{% else %}${run.cells[row].name}{% endif %}: ${describeCell(run.cells[row], bin)}`,
   });
