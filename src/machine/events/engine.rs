@@ -111,6 +111,9 @@ enum Phase<M> {
     Ended,
 }
 
+/// The unit of work that a task spends on a message, by what is in it.
+type WorkOf<M> = fn(&M) -> Option<Unit>;
+
 /// Tasks at work.
 #[derive(Debug)]
 pub struct Events<M> {
@@ -120,7 +123,7 @@ pub struct Events<M> {
     network: Network,
     lanes: Lanes,
     /// What follows from what, if that is asked for.
-    causes: Option<(Causes, fn(&M) -> Option<Unit>)>,
+    causes: Option<(Causes, WorkOf<M>)>,
     /// The state of a task that is at work on a message, or whose message is on its way and held.
     sending: StateId,
     now: u64,
@@ -181,7 +184,7 @@ impl<M: Copy> Events<M> {
 
     /// The same with its causes followed, of which all time is told as work: [`Act::Work`] says what.
     /// `sending` tells the unit of work that a task spends on a message, by what is in it.
-    pub fn explained(mut self, explanation: Explanation, sending: fn(&M) -> Option<Unit>) -> Events<M> {
+    pub fn explained(mut self, explanation: Explanation, sending: WorkOf<M>) -> Events<M> {
         self.causes = Some((Causes::new(self.phases.len(), self.network.count(), explanation), sending));
         self
     }
