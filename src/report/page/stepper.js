@@ -248,6 +248,7 @@ class Stepper {
   }
 
   choose(station) {
+    if (!recordOf(station)) return;
     this.station = station;
     this.draw();
   }
