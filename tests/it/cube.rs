@@ -96,7 +96,7 @@ fn machine(nodes: usize, t: [u64; 20]) -> Ipsc2 {
             grid: times(10),
             slabs: times(12),
             intersection: times(14),
-            host: HostTimes { ray: Cycles(0), hit: Cycles(t[16]) },
+            host: HostTimes { hit: Cycles(t[16]), ..HostTimes::default() },
         },
         notes: Vec::new(),
     }
@@ -225,6 +225,9 @@ proptest! {
                 }
                 prop_assert_eq!(Ok(found), expected);
                 conserves(&machine, &graph, &stats, &seen)?;
+                if let Flow::Block(slots) | Flow::Classes(slots) = rules.flow {
+                    prop_assert!(seen.nodes.iter().all(|node| node.most_slots <= slots));
+                }
             }
             Err(_) => prop_assert_eq!(expected, Err(Stopped::Stuck)),
         }
