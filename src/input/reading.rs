@@ -1,9 +1,12 @@
-//! Which files have been read: a result is as fresh as all of them, also those that stand behind the one that was named.
+//! Which files have been read: a result is as fresh as all of them, also those that stand behind the one that was named. And
+//! which may be, where somebody else named them.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+
+use crate::error::InputError;
 
 /// A file that was read.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -18,6 +21,30 @@ thread_local! {
     /// What this thread has read since it was asked to take note. Readers of all formats end here, through whatever
     /// includes, so that none can forget to tell.
     static NOTED: RefCell<Option<Vec<FileRead>>> = const { RefCell::new(None) };
+
+    /// The folder beyond which this thread reads no file, if there is one.
+    static WITHIN: RefCell<Option<PathBuf>> = const { RefCell::new(None) };
+}
+
+/// Does something, and reads no file for it that does not lie in a folder: whatever names files there, be it by links or by `..`,
+/// gets none from elsewhere.
+pub fn within<T>(folder: &Path, read: impl FnOnce() -> T) -> T {
+    let before = WITHIN.replace(Some(folder.to_owned()));
+    let result = read();
+    WITHIN.set(before);
+    result
+}
+
+/// Fails if this thread may not read a file.
+pub(super) fn check(path: &Path) -> Result<(), InputError> {
+    let true_path = |path: &Path| path.canonicalize().ok();
+    WITHIN.with_borrow(|folder| match folder {
+        Some(folder) if !true_path(path).zip(true_path(folder)).is_some_and(|(path, folder)| path.starts_with(folder)) => {
+            let error = InputError::in_file(path, "there is no such file beside the scene");
+            Err(error.help("a scene that comes from elsewhere can only name files that come with it"))
+        }
+        _ => Ok(()),
+    })
 }
 
 /// Takes note of a file that was read.

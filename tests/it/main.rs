@@ -33,6 +33,7 @@ mod interrupt;
 mod ipsc2;
 mod isa;
 mod killed_sweeps;
+mod lab;
 mod layers;
 mod lecture;
 mod machine_files;

@@ -46,7 +46,8 @@ pub struct Page<'a> {
 pub struct PageError(String);
 
 impl PageError {
-    fn new(error: impl std::fmt::Display) -> PageError {
+    /// Why, in a sentence.
+    pub fn new(error: impl std::fmt::Display) -> PageError {
         PageError(error.to_string())
     }
 }
@@ -118,7 +119,13 @@ pub const CHART_SCRIPT: &str = include_str!("../../../assets/uplot.min.js");
 /// How its charts look.
 pub const CHART_STYLE: &str = include_str!("../../../assets/uplot.min.css");
 
-const STYLE: &str = include_str!("page.css");
+/// The colours of pages on white and on black, and what scripts make of them.
+pub const THEME_SCRIPT: &str = include_str!("theme.js");
+
+/// The same for what is not drawn by scripts.
+pub const THEME_STYLE: &str = include_str!("theme.css");
+
+const STYLE: &str = concat!(include_str!("theme.css"), include_str!("page.css"));
 
 /// Only of a line is it drawn who waits for whom.
 fn of_line<'a>(page: &Page<'a>) -> Page<'a> {

@@ -4,6 +4,7 @@ pub mod command;
 pub mod cube_ticking;
 pub mod farm_ticking;
 pub mod intervals;
+pub mod lab;
 pub mod looking_back;
 pub mod random_ops;
 pub mod ticking;
