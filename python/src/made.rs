@@ -307,6 +307,10 @@ impl Made {
             cell_names: names,
             configuration,
             image: image.as_deref(),
+            setup: match self {
+                Made::Rays { setup, .. } | Made::Image { setup, .. } => Some(setup),
+                _ => None,
+            },
         })
         .map_err(output)
     }

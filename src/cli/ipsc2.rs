@@ -149,6 +149,7 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
         losses: None,
         configuration: &configuration,
         image: has_image.then_some(&png),
+        setup: None,
     };
     files.views.write(&seen, &mut written)?;
     Ok(written)

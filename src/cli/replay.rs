@@ -54,6 +54,7 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
         cell_names: &[],
         configuration: &Configuration::Replay(Box::new(replay.spec.clone())),
         image: None,
+        setup: None,
     };
     views.write(&seen, &mut written)?;
     print(&outputs::list(&written))

@@ -136,6 +136,7 @@ fn done(
         cell_names: &account::cell_names(&setup.workload),
         configuration: &configuration,
         image: Some(&picture),
+        setup: Some(&setup),
     });
     let stats = account::stats_json(&setup, &outcome, losses).and_then(|text| serde_json::from_str(&text));
     Ok(Done {

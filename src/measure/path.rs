@@ -27,7 +27,7 @@ pub struct CriticalPath {
     pub bins: Vec<Vec<PathPart>>,
 }
 
-/// A unit of work, as a path names it.
+/// A unit of work, as a path or a recording names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PathUnit {
     /// Its name, by which the machine's file prices it: `grid_voxel`.

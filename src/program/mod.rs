@@ -18,5 +18,5 @@ mod workload;
 
 pub use array_program::{ArrayProgram, Kernel, Stages};
 pub use layout::{Layout, NotLaidOut, Surfaces};
-pub use tracer::{Counts, Tracer, send_ray};
+pub use tracer::{Counts, GroupVisit, Said, Test, Tracer, Visit, VoxelVisit, send_ray};
 pub use workload::{CellMemory, Workload};

@@ -3,10 +3,14 @@
 //! `RayInGroup` has the six steps that a group of cells takes for a ray, in the order and with the numbers of docs/machine.md.
 //! The paper's P1, P2 and P3 (§4.2, figure 5) are `walk`, `slabs_test` and `intersection_test` in the third of them.
 
+mod visit;
+
 use std::ops::ControlFlow;
 
 use bitvec::vec::BitVec;
 use serde::{Deserialize, Serialize};
+
+pub use visit::{GroupVisit, Said, Test, Visit, VoxelVisit};
 
 use crate::geometry::partition::Weight;
 use crate::geometry::{Hit, Ray, RaySlabs};
@@ -74,8 +78,7 @@ struct Mailbox {
 impl<'a> Tracer<'a> {
     /// A tracer that has counted nothing yet.
     pub fn new(workload: &'a Workload) -> Tracer<'a> {
-        let polygons = if workload.program.mailbox { workload.polygons().len() } else { 0 };
-        let mailbox = Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() };
+        let mailbox = Mailbox::of(workload);
         let programs = workload.programs.as_ref().map(|cells| ProgramTracer::new(cells, workload.polygons().len()));
         Tracer { workload, mailbox, programs, counts: Counts::default(), fault: None }
     }
@@ -384,6 +387,12 @@ impl RayInGroup<'_> {
 }
 
 impl Mailbox {
+    /// An empty one, for the polygons of a workload that has mailboxes.
+    fn of(workload: &Workload) -> Mailbox {
+        let polygons = if workload.program.mailbox { workload.polygons().len() } else { 0 };
+        Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() }
+    }
+
     /// Marks a polygon; false if it was marked before.
     fn mark(&mut self, polygon: u32) -> bool {
         let new = !self.seen.replace(polygon as usize, true);

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use crate::error::InputError;
-use crate::geometry::{Grid, Polygons, slabs};
+use crate::geometry::{Grid, Polygons, Ray, slabs};
+use crate::isa::Executable;
 use crate::machine::{FifoName, HostTimes, KernelTimes, MachineSpec};
 use crate::measure::Actor;
 use crate::quantities::Words;
 use crate::seam::{Channel, Costs, OpBatch};
 
 use super::array_program::{ArrayProgram, Kernel, Stages};
-use super::cells::{CellOptions, CellPrograms};
+use super::cells::{CellOptions, CellPrograms, InstructionStep, ProgramTracer};
 use super::layout::Layout;
 use super::messages::RAY_WORDS;
 use super::stop_words::StopWords;
@@ -85,6 +86,18 @@ impl Workload {
     /// How the cells run programs, if they do.
     pub fn cell_options(&self) -> Option<&CellOptions> {
         self.programs.as_ref().map(|programs| &programs.options)
+    }
+
+    /// The program of a cell, if cells run programs.
+    pub fn executable(&self, cell: usize) -> Option<&Executable> {
+        self.programs.as_ref().filter(|_| cell < self.cells()).map(|programs| programs.executable(cell))
+    }
+
+    /// The instructions that a cell executes for ray number `id`, one after the other, as far as `most`. None at all if cells run no
+    /// programs.
+    pub fn instructions(&self, cell: usize, id: u32, ray: &Ray, most: usize) -> Vec<InstructionStep> {
+        let tracer = self.programs.as_ref().map(|programs| ProgramTracer::new(programs, self.polygons().len()));
+        tracer.map_or(Vec::new(), |mut tracer| tracer.steps(cell, id, ray, most))
     }
 
     /// What units of work cost on the machine that it was laid out for. The ops do not depend on it.

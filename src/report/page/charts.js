@@ -54,6 +54,7 @@ function zoomHere(min, max) {
   const start = Math.max(0, Math.min(min, axisEnd - length));
   view = { min: start, max: start + length };
   for (const { chart, range } of charts) chart.setScale("x", range(view));
+  if (stepper) markMoment(stepper.cycle);
   tellWindow();
 }
 
@@ -175,6 +176,16 @@ function addMoves(chart) {
     addEventListener("mouseup", stop);
   }, true);
   chart.over.addEventListener("dblclick", () => zoom(0, axisEnd));
+  // A click that is no drag chooses the moment.
+  let down = null;
+  chart.over.addEventListener("mousedown", ({ clientX }) => { down = clientX; });
+  chart.over.addEventListener("click", ({ clientX }) => { if (Math.abs(clientX - down) < 4) chooseMoment(chart); });
+}
+
+// Takes the stepper to the cycle under a chart's cursor.
+function chooseMoment(chart) {
+  const cycle = cycleAt(chart);
+  if (stepper && cycle !== null) stepper.seek(`${cycle}`);
 }
 
 // A chart that has the focus: arrows move its cursor, with Shift by one pixel; + and - zoom about it; A and D move along the
@@ -198,6 +209,7 @@ function addKeys(chart, place, rows) {
     const action = {
       ArrowLeft: () => go(-step, 0), ArrowRight: () => go(step, 0),
       ArrowUp: rows > 1 && (() => go(0, -1)), ArrowDown: rows > 1 && (() => go(0, 1)),
+      Enter: () => chooseMoment(chart),
       "+": () => zoomAbout(middle(), 0.75), "=": () => zoomAbout(middle(), 0.75), "-": () => zoomAbout(middle(), 1 / 0.75),
       a: () => along(-0.25), d: () => along(0.25), 0: () => zoom(0, axisEnd),
     }[event.key];

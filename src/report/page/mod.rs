@@ -1,6 +1,9 @@
 //! One page that shows a run: it opens from disk, in any browser, and asks the network for nothing.
 
 mod data;
+mod looks;
+mod packed;
+mod sides;
 mod window;
 
 use base64::Engine;
@@ -14,6 +17,7 @@ use super::stats::Configuration;
 use super::summary::{self, Rows};
 use super::why;
 use crate::measure::{Clock, CriticalPath, Measured, Profile, Recording, Shape, Topology};
+use crate::run::Setup;
 
 /// What a page shows.
 #[derive(Debug)]
@@ -38,6 +42,8 @@ pub struct Page<'a> {
     pub configuration: &'a Configuration,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
+    /// What the run was made of, of which the page shows what single rays come to; none if there is no scene.
+    pub setup: Option<&'a Setup>,
 }
 
 /// A page could not be made.
@@ -53,7 +59,7 @@ impl PageError {
 }
 
 /// What draws it: templates, as they name what the machine is made of.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 11] = [
     include_str!("theme.js"),
     include_str!("window.js"),
     include_str!("array.js"),
@@ -61,6 +67,9 @@ const SCRIPTS: [&str; 8] = [
     include_str!("overview.js"),
     include_str!("space_time.js"),
     include_str!("moment.js"),
+    include_str!("steps.js"),
+    include_str!("ray.js"),
+    include_str!("stepper.js"),
     include_str!("page.js"),
 ];
 
@@ -102,6 +111,24 @@ pub fn shown(page: &Page<'_>) -> Result<Shown, PageError> {
     Ok(Shown { body: body.map_err(PageError::new)?, data: data(page)? })
 }
 
+/// The beginning of a recording as JSON, for a page that steps through it.
+pub fn window(recording: &Recording) -> Result<String, PageError> {
+    serde_json::to_string(&window::Window::new(recording)).map_err(PageError::new)
+}
+
+/// A ray's way through the scene as JSON, for a page that shows it: of the ray with that number in the order in which they are sent.
+/// `null` if there is none.
+pub fn look(setup: &Setup, ray: u32) -> Result<String, PageError> {
+    serde_json::to_string(&looks::LookedAt::new(setup, ray)).map_err(PageError::new)
+}
+
+/// The instructions that a cell executes for a ray as JSON, for a page that steps through them. `null` if cells run no programs.
+pub fn instructions(setup: &Setup, cell: usize, ray: u32) -> Result<String, PageError> {
+    let sent = setup.prepared.rays.get(ray as usize).filter(|_| setup.workload.executable(cell).is_some());
+    let steps = sent.map(|sent| setup.workload.instructions(cell, ray, sent, looks::MOST_STEPS));
+    serde_json::to_string(&steps.map(|steps| looks::Steps::new(&steps))).map_err(PageError::new)
+}
+
 /// What a page that shows runs of a row of cells, one in place of another, is drawn by.
 pub fn line_script() -> Result<String, PageError> {
     let script = script(&Topology::default()).map_err(PageError::new)?;
@@ -125,7 +152,7 @@ pub const THEME_SCRIPT: &str = include_str!("theme.js");
 /// The same for what is not drawn by scripts.
 pub const THEME_STYLE: &str = include_str!("theme.css");
 
-const STYLE: &str = concat!(include_str!("theme.css"), include_str!("page.css"));
+const STYLE: &str = concat!(include_str!("theme.css"), include_str!("page.css"), include_str!("stepper.css"));
 
 /// Only of a line is it drawn who waits for whom.
 fn of_line<'a>(page: &Page<'a>) -> Page<'a> {

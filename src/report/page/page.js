@@ -92,6 +92,7 @@ function repaint() {
   drawLegend();
   drawArray();
   for (const { chart } of charts) chart.redraw(true, true);
+  stepper?.draw();
 }
 
 // Charts and array as wide as there is room, on the screen or on paper.
@@ -135,6 +136,7 @@ function show(next, text = null) {
   }
   drawArray();
   tellWindow();
+  startStepper();
   document.body.dataset.charts = charts.length;
   if (before) scrollTo(0, scrolled);
 }

@@ -1,5 +1,6 @@
 //! What several test files need.
 
+pub mod browser;
 pub mod command;
 pub mod cube_ticking;
 pub mod farm_ticking;

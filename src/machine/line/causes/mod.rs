@@ -21,9 +21,9 @@ use std::sync::Arc;
 use super::cell::Cell;
 use super::hold::Held;
 use super::watcher::Watcher;
-use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit, Snapshot, StateId, Topology, When};
+use crate::measure::{Actor, Cause, CriticalPath, PathPart, Snapshot, StateId, Topology, When};
 use crate::quantities::Cycles;
-use crate::seam::{Channel, OpBatch, Unit, UnitOfWork, Vocabulary};
+use crate::seam::{Channel, OpBatch, Vocabulary};
 use chains::Chains;
 use moment::Look;
 use tally::{Code, Entry};
@@ -196,14 +196,10 @@ impl Causes {
                 bin.push(names.part(&entry));
             }
         }
-        let unit = |(unit, place): (&UnitOfWork, u8)| {
-            let (cycles, state) = past.prices.of(Unit(place));
-            PathUnit { name: unit.name.clone(), state, cycles: Cycles(cycles) }
-        };
         let path = CriticalPath {
             topology: Arc::clone(topology),
             cycles: Cycles(cycles),
-            units: vocabulary.units.iter().zip(0..).map(unit).collect(),
+            units: past.prices.units(vocabulary),
             bin: Cycles(bin),
             bins,
         };

@@ -1,0 +1,565 @@
+"use strict";
+// Steps through the cycles that the page holds: draws the array as it stands in one of them, and follows rays through it.
+
+// What a page with a server behind it asks there; null where there is none.
+// `window(from, until)` gives other cycles, `find(question, cycle)` a cycle, `look(ray)` a ray's way, `instructions(cell, ray)` what a cell executes.
+const doors = { window: null, find: null, look: null, instructions: null };
+
+// As many cells are drawn at once.
+const MOST_DRAWN = 16;
+const SPEEDS = [1, 5, 20, 100, 500, 2500, 12500, 62500];
+// Pixels that a FIFO's words have.
+const STORE = { width: 88, height: 30 };
+
+let stepper = null;
+
+function startStepper() {
+  stepper?.end();
+  const place = document.getElementById("stepper");
+  stepper = place && tape && tape.until > tape.from && tape.stations.length ? new Stepper(place) : null;
+}
+
+// A ray's colour.
+const rayColor = (job) => job === null ? ground("line") : `hsl(${(job * 137.508) % 360} ${isDark() ? "62% 64%" : "68% 42%"})`;
+
+// A button that does something.
+function button(text, hint, action) {
+  const made = element("button", { type: "button", title: hint, "aria-label": hint }, text);
+  made.addEventListener("click", action);
+  return made;
+}
+
+class Stepper {
+  constructor(place) {
+    this.place = place;
+    this.cycle = this.begin();
+    this.station = this.worth();
+    this.followed = null;
+    this.speed = 3;
+    this.playing = null;
+    this.side = null;
+    this.looks = new Map();
+    this.executed = new Map();
+    this.pinned = null;
+    this.build();
+    this.draw();
+  }
+
+  end() {
+    this.pause();
+    this.place.replaceChildren();
+    removeMoment();
+  }
+
+  // Where there is something to see: where a FIFO first holds somebody up, else where the first answer comes back.
+  begin() {
+    const blocked = tape.stations.map((_, station) => find({ station, what: "blocked" }, tape.from - 1)).filter((cycle) => cycle !== null);
+    return blocked.length ? Math.min(...blocked) : tape.answers().from[0] ?? tape.from;
+  }
+
+  // A cell that is worth a look there: one that is held up, else the first.
+  worth() {
+    const found = tape.stations.findIndex((_, station) => doing(station, this.cycle).state.kind === "blocked");
+    return Math.max(0, found);
+  }
+
+  build() {
+    const bar = element("div", { class: "steps", role: "toolbar", "aria-label": "Steps" });
+    const step = (text, hint, kind, direction) => bar.append(button(text, hint, () => this.step(kind, direction)));
+    step("⇤ op", "Back to where the chosen cell came to its op, or the one before ([)", "op", -1);
+    step("« event", "Back by an event: anything that changes (Shift and left arrow)", "event", -1);
+    step("‹ cycle", "Back by a cycle (left arrow)", "cycle", -1);
+    this.player = button("▶ play", "Play (space)", () => this.toggle());
+    bar.append(this.player);
+    step("cycle ›", "On by a cycle (right arrow)", "cycle", 1);
+    step("event »", "On by an event: anything that changes (Shift and right arrow)", "event", 1);
+    step("op ⇥", "On to the chosen cell's next op (])", "op", 1);
+    const speeds = SPEEDS.map((speed, at) => element("option", { value: at, ...(at === this.speed ? { selected: "" } : {}) }, `${grouped(speed)} cycles a second`));
+    this.speeds = element("select", { "aria-label": "Speed" }, ...speeds);
+    this.speeds.addEventListener("change", () => { this.speed = +this.speeds.value; });
+    bar.append(this.speeds);
+
+    this.counter = element("input", { type: "text", inputmode: "numeric", size: 12, "aria-label": "Cycle", class: "count" });
+    this.counter.addEventListener("change", () => this.seek(this.counter.value));
+    this.time = element("span", { class: "time" });
+    this.slider = element("input", { type: "range", min: tape.from, max: tape.until - 1, step: 1, "aria-label": "Cycle of those that the page holds" });
+    this.slider.addEventListener("input", () => { this.pause(); this.go(+this.slider.value); });
+    const line = element("div", { class: "moment" }, element("label", {}, "cycle ", this.counter), this.time, this.slider);
+
+    const asks = element("form", { class: "asks" });
+    this.asked = element("input", { type: "text", size: 26, list: "stepper-asks", placeholder: "X1 is full, cell 2 waits, ray 17 …", "aria-label": "Go to a moment" });
+    const list = element("datalist", { id: "stepper-asks" }, ...this.examples().map((value) => element("option", { value })));
+    asks.append(element("label", {}, "go to ", this.asked), list, element("button", {}, "find"));
+    asks.addEventListener("submit", (event) => { event.preventDefault(); this.seek(this.asked.value); });
+    this.follower = element("input", { type: "number", min: 0, step: 1, "aria-label": "Follow a ray", class: "count" });
+    this.follower.addEventListener("change", () => this.follow(this.follower.value === "" ? null : +this.follower.value));
+    this.stops = [button("‹ stop", "Back to where the followed ray was before", () => this.stop(-1)), button("stop ›", "On to where the followed ray comes next", () => this.stop(1))];
+    asks.append(element("label", {}, "follow ray ", this.follower), ...this.stops);
+
+    this.told = element("p", { role: "status", "aria-live": "polite", class: "told" });
+    this.way = element("ol", { class: "way", "aria-label": "The way of the followed ray" });
+    this.map = element("div", { class: "map" });
+    this.row = element("div", { class: "row", role: "group", "aria-label": "The array in this cycle" });
+    this.details = element("div", { class: "details" });
+    const around = element("div", { class: "around", tabindex: 0, role: "group", "aria-label": "The array, step by step: arrows go by cycles, with Shift by events, brackets by ops, space plays" },
+      bar, line, asks, this.told, this.way, this.map, this.row, this.details);
+    around.addEventListener("keydown", (event) => this.key(event));
+    this.place.replaceChildren(around);
+    const picture = document.querySelector("#run header img");
+    if (picture && run.looks?.size) {
+      picture.classList.add("pickable");
+      picture.title = "A click on a pixel follows its ray";
+      picture.onclick = ({ offsetX, offsetY }) => {
+        const { clientWidth, clientHeight } = picture, [width, height] = run.looks.size;
+        this.seek(`pixel ${Math.min(width - 1, Math.floor(offsetX / clientWidth * width))} ${Math.min(height - 1, Math.floor(offsetY / clientHeight * height))}`);
+      };
+    }
+  }
+
+  // Questions to choose from.
+  examples() {
+    const fifos = tape.fifos.slice(0, 24).flatMap(({ name }) => [`${name} is full`, `${name} is empty`]);
+    const cells = tape.stations.slice(0, 16).flatMap((_, cell) => [`cell ${cell} waits`, `cell ${cell} is blocked`]);
+    const ray = tape.host.jobs().job[0] ?? 0;
+    return [...fifos.slice(0, 8), ...cells.slice(0, 8), `ray ${ray}`, `ray ${ray} comes to cell ${tape.stations.length - 1}`, `ray ${ray} comes back`, "pixel 0 0", ...fifos.slice(8), ...cells.slice(8)];
+  }
+
+  key(event) {
+    const { target, key, shiftKey } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || target.matches("input, select, textarea")) return;
+    const isButton = target.closest("button") !== null;
+    const action = {
+      ArrowLeft: () => this.step(shiftKey ? "event" : "cycle", -1), ArrowRight: () => this.step(shiftKey ? "event" : "cycle", 1),
+      "[": () => this.step("op", -1), "]": () => this.step("op", 1), ",": () => this.step("instruction", -1), ".": () => this.step("instruction", 1),
+      "<": () => this.stop(-1), ">": () => this.stop(1),
+      Home: () => this.go(tape.from), End: () => this.go(tape.until - 1), " ": !isButton && (() => this.toggle()),
+    }[key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+
+  // Shows a cycle.
+  go(cycle) {
+    this.cycle = Math.max(tape.from, Math.min(cycle, tape.until - 1));
+    this.draw();
+  }
+
+  // Goes on or back, to where another window begins if the page can have it.
+  async step(kind, direction) {
+    this.pause();
+    if (kind === "instruction") return this.instruct(direction);
+    const next = { cycle: () => this.cycle + direction, event: () => changeBeside(this.cycle, direction), op: () => opBeside(this.station, this.cycle, direction) }[kind]();
+    if (next !== null && isOnTape(next)) return this.go(next);
+    const edge = direction > 0 ? tape.until : tape.from - 1;
+    if (await this.reach(edge)) return this.go(edge);
+    if (direction > 0 && this.cycle === tape.until - 1 || direction < 0 && this.cycle === tape.from) return this.say(this.edge(direction));
+    this.go(direction > 0 ? tape.until - 1 : tape.from);
+  }
+
+  // Whether the tape has a cycle, or another one that there is for it.
+  async reach(cycle) {
+    if (isOnTape(cycle)) return true;
+    if (!doors.window || cycle < 0 || cycle >= run.cycles) return false;
+    const length = Math.max(tape.until - tape.from, 1), from = Math.max(0, cycle - Math.floor(length / 8));
+    const window = await doors.window(from, from + length);
+    if (!window || stepper !== this) return false;
+    replaceWindow(window);
+    [this.slider.min, this.slider.max] = [tape.from, tape.until - 1];
+    return isOnTape(cycle);
+  }
+
+  edge(direction) {
+    const isEnd = direction > 0 ? tape.until >= run.cycles : tape.from === 0;
+    if (isEnd) return direction > 0 ? "The run ends here." : "The run begins here.";
+    return `The page holds the cycles ${grouped(tape.from)} to before ${grouped(tape.until)} one by one; --trace-window ${windowAround(direction > 0 ? tape.until : tape.from)} holds others.`;
+  }
+
+  toggle() {
+    if (this.playing === null) this.play(); else this.pause();
+  }
+
+  play() {
+    let last = performance.now(), owed = 0;
+    this.told.setAttribute("aria-live", "off");
+    this.player.textContent = "❚❚ pause";
+    const frame = (now) => {
+      owed += (now - last) / 1000 * SPEEDS[this.speed];
+      last = now;
+      const whole = Math.floor(owed);
+      owed -= whole;
+      if (whole > 0) this.go(this.cycle + whole);
+      if (this.cycle >= tape.until - 1) this.pause(); else this.playing = requestAnimationFrame(frame);
+    };
+    this.playing = requestAnimationFrame(frame);
+  }
+
+  pause() {
+    if (this.playing === null) return;
+    cancelAnimationFrame(this.playing);
+    this.playing = null;
+    this.player.textContent = "▶ play";
+    this.told.setAttribute("aria-live", "polite");
+    this.tell();
+  }
+
+  // Goes to a moment that is asked for in words.
+  async seek(text) {
+    this.pause();
+    const asked = question(text);
+    if (!asked) return this.say(`“${text}” is no moment. Ask for a cycle, a time as 1.5 ms, X1 is full, cell 2 waits, ray 17, ray 17 comes to cell 3, ray 17 comes back, pixel 3 4.`);
+    if (asked.pixel) {
+      const ray = this.rayOf(asked.pixel);
+      if (ray === null) return this.say(`The ray of pixel ${asked.pixel.join(", ")} is not among those of the cycles that the page holds.`);
+      Object.assign(asked, { ray });
+    }
+    if (asked.ray !== undefined) this.follow(asked.ray);
+    if (asked.station !== undefined && asked.station !== null) this.choose(asked.station);
+    if (asked.cell != null && asked.cell < tape.stations.length) this.choose(asked.cell);
+    if (asked.cycle !== undefined && await this.reach(asked.cycle)) return this.go(asked.cycle);
+    const here = find(asked, this.cycle);
+    if (here !== null) return this.go(here);
+    const there = doors.find ? await doors.find(asked, this.cycle) : null;
+    if (there !== null && stepper === this && await this.reach(there)) return this.go(there);
+    this.say(`“${text.trim()}” does not come${asked.ray === undefined && asked.cycle === undefined ? " again" : ""} in the cycles that the page holds, ${grouped(tape.from)} to before ${grouped(tape.until)}.`);
+  }
+
+  // The ray of a pixel, if the page knows it.
+  rayOf([x, y]) {
+    const { size, first, pixels } = run.looks ?? {};
+    this.pixels ??= size ? unpack(pixels) : [];
+    const at = size && x < size[0] && y < size[1] ? this.pixels.indexOf(x + size[0] * y) : -1;
+    return at < 0 ? null : first + at;
+  }
+
+  follow(ray) {
+    this.followed = Number.isInteger(ray) && ray >= 0 ? ray : null;
+    this.follower.value = this.followed ?? "";
+    this.draw();
+  }
+
+  // Goes to where the followed ray comes next, or was before.
+  stop(direction) {
+    this.pause();
+    if (this.followed === null) return this.say("No ray is followed: give its number.");
+    const stops = wayOf(this.followed).filter(({ from }) => direction > 0 ? from > this.cycle : from < this.cycle);
+    if (!stops.length) return this.say(`Ray ${grouped(this.followed)} has no other stop in the cycles that the page holds.`);
+    const { from, station } = direction > 0 ? stops[0] : stops[stops.length - 1];
+    if (typeof station === "number") this.station = station;
+    this.go(from);
+  }
+
+  choose(station) {
+    this.station = station;
+    this.draw();
+  }
+
+  say(text) {
+    this.told.textContent = text;
+  }
+
+  // All that is drawn, as plain data.
+  state() {
+    return stateAt(this.cycle);
+  }
+
+  draw() {
+    const { cycle } = this;
+    if (document.activeElement !== this.counter) this.counter.value = grouped(cycle);
+    this.time.textContent = `${(cycle * run.cycle).toPrecision(7)} ${run.unit} of ${figure(run.end)}`;
+    this.slider.value = cycle;
+    this.slider.setAttribute("aria-valuetext", `cycle ${grouped(cycle)}`);
+    this.drawMap();
+    this.drawRow();
+    if (this.playing === null) {
+      this.tell();
+      this.drawWay();
+      this.drawDetails();
+    }
+    for (const stop of this.stops) stop.disabled = this.followed === null;
+    markMoment(cycle);
+  }
+
+  // The moment in a sentence: what the chosen cell does, and who waits for whom.
+  tell() {
+    const chain = chainOf(this.station, this.cycle).slice(0, 4), op = opAt(this.station, this.cycle);
+    const first = op && !chain[0]?.wait && op.unit ? `${nameOf(this.station)} works on ray ${grouped(op.job ?? 0)}: ${opText(op, this.station)}, cycle ${grouped(op.done)} of ${grouped(op.of)}` : sentenceOf(chain[0]);
+    this.say(`Cycle ${grouped(this.cycle)}: ${[first, ...chain.slice(1).map(sentenceOf)].join("; ")}.`);
+  }
+
+  // All cells of a large array, each in the colour of its state.
+  drawMap() {
+    const cells = tape.stations.length;
+    if (cells <= MOST_DRAWN) return;
+    if (!this.map.firstChild) {
+      this.map.replaceChildren(...tape.stations.map((_, cell) => button("", `cell ${cell}`, () => this.choose(cell))));
+    }
+    [...this.map.children].forEach((square, cell) => {
+      square.style.background = this.stateColor(doing(cell, this.cycle).state.name);
+      square.classList.toggle("chosen", cell === this.station);
+    });
+  }
+
+  stateColor(name) {
+    const state = run.states.find((state) => state.name === name);
+    return state ? seen(state.color) : ground("grid");
+  }
+
+  // The cells that are drawn: all, or those around the chosen one.
+  drawn() {
+    const cells = tape.stations.length, count = Math.min(cells, MOST_DRAWN);
+    const first = Math.max(0, Math.min(this.station - Math.floor(count / 2), cells - count));
+    return Array.from({ length: count }, (_, at) => first + at);
+  }
+
+  drawRow() {
+    const cells = this.drawn(), last = tape.stations.length - 1;
+    const key = `${cells[0]} ${cells.length} ${isDark()}`;
+    if (this.built !== key) {
+      this.built = key;
+      this.stores = [];
+      this.boxes = new Map();
+      const parts = [];
+      if (cells[0] === 0) parts.push(this.box(null, "sends"));
+      for (const cell of cells) parts.push(this.link(cell), this.box(cell));
+      if (cells[cells.length - 1] === last) parts.push(this.link(null), this.box(null, "reads"));
+      this.row.replaceChildren(...parts);
+    }
+    for (const [key, box] of this.boxes) this.fillBox(key, box);
+    for (const store of this.stores) this.fillStore(store);
+  }
+
+  // The FIFOs that lead into a cell, or to the host behind the last; and that which leads out of it to the left.
+  link(reader) {
+    const link = element("div", { class: "link" });
+    const writer = reader === null ? null : reader - 1;
+    const fifos = tape.fifos.filter(({ group, from, to }) => group === "Z" ? from === reader && to === writer && reader !== null : to === reader && !(reader === null && group === "X"));
+    for (const fifo of fifos) {
+      const canvas = element("canvas", { width: STORE.width * 2, height: STORE.height * 2, role: "img" });
+      const label = element("span", {});
+      link.append(element("div", { class: "store" }, label, canvas));
+      this.stores.push({ fifo, canvas, label });
+    }
+    return link;
+  }
+
+  box(station, host) {
+    const name = station === null ? "host" : `cell ${station}`;
+    const box = { parts: Object.fromEntries(["name", "op", "ray", "wait"].map((part) => [part, element("span", { class: part })])), bar: element("i", {}), band: element("u", {}), host };
+    box.place = element(station === null ? "div" : "button", station === null ? { class: "box host" } : { class: "box", type: "button" }, box.band, ...Object.values(box.parts), element("span", { class: "bar" }, box.bar));
+    box.parts.name.textContent = station === null ? `host ${host}` : name + (run.cells[station].name === name || !run.cells[station].name ? "" : ` · ${run.cells[station].name}`);
+    if (station !== null) box.place.addEventListener("click", () => this.choose(station));
+    this.boxes.set(station === null ? host : station, box);
+    return box.place;
+  }
+
+  fillBox(station, { place, parts, bar, band, host }) {
+    if (host === "reads") {
+      const { job, from, until } = tape.answers(), at = lastUpTo(from, this.cycle), isReading = at >= 0 && until[at] > this.cycle;
+      parts.op.textContent = isReading ? "reads a hit" : "has no word to read";
+      this.fillRay(parts.ray, isReading ? job[at] : null);
+      band.style.background = isReading ? this.stateColor("moving") : "none";
+      return;
+    }
+    const which = host ? null : station, op = opAt(which, this.cycle), now = doing(which, this.cycle), wait = waitOf(which, now, this.cycle);
+    parts.op.textContent = op ? opText(op, which) : "is done";
+    this.fillRay(parts.ray, op?.job ?? null, op && !op.unit && op.of ? `word ${grouped(op.done)} of ${grouped(op.of)}` : op?.unit ? `${grouped(op.done)} of ${grouped(op.of)} cycles` : "");
+    parts.wait.textContent = !wait ? "" : {
+      empty: () => `waits: ${wait.fifo.name} is empty`, coming: () => `waits: on its way in ${wait.fifo.name}`, full: () => `blocked: ${wait.fifo.name} is full`,
+      wire: () => `blocked: the wire to ${wait.fifo.name}`, answer: () => "waits for a hit",
+    }[wait.why]();
+    band.style.background = this.stateColor(now.state.name);
+    bar.style.width = op?.of ? `${100 * op.done / op.of}%` : "0";
+    place.classList.toggle("held", wait !== null);
+    if (which === null) return;
+    const isChosen = which === this.station;
+    place.classList.toggle("chosen", isChosen);
+    place.setAttribute("aria-pressed", isChosen);
+  }
+
+  fillRay(place, job, more = "") {
+    place.textContent = job === null ? more : `ray ${grouped(job)}${more ? ` · ${more}` : ""}`;
+    place.style.setProperty("--ray", job === null ? "transparent" : rayColor(job));
+  }
+
+  // A FIFO's words, the oldest where they are read.
+  fillStore({ fifo, canvas, label }) {
+    const words = wordsIn(fifo, this.cycle), held = words.reduce((sum, [, count]) => sum + count, 0);
+    label.textContent = `${fifo.name}  ${grouped(held)} of ${grouped(fifo.capacity)}`;
+    label.classList.toggle("full", held >= fifo.capacity);
+    const rays = words.map(([job, count]) => `${count} of ${job === null ? "no ray" : `ray ${job}`}`);
+    canvas.setAttribute("aria-label", `${fifo.name} holds ${held} of ${fifo.capacity} words${rays.length ? `: ${rays.slice(0, 8).join(", ")}` : ""}`);
+    canvas.title = rays.length ? rays.slice(0, 12).join(", ") : "empty";
+    const context = canvas.getContext("2d"), { width, height } = canvas;
+    context.clearRect(0, 0, width, height);
+    // As large squares as there is room for; where there is none, words share a pixel.
+    let side = Math.floor(Math.sqrt(width * height / fifo.capacity));
+    while (side > 1 && Math.floor(width / side) * Math.floor(height / side) < fifo.capacity) side--;
+    side = Math.min(side, 24);
+    const rows = Math.max(1, Math.floor(height / Math.max(side, 1))), gap = side > 5 ? 2 : side > 2 ? 1 : 0;
+    const place = (word) => {
+      const column = Math.floor(word / rows), x = fifo.group === "Z" ? column * side : width - (column + 1) * side;
+      return [x, (word % rows) * side];
+    };
+    const share = width / fifo.capacity;
+    let word = 0;
+    for (const [job, count] of words) {
+      context.fillStyle = rayColor(job);
+      context.globalAlpha = this.followed === null || job === this.followed ? 1 : 0.22;
+      if (side < 2) {
+        context.fillRect(fifo.group === "Z" ? word * share : width - (word + count) * share, 0, Math.max(count * share, 1), height);
+      } else {
+        for (let at = word; at < word + count; at++) context.fillRect(...place(at), side - gap, side - gap);
+      }
+      word += count;
+    }
+    context.globalAlpha = 1;
+    if (side > 5) {
+      context.fillStyle = ground("grid");
+      for (let at = word; at < fifo.capacity; at++) context.fillRect(...place(at), side - gap, side - gap);
+    }
+  }
+
+  // Where the followed ray has been and comes to.
+  drawWay() {
+    const stops = this.followed === null ? [] : wayOf(this.followed);
+    this.way.hidden = this.followed === null;
+    this.way.replaceChildren(...stops.map(({ name, from, until, station }) => {
+      const isHere = from <= this.cycle && this.cycle < until;
+      const go = button(`${name} ${grouped(from)}`, `${name}: cycles ${grouped(from)} to before ${grouped(until)}`, () => { if (typeof station === "number") this.station = station; this.pause(); this.go(from); });
+      if (isHere) go.setAttribute("aria-current", "step");
+      return element("li", {}, go);
+    }));
+    if (this.followed !== null && !stops.length) this.way.replaceChildren(element("li", {}, `ray ${grouped(this.followed)} is not in the cycles that the page holds`));
+    if (this.followed !== null) this.way.style.setProperty("--ray", rayColor(this.followed));
+  }
+
+  // Beside the array: the chosen cell's program, and the walk of its ray, or of the followed one.
+  drawDetails() {
+    const op = opAt(this.station, this.cycle);
+    const ray = this.followed ?? op?.job ?? null;
+    this.details.replaceChildren();
+    if (ray !== null && run.looks) this.drawLook(ray);
+    if (op?.job != null && run.looks?.listings.length) this.drawProgram(op.job);
+  }
+
+  // What is known of something, once it is: at hand, or behind a door.
+  known(all, key, held, door) {
+    if (!all.has(key)) {
+      all.set(key, held ?? null);
+      if (!held && door) door().then((found) => { all.set(key, found); if (stepper === this && found && this.playing === null) this.drawDetails(); }, () => all.delete(key));
+    }
+    return all.get(key);
+  }
+
+  drawLook(ray) {
+    const held = run.looks.visits[ray];
+    const told = this.known(this.looks, ray, held && { look: held, polygons: run.looks.polygons }, doors.look && (() => doors.look(ray)));
+    const panel = element("section", { class: "look" }, element("h3", {}, `Ray ${grouped(ray)} in the scene`));
+    this.details.append(panel);
+    if (!told) {
+      panel.append(element("p", { class: "hint" }, doors.look ? "…" : "The page does not hold this ray's walk: it has those of its first rays."));
+      return;
+    }
+    const look = lookOf(told), at = placeOf(look, this.station, ray, this.cycle), side = this.side ?? bestSide(look);
+    const tests = look.groups.flatMap((voxels) => voxels.flatMap(({ tests }) => tests));
+    const counts = SAID.map(([name], said) => [name, tests.filter((test) => test.said === said).length]).filter(([, count]) => count);
+    const voxels = look.groups.reduce((sum, group) => sum + group.length, 0);
+    const hit = look.hit ? `it hits polygon ${grouped(look.hit[0])} at t = ${figure(look.hit[1])}` : "it hits nothing";
+    const text = `${grouped(voxels)} voxels, ${grouped(tests.length)} candidates${counts.length ? ` (${counts.map(([name, count]) => `${count} ${name}`).join(", ")})` : ""}: ${hit}.`;
+    const sides = element("div", { class: "sides", role: "group", "aria-label": "Seen along" }, "seen along ");
+    ["x", "y", "z"].forEach((name, axis) => {
+      const choose = button(name, `along ${name}`, () => { this.side = axis; this.drawDetails(); });
+      choose.setAttribute("aria-pressed", axis === side);
+      sides.append(choose);
+    });
+    const drawing = drawWalk(look, side, at);
+    drawing.setAttribute("aria-label", `The walk of ray ${ray} through the grid, seen along ${"xyz"[side]}: ${text}`);
+    const legend = element("p", { class: "legend" }, ...counts.map(([name]) => {
+      const square = element("i", {});
+      square.style.background = seen(SAID_COLORS[SAID.find(([other]) => other === name)[1]]);
+      return element("span", {}, square, name);
+    }));
+    const now = at && this.place ? element("p", {}, `Cell ${this.station} is at voxel ${at.voxel + 1}${at.polygon === undefined ? "" : `, polygon ${grouped(at.polygon)}`}.`) : "";
+    panel.append(element("p", {}, text), now, drawing, legend, sides);
+  }
+
+  // The instructions that the chosen cell executes for a ray, with their times, if all of them are known.
+  program(ray) {
+    const key = `${this.station} ${ray}`, station = this.station;
+    const text = this.known(this.executed, key, run.looks.instructions[key], doors.instructions && (() => doors.instructions(station, ray)));
+    const steps = text && stepsOf(text), times = steps && instructionTimes(this.station, ray, steps);
+    return times && { steps, times, ray };
+  }
+
+  // The one that it is at.
+  instruction({ times, steps, ray }) {
+    const { pinned } = this;
+    if (pinned && pinned.cycle === this.cycle && pinned.station === this.station && pinned.ray === ray) return pinned.at;
+    return Math.max(0, Math.min(lastUpTo(times, this.cycle), steps.length - 1));
+  }
+
+  // Goes on or back by an instruction of the chosen cell.
+  instruct(direction) {
+    const ray = opAt(this.station, this.cycle)?.job;
+    const known = ray != null && run.looks?.listings.length ? this.program(ray) : null;
+    if (!known) return this.say("The page does not hold the instructions of the chosen cell in this cycle.");
+    const at = this.instruction(known) + direction, cycle = known.times[at];
+    if (at < 0 || at >= known.steps.length || !isOnTape(cycle)) return this.step("op", direction);
+    this.pinned = { at, cycle, station: this.station, ray };
+    this.go(cycle);
+  }
+
+  drawProgram(ray) {
+    const known = this.program(ray), { name, rows } = run.looks.listings[run.looks.programs[this.station]];
+    const panel = element("section", { class: "program" }, element("h3", {}, `Cell ${this.station} runs ${name.replace(/^.*\//, "")} on ray ${grouped(ray)}`));
+    this.details.append(panel);
+    if (!known) {
+      panel.append(element("p", { class: "hint" }, "The page does not hold these instructions: it has those of its first rays."));
+      return;
+    }
+    const at = this.instruction(known), { steps } = known, registers = new Map();
+    for (const { register, word } of steps.slice(0, at)) if (register !== undefined) registers.set(register, word);
+    const { address } = steps[at], next = steps[at].register;
+    const lines = Array.from({ length: 9 }, (_, n) => address - 4 + n).filter((row) => row >= 0 && row < rows.length);
+    const body = element("tbody", {}, ...lines.map((row) => {
+      const [text, line, source] = rows[row];
+      const made = element("tr", row === address ? { class: "now", "aria-current": "step" } : {}, ...[row, text, line || "", source].map((cell) => element("td", {}, `${cell}`)));
+      return made;
+    }));
+    const head = element("thead", {}, element("tr", {}, ...["address", "instruction", "line", "source"].map((text) => element("th", {}, text))));
+    const held = [...registers].filter(([, word]) => word !== 0).sort((a, b) => a[0] - b[0]);
+    const chips = held.map(([register, word]) => element("span", { class: register === next ? "next" : "" }, element("b", {}, `r${register}`), ` ${likely(word)}`));
+    panel.append(
+      element("p", {}, `Instruction ${grouped(at + 1)} of ${grouped(steps.length)}. `, button("‹ instruction", "Back by an instruction (,)", () => this.step("instruction", -1)), button("instruction ›", "On by an instruction (.)", () => this.step("instruction", 1))),
+      element("div", { class: "table" }, element("table", { class: "listing" }, head, body)),
+      element("p", { class: "registers", "aria-label": "Registers that are not 0" }, ...(chips.length ? chips : ["all registers are 0"])));
+  }
+}
+
+// A line in all charts at the stepper's cycle.
+function markMoment(cycle) {
+  for (const { chart } of charts) {
+    let line = chart.over.querySelector(".now-line");
+    if (!line) chart.over.append(line = element("div", { class: "now-line" }));
+    const left = chart.valToPos((cycle + 0.5) * run.cycle, "x");
+    line.hidden = !(left >= 0 && left <= chart.over.clientWidth);
+    line.style.left = `${left}px`;
+  }
+}
+
+function removeMoment() {
+  document.querySelectorAll(".now-line").forEach((line) => line.remove());
+}
+
+// Takes other cycles of the run in place of those that the page holds.
+function replaceWindow(window) {
+  tape = unrolled(window);
+  const at = charts.findIndex(({ place }) => place.parentElement.id === "space-time");
+  if (at >= 0) {
+    const [{ chart, place }] = charts.splice(at, 1);
+    chart.destroy();
+    place.remove();
+    addSpaceTime();
+  }
+}
