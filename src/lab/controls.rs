@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use minijinja::context;
 use pcs_sim::machine::MachineFile;
 use pcs_sim::parameters::{Kind, ParameterInfo};
 use pcs_sim::program::ArrayProgram;
@@ -13,7 +14,7 @@ use serde_json::Value;
 use super::request::FILES;
 
 /// Some parameters under a heading.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 pub struct Group {
     heading: &'static str,
     /// Whether it is open from the start.
@@ -22,7 +23,7 @@ pub struct Group {
 }
 
 /// A parameter as the page has it.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 struct Control {
     name: &'static str,
     /// What it is, without its unit.
@@ -39,8 +40,7 @@ struct Control {
 }
 
 /// How a parameter is set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
     List,
     Slider,
@@ -49,7 +49,7 @@ enum Form {
 }
 
 /// A value that is offered.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 struct Offered {
     value: String,
     label: String,
@@ -130,7 +130,43 @@ pub fn programs() -> BTreeMap<&'static str, Program> {
 
 const MODES: [&str; 3] = ["pipeline", "broadcast", "hybrid"];
 
+impl Group {
+    /// The group as the page's template reads it.
+    pub fn value(&self) -> minijinja::Value {
+        let controls: Vec<minijinja::Value> = self.controls.iter().map(Control::value).collect();
+        context! { heading => self.heading, open => self.open, controls }
+    }
+}
+
+impl Form {
+    fn name(self) -> &'static str {
+        match self {
+            Form::List => "list",
+            Form::Slider => "slider",
+            Form::Switch => "switch",
+            Form::Number => "number",
+        }
+    }
+}
+
 impl Control {
+    fn value(&self) -> minijinja::Value {
+        let Control { name, label, unit, help, form, default, paper, values } = self;
+        let offered = |offered: &Offered| {
+            context! { value => offered.value.as_str(), label => offered.label.as_str(), is_paper => offered.is_paper }
+        };
+        context! {
+            name => *name,
+            label => *label,
+            unit => *unit,
+            help => help.as_str(),
+            default => default.as_str(),
+            form => form.name(),
+            paper => paper.as_ref().map(|(value, place)| vec![value.clone(), place.to_string()]),
+            values => values.iter().map(offered).collect::<Vec<_>>(),
+        }
+    }
+
     fn new(known: &ParameterInfo, help: fn(&str) -> Option<String>, machine: &Value) -> Control {
         let name = known.name;
         let (label, unit) = match known.label.strip_suffix(')').and_then(|label| label.rsplit_once(" (")) {

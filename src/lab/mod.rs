@@ -6,6 +6,7 @@
 mod benches;
 mod controls;
 mod guard;
+mod moments;
 mod pages;
 mod request;
 mod runs;
@@ -114,6 +115,11 @@ fn routes(lab: Arc<Lab>, hosts: Hosts) -> Router {
         .route("/sweep", post(sweeps::sweep))
         .route("/compare", post(runs::compare))
         .route("/scenes", post(uploads::take).layer(DefaultBodyLimit::max(lab.uploads.most_sent())))
+        .route("/window/{from}/{until}", get(moments::window))
+        .route("/find/{after}/{*what}", get(moments::find))
+        .route("/ray/{x}/{y}", get(moments::ray))
+        .route("/look/{ray}", get(moments::look))
+        .route("/instructions/{cell}/{ray}", get(moments::instructions))
         .route("/{file}", get(pages::file))
         .with_state(lab)
         .layer(from_fn(guard::tell_browsers))

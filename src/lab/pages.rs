@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
 use axum::response::{Html, IntoResponse, Response};
-use minijinja::{Environment, UndefinedBehavior, context};
+use minijinja::{Environment, UndefinedBehavior, Value, context};
 use pcs_sim::report::page::{self, PageError};
 
 use super::Lab;
@@ -26,7 +26,7 @@ impl Pages {
         let mut environment = Environment::new();
         environment.set_undefined_behavior(UndefinedBehavior::Strict);
         let lab = environment.render_named_str("lab.html", include_str!("page/lab.html"), context! {
-            groups => controls::groups(help),
+            groups => controls::groups(help).iter().map(controls::Group::value).collect::<Vec<Value>>(),
             programs => serde_json::to_string(&controls::programs()).unwrap_or_default(),
             version => env!("CARGO_PKG_VERSION"),
         });
@@ -56,7 +56,8 @@ pub async fn file(State(lab): State<Arc<Lab>>, Path(name): Path<String>) -> Resp
         "theme.js" => ("text/javascript", page::THEME_SCRIPT),
         "theme.css" => ("text/css", page::THEME_STYLE),
         "view" => ("text/html", include_str!("page/view.html")),
-        "view.js" => ("text/javascript", lab.pages.view_script.as_str()),
+        "run.js" => ("text/javascript", lab.pages.view_script.as_str()),
+        "view.js" => ("text/javascript", include_str!("page/view.js")),
         "view.css" => ("text/css", lab.pages.view_style.as_str()),
         _ => return (StatusCode::NOT_FOUND, "the lab has no such page\n").into_response(),
     };

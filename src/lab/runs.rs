@@ -12,6 +12,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::Vec3;
 use pcs_sim::cancel::Cancel;
+use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::image;
 use pcs_sim::host::order::Sequence;
@@ -87,6 +88,11 @@ fn told(lab: &Lab, asked: &Asked, path: bool, events: &Events, cancel: Cancel) -
         "stats": stats,
     });
     events.tell("done", told.to_string());
+    // Whoever has stopped looking needs none of this.
+    if let Some(recording) = outcome.observed.recording.as_ref().filter(|_| workers.cancel.check().is_ok()) {
+        let looks = page::looks(&setup, recording).map_err(|error| InputError::new(error.to_string()))?;
+        events.tell("looks", looks);
+    }
     Ok(())
 }
 
@@ -123,7 +129,7 @@ fn done(
     let losses = losses.as_ref();
     let picture = growing.whole(&outcome.hits);
     let (configuration, clock) = (Configuration::new(&setup), spec.clock());
-    let unmade = |error: &dyn std::fmt::Display| pcs_sim::error::InputError::new(error.to_string());
+    let unmade = |error: &dyn std::fmt::Display| InputError::new(error.to_string());
     let Some(profile) = outcome.observed.profile.take() else { return Err(unmade(&"nothing was seen").into()) };
     let shown = page::shown(&Page {
         caption: &account::caption(account::title(&setup), &setup),
@@ -136,7 +142,7 @@ fn done(
         cell_names: &account::cell_names(&setup.workload),
         configuration: &configuration,
         image: Some(&picture),
-        setup: Some(&setup),
+        setup: None,
     });
     let stats = account::stats_json(&setup, &outcome, losses).and_then(|text| serde_json::from_str(&text));
     Ok(Done {

@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 
+use axum::http::StatusCode;
 use axum::response::sse::{Event, Sse};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream::poll_fn;
@@ -51,4 +52,12 @@ pub fn answer(work: impl FnOnce(&Events, Cancel) + Send + 'static) -> Response {
         receiver.poll_recv(context).map(|event| event.map(Ok::<_, Infallible>))
     });
     Sse::new(events).into_response()
+}
+
+/// Does something on a thread of its own, and answers with what comes of it. It is stopped when the answer is no longer wanted.
+pub async fn whole(work: impl FnOnce(Cancel) -> Response + Send + 'static) -> Response {
+    let cancel = Cancel::default();
+    let _stops = Stops(cancel.clone());
+    let done = tokio::task::spawn_blocking(move || work(cancel)).await;
+    done.unwrap_or_else(|_| StatusCode::INTERNAL_SERVER_ERROR.into_response())
 }

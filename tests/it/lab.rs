@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use crate::support::command::Folder;
-use crate::support::lab::Lab;
+use crate::support::lab::{Answer, Lab};
 
 /// Bytes as a page sends them.
 fn base64(bytes: &[u8]) -> String {
@@ -30,10 +30,13 @@ fn a_run_is_what_the_command_makes_of_the_same_parameters() {
     let stats: Value = serde_json::from_str(&folder.run(&format!("{flags} --json")).success()).unwrap();
     assert_eq!(done["stats"], stats);
     assert_eq!(done["replayed"], false);
-    let figures = run.events().into_iter().find(|(name, _)| name == "figures").unwrap().1;
-    // What a page of the command has in its script is what the lab's page is told.
+    // What a page of the command draws, the lab's page is told to draw.
+    let mut figures: Value = serde_json::from_str(&run.event("figures")).unwrap();
+    figures["looks"] = serde_json::from_str(&run.event("looks")).unwrap();
     folder.run(&format!("{flags} --page page.html")).success();
-    assert!(folder.read("page.html").contains(&format!("show({});", figures.replace('<', "\\u003c"))));
+    let page = folder.read("page.html");
+    let drawn = page.rsplit("show(").next().unwrap().split(");</script>").next().unwrap();
+    assert_eq!(figures, serde_json::from_str::<Value>(drawn).unwrap());
 }
 
 #[test]
@@ -55,8 +58,8 @@ fn the_critical_path_is_told_when_it_is_asked_for() {
     let lab = Lab::start("");
     let [with, without] = ["why", "run"].map(|path| lab.get(&format!("/{path}?scene=room&size=8x8")));
     assert!(with.done()["stats"].get("why").is_some() && without.done()["stats"].get("why").is_none());
-    let text = |answer: &crate::support::lab::Answer| answer.events().into_iter().find(|event| event.0 == "text").unwrap().1;
-    assert!(text(&with).contains("The critical path:") && !text(&without).contains("The critical path:"));
+    let is_told = |answer: &Answer| answer.event("text").contains("The critical path:");
+    assert!(is_told(&with) && !is_told(&without));
 }
 
 #[test]

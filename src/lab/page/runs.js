@@ -47,6 +47,8 @@ async function run(side) {
   side.stop?.abort();
   const stop = side.stop = new AbortController();
   showBusy();
+  // What takes longer than a moment is seen to be under way.
+  setTimeout(() => { if (side.stop === stop) showBar(null); }, 200);
   try {
     const path = document.getElementById("why").checked ? "why" : "run";
     const response = await fetch(`${path}?${queryOf(side.parameters)}`, { signal: stop.signal });
@@ -57,6 +59,7 @@ async function run(side) {
       if (name === "progress") showProgress(side, JSON.parse(data));
       else if (name === "failed") return fail(side, data);
       else if (name === "done") await finish(side, JSON.parse(data), parts);
+      else if (name === "looks") side.frame.contentWindow.showLooks(JSON.parse(data));
       else parts[name] = data;
     }
   } catch (error) {
@@ -84,10 +87,17 @@ function stopAll() {
 
 const say = (text) => { document.getElementById("status").textContent = text; };
 
-function showProgress(side, { rays, of, image }) {
+// How far a run is; null where nobody knows yet.
+function showBar(share) {
   const bar = document.getElementById("progress");
+  if (share === null && !bar.hidden) return;
   bar.hidden = false;
-  bar.value = rays / of;
+  if (share === null) bar.removeAttribute("value");
+  else bar.value = share;
+}
+
+function showProgress(side, { rays, of, image }) {
+  showBar(rays / of);
   side.growing.hidden = false;
   side.growing.querySelector("img").src = `data:image/png;base64,${image}`;
   side.growing.querySelector("figcaption").textContent = `${grouped(rays)} of ${grouped(of)} rays traced`;
@@ -105,12 +115,13 @@ function fail(side, text) {
 
 // A frame that is ready to draw.
 const ready = (frame) => new Promise((done) => {
-  const look = () => frame.contentWindow?.show ? done(frame.contentWindow) : setTimeout(look, 5);
+  const look = () => frame.contentWindow?.openDoors ? done(frame.contentWindow) : setTimeout(look, 5);
   look();
 });
 
 async function finish(side, told, { text, figures }) {
   const view = await ready(side.frame);
+  view.openDoors(queryOf(side.parameters));
   view.show(JSON.parse(figures), text);
   side.told = told;
   side.failure.hidden = true;

@@ -63,6 +63,10 @@ function zoomSeconds(min, max) {
   zoomHere(min / secondsOfUnit(), max / secondsOfUnit());
 }
 
+function zoomedTo() {
+  return [seconds(view.min), seconds(view.max)];
+}
+
 // How long the run is, in seconds; nothing where none is shown.
 function secondsShown() {
   return run && seconds(run.end);

@@ -122,6 +122,12 @@ pub fn look(setup: &Setup, ray: u32) -> Result<String, PageError> {
     serde_json::to_string(&looks::LookedAt::new(setup, ray)).map_err(PageError::new)
 }
 
+/// What the rays of a recording's beginning come to as JSON, for a page whose data were made without a [`Page::setup`]: it takes
+/// longer than all else.
+pub fn looks(setup: &Setup, recording: &Recording) -> Result<String, PageError> {
+    serde_json::to_string(&looks::Looks::new(setup, recording, window::end(recording))).map_err(PageError::new)
+}
+
 /// The instructions that a cell executes for a ray as JSON, for a page that steps through them. `null` if cells run no programs.
 pub fn instructions(setup: &Setup, cell: usize, ray: u32) -> Result<String, PageError> {
     let sent = setup.prepared.rays.get(ray as usize).filter(|_| setup.workload.executable(cell).is_some());

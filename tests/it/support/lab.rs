@@ -97,13 +97,17 @@ impl Answer {
         blocks.map(|block| (field(block, "event"), field(block, "data"))).collect()
     }
 
-    /// What the last event says of a run that is done.
+    /// What the first event of a name says.
+    #[track_caller]
+    pub fn event(&self, name: &str) -> String {
+        let found = self.events().into_iter().find(|event| event.0 == name);
+        found.unwrap_or_else(|| panic!("no {name}: {:?}", self.events().last())).1
+    }
+
+    /// What is told of a run that is done.
     #[track_caller]
     pub fn done(&self) -> Value {
-        let events = self.events();
-        let (name, data) = events.last().unwrap();
-        assert_eq!(name, "done", "{data}");
-        serde_json::from_str(data).unwrap()
+        serde_json::from_str(&self.event("done")).unwrap()
     }
 }
 
