@@ -59,6 +59,7 @@ mod shards;
 mod size_fifos;
 mod solids;
 mod step;
+mod stepper;
 mod stopped;
 mod sweep;
 mod sweep_plots;

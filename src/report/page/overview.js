@@ -21,7 +21,10 @@ function addRows(title, { rows, pixels, draw, range, name, station, into, descri
   chart.over.addEventListener("click", (event) => {
     if (Math.abs(event.clientX - down) >= 4) return;
     const clicked = station(rowAt(chart));
-    if (clicked !== undefined) toggle(clicked === null ? count : clicked);
+    if (clicked === undefined) return;
+    // Where the steps are at hand a click is about the moment.
+    if (into === "space-time" && stepper) stepper.choose(clicked ?? stepper.station);
+    else toggle(clicked === null ? count : clicked);
   });
 }
 

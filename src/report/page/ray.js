@@ -3,7 +3,7 @@
 
 // What becomes of a candidate, in the order of its codes: in words, and the colour's name.
 const SAID = [["had before", "line"], ["stopped", "line"], ["dropped by its slabs", "slabs"], ["missed", "missed"], ["hit behind", "behind"], ["nearest by then", "hit"]];
-const SAID_COLORS = { slabs: ["#0072b2", "#56b4e9"], missed: ["#777777", "#a0a0a8"], behind: ["#e69f00", "#e69f00"], hit: ["#d55e00", "#ff8a3d"], line: ["#bbbbbb", "#555560"] };
+const SAID_COLORS = { voxel: ["#4477aa", "#7aa6d8"], slabs: ["#0072b2", "#56b4e9"], missed: ["#777777", "#a0a0a8"], behind: ["#e69f00", "#e69f00"], hit: ["#d55e00", "#ff8a3d"], line: ["#bbbbbb", "#555560"] };
 
 const bits = new DataView(new ArrayBuffer(4));
 const floatOf = (word) => { bits.setUint32(0, word); return bits.getFloat32(0); };
@@ -87,17 +87,6 @@ function drawWalk(look, side, at) {
   const drawing = svg("svg", { viewBox: `0 0 ${width + 2 * margin} ${height + 2 * margin}`, role: "img", class: "walk" });
   const color = (name) => seen(SAID_COLORS[name]);
   drawing.append(svg("image", { href: `data:image/png;base64,${png}`, x: margin, y: margin, width, height, preserveAspectRatio: "none", opacity: 0.55 }));
-  look.groups.forEach((voxels, group) => {
-    const volume = run.looks.volumes[group], corner = (place) => volume.low.map((least, axis) => least + (volume.high[axis] - least) * place[axis] / volume.size[axis]);
-    const box = (from, to, more) => svg("rect", { x: x(from), y: y(to), width: Math.max(x(to) - x(from), 0.5), height: Math.max(y(from) - y(to), 0.5), ...more });
-    if (look.groups.length > 1) drawing.append(box(volume.low, volume.high, { fill: "none", stroke: ground("line"), "stroke-width": 0.6, opacity: 0.6 }));
-    voxels.forEach(({ place, tests }, number) => {
-      const isHere = at?.group === group && at.voxel === number;
-      const fill = { fill: tests.length ? seen(run.colors.amount) : seen(run.colors.range), "fill-opacity": tests.length ? 0.5 : 0.28 };
-      const rim = isHere ? { stroke: color("hit"), "stroke-width": 2.5 } : { stroke: ground("ground"), "stroke-width": 0.4 };
-      drawing.append(box(corner(place), corner(place.map((n) => n + 1)), { ...fill, ...rim }));
-    });
-  });
   // Of the outcomes of one polygon the one that matters most is the last in order.
   const outcomes = new Map();
   for (const voxels of look.groups) for (const { tests } of voxels) for (const { polygon, said } of tests) {
@@ -107,9 +96,20 @@ function drawWalk(look, side, at) {
     const corners = look.corners(polygon);
     if (!corners) continue;
     const points = Array.from({ length: corners.length / 3 }, (_, n) => corners.slice(3 * n, 3 * n + 3)).map((point) => `${x(point)},${y(point)}`);
-    drawing.append(svg("polygon", { points: points.join(" "), fill: color(SAID[said][1]), "fill-opacity": said === 5 ? 0.5 : 0.15,
+    drawing.append(svg("polygon", { points: points.join(" "), fill: color(SAID[said][1]), "fill-opacity": said === 5 ? 0.3 : 0.1,
       stroke: color(SAID[said][1]), "stroke-width": at?.polygon === polygon ? 3 : 1 }));
   }
+  look.groups.forEach((voxels, group) => {
+    const volume = run.looks.volumes[group], corner = (place) => volume.low.map((least, axis) => least + (volume.high[axis] - least) * place[axis] / volume.size[axis]);
+    const box = (from, to, more) => svg("rect", { x: x(from), y: y(to), width: Math.max(x(to) - x(from), 0.5), height: Math.max(y(from) - y(to), 0.5), ...more });
+    if (look.groups.length > 1) drawing.append(box(volume.low, volume.high, { fill: "none", stroke: ground("line"), "stroke-width": 0.6, opacity: 0.6 }));
+    voxels.forEach(({ place, tests }, number) => {
+      const isHere = at?.group === group && at.voxel === number;
+      const fill = { fill: color("voxel"), "fill-opacity": tests.length ? 0.8 : 0.4 };
+      const rim = isHere ? { stroke: color("hit"), "stroke-width": 2.5 } : { stroke: ground("ground"), "stroke-width": 0.3 };
+      drawing.append(box(corner(place), corner(place.map((n) => n + 1)), { ...fill, ...rim }));
+    });
+  });
   const { origin, direction, hit } = look;
   const point = (t) => origin.map((part, axis) => part + t * direction[axis]);
   // As far as the picture goes.
@@ -123,7 +123,7 @@ function drawWalk(look, side, at) {
   const from = Math.max(0, ...enters), to = hit ? hit[1] : Math.min(...leaves);
   if (Number.isFinite(to) && to > from) {
     const [start, end] = [point(from), point(to)];
-    drawing.append(svg("line", { x1: x(start), y1: y(start), x2: x(end), y2: y(end), stroke: ground("ink"), "stroke-width": 1.6 }));
+    drawing.append(svg("line", { x1: x(start), y1: y(start), x2: x(end), y2: y(end), stroke: ground("ink"), "stroke-width": 1 }));
   }
   if (hit) drawing.append(svg("circle", { cx: x(point(hit[1])), cy: y(point(hit[1])), r: 4, fill: color("hit"), stroke: ground("ground") }));
   return drawing;

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-use crate::geometry::{Bounds, Ray};
+use crate::geometry::{Bounds, Hit, Ray};
 use crate::program::Workload;
 
 /// Pixels of the longer edge.
@@ -40,16 +40,23 @@ impl Side {
         let (width, height) = (count(right), count(up));
         let ray = |place: usize| {
             let mut origin = bounds.low;
+            // From just inside, so that the wall of a room is not all that is seen.
+            origin[along] = bounds.high[along] - 0.02 * extent[along];
             origin[right] += ((place % width) as f64 + 0.5) / width as f64 * extent[right];
             origin[up] += ((height - 1 - place / width) as f64 + 0.5) / height as f64 * extent[up];
             let mut direction = Vec3::ZERO;
-            direction[along] = 1.0;
+            direction[along] = -1.0;
             Ray::new(origin.as_vec3(), direction)
         };
         let rays: Vec<Ray> = (0..width * height).map(ray).collect();
-        let shade = |polygon: u32| 255.0 * (0.3 + 0.6 * workload.polygons().normal(polygon).normalize_or_zero()[along].abs());
+        // The lighter, the more it faces the viewer, and the nearer it is.
+        let shade = |hit: &Hit| {
+            let facing = workload.polygons().normal(hit.polygon).normalize_or_zero()[along].abs();
+            let depth = f64::from(hit.t) / extent[along].max(f64::MIN_POSITIVE);
+            (255.0 * (0.25 + 0.65 * f64::from(facing)) * (1.0 - 0.6 * depth.clamp(0.0, 1.0))) as u8
+        };
         let pixels = workload.look(&rays).into_iter();
-        let pixels = pixels.flat_map(|hit| if hit.is_hit() { [shade(hit.polygon) as u8, 255] } else { [0, 0] });
+        let pixels = pixels.flat_map(|hit| if hit.is_hit() { [shade(&hit), 255] } else { [0, 0] });
         Side {
             axes,
             low: axes.map(|axis| bounds.low[axis]),

@@ -2,8 +2,9 @@
 // Steps through the cycles that the page holds: draws the array as it stands in one of them, and follows rays through it.
 
 // What a page with a server behind it asks there; null where there is none.
-// `window(from, until)` gives other cycles, `find(question, cycle)` a cycle, `look(ray)` a ray's way, `instructions(cell, ray)` what a cell executes.
-const doors = { window: null, find: null, look: null, instructions: null };
+// `window(from, until)` gives other cycles, `find(question, cycle)` a cycle, `ray([x, y])` a pixel's ray, `look(ray)` a ray's way,
+// `instructions(cell, ray)` what a cell executes.
+const doors = { window: null, find: null, ray: null, look: null, instructions: null };
 
 // As many cells are drawn at once.
 const MOST_DRAWN = 16;
@@ -64,7 +65,7 @@ class Stepper {
   }
 
   build() {
-    const bar = element("div", { class: "steps", role: "toolbar", "aria-label": "Steps" });
+    const bar = element("div", { class: "steps", role: "group", "aria-label": "Steps" });
     const step = (text, hint, kind, direction) => bar.append(button(text, hint, () => this.step(kind, direction)));
     step("⇤ op", "Back to where the chosen cell came to its op, or the one before ([)", "op", -1);
     step("« event", "Back by an event: anything that changes (Shift and left arrow)", "event", -1);
@@ -87,7 +88,7 @@ class Stepper {
     const line = element("div", { class: "moment" }, element("label", {}, "cycle ", this.counter), this.time, this.slider);
 
     const asks = element("form", { class: "asks" });
-    this.asked = element("input", { type: "text", size: 26, list: "stepper-asks", placeholder: "X1 is full, cell 2 waits, ray 17 …", "aria-label": "Go to a moment" });
+    this.asked = element("input", { type: "text", size: 32, list: "stepper-asks", placeholder: "X1 is full, cell 2 waits, ray 17 …", "aria-label": "Go to a moment" });
     const list = element("datalist", { id: "stepper-asks" }, ...this.examples().map((value) => element("option", { value })));
     asks.append(element("label", {}, "go to ", this.asked), list, element("button", {}, "find"));
     asks.addEventListener("submit", (event) => { event.preventDefault(); this.seek(this.asked.value); });
@@ -101,7 +102,7 @@ class Stepper {
     this.map = element("div", { class: "map" });
     this.row = element("div", { class: "row", role: "group", "aria-label": "The array in this cycle" });
     this.details = element("div", { class: "details" });
-    const around = element("div", { class: "around", tabindex: 0, role: "group", "aria-label": "The array, step by step: arrows go by cycles, with Shift by events, brackets by ops, space plays" },
+    const around = element("div", { class: "around", tabindex: 0, role: "group", "aria-label": "The array, step by step: left and right go by cycles, with Shift by events, up and down choose a cell, brackets go by its ops, space plays" },
       bar, line, asks, this.told, this.way, this.map, this.row, this.details);
     around.addEventListener("keydown", (event) => this.key(event));
     this.place.replaceChildren(around);
@@ -131,6 +132,7 @@ class Stepper {
     const action = {
       ArrowLeft: () => this.step(shiftKey ? "event" : "cycle", -1), ArrowRight: () => this.step(shiftKey ? "event" : "cycle", 1),
       "[": () => this.step("op", -1), "]": () => this.step("op", 1), ",": () => this.step("instruction", -1), ".": () => this.step("instruction", 1),
+      ArrowUp: () => this.choose(Math.max(0, this.station - 1)), ArrowDown: () => this.choose(Math.min(tape.stations.length - 1, this.station + 1)),
       "<": () => this.stop(-1), ">": () => this.stop(1),
       Home: () => this.go(tape.from), End: () => this.go(tape.until - 1), " ": !isButton && (() => this.toggle()),
     }[key];
@@ -172,6 +174,7 @@ class Stepper {
   edge(direction) {
     const isEnd = direction > 0 ? tape.until >= run.cycles : tape.from === 0;
     if (isEnd) return direction > 0 ? "The run ends here." : "The run begins here.";
+    if (doors.window) return "There is no more of the run to be had.";
     return `The page holds the cycles ${grouped(tape.from)} to before ${grouped(tape.until)} one by one; --trace-window ${windowAround(direction > 0 ? tape.until : tape.from)} holds others.`;
   }
 
@@ -209,7 +212,7 @@ class Stepper {
     const asked = question(text);
     if (!asked) return this.say(`“${text}” is no moment. Ask for a cycle, a time as 1.5 ms, X1 is full, cell 2 waits, ray 17, ray 17 comes to cell 3, ray 17 comes back, pixel 3 4.`);
     if (asked.pixel) {
-      const ray = this.rayOf(asked.pixel);
+      const ray = this.rayOf(asked.pixel) ?? (doors.ray ? await doors.ray(asked.pixel) : null);
       if (ray === null) return this.say(`The ray of pixel ${asked.pixel.join(", ")} is not among those of the cycles that the page holds.`);
       Object.assign(asked, { ray });
     }
@@ -283,7 +286,8 @@ class Stepper {
   // The moment in a sentence: what the chosen cell does, and who waits for whom.
   tell() {
     const chain = chainOf(this.station, this.cycle).slice(0, 4), op = opAt(this.station, this.cycle);
-    const first = op && !chain[0]?.wait && op.unit ? `${nameOf(this.station)} works on ray ${grouped(op.job ?? 0)}: ${opText(op, this.station)}, cycle ${grouped(op.done)} of ${grouped(op.of)}` : sentenceOf(chain[0]);
+    const isAt = op && op.of && !chain[0]?.wait, ray = op?.job == null ? "" : `, ray ${grouped(op.job)}`;
+    const first = isAt ? `${nameOf(this.station)}: ${opText(op, this.station)}, ${op.unit ? "cycle" : "word"} ${grouped(op.done)} of ${grouped(op.of)}${ray}` : sentenceOf(chain[0]);
     this.say(`Cycle ${grouped(this.cycle)}: ${[first, ...chain.slice(1).map(sentenceOf)].join("; ")}.`);
   }
 
@@ -293,6 +297,8 @@ class Stepper {
     if (cells <= MOST_DRAWN) return;
     if (!this.map.firstChild) {
       this.map.replaceChildren(...tape.stations.map((_, cell) => button("", `cell ${cell}`, () => this.choose(cell))));
+      // By keys cells are chosen with the arrows.
+      for (const square of this.map.children) square.tabIndex = -1;
     }
     [...this.map.children].forEach((square, cell) => {
       square.style.background = this.stateColor(doing(cell, this.cycle).state.name);
@@ -314,7 +320,7 @@ class Stepper {
 
   drawRow() {
     const cells = this.drawn(), last = tape.stations.length - 1;
-    const key = `${cells[0]} ${cells.length} ${isDark()}`;
+    const key = `${cells[0]} ${cells.length} ${printing}`;
     if (this.built !== key) {
       this.built = key;
       this.stores = [];
@@ -335,7 +341,8 @@ class Stepper {
     const writer = reader === null ? null : reader - 1;
     const fifos = tape.fifos.filter(({ group, from, to }) => group === "Z" ? from === reader && to === writer && reader !== null : to === reader && !(reader === null && group === "X"));
     for (const fifo of fifos) {
-      const canvas = element("canvas", { width: STORE.width * 2, height: STORE.height * 2, role: "img" });
+      const scale = Math.max(devicePixelRatio, printing ? 3 : 1);
+      const canvas = element("canvas", { width: STORE.width * scale, height: STORE.height * scale, role: "img" });
       const label = element("span", {});
       link.append(element("div", { class: "store" }, label, canvas));
       this.stores.push({ fifo, canvas, label });
@@ -345,9 +352,10 @@ class Stepper {
 
   box(station, host) {
     const name = station === null ? "host" : `cell ${station}`;
-    const box = { parts: Object.fromEntries(["name", "op", "ray", "wait"].map((part) => [part, element("span", { class: part })])), bar: element("i", {}), band: element("u", {}), host };
+    const box = { parts: Object.fromEntries(["name", "runs", "op", "ray", "wait"].map((part) => [part, element("span", { class: part })])), bar: element("i", {}), band: element("u", {}), host };
     box.place = element(station === null ? "div" : "button", station === null ? { class: "box host" } : { class: "box", type: "button" }, box.band, ...Object.values(box.parts), element("span", { class: "bar" }, box.bar));
-    box.parts.name.textContent = station === null ? `host ${host}` : name + (run.cells[station].name === name || !run.cells[station].name ? "" : ` · ${run.cells[station].name}`);
+    box.parts.name.textContent = station === null ? `host ${host}` : name;
+    box.parts.runs.textContent = station === null || run.cells[station].name === name ? "" : run.cells[station].name;
     if (station !== null) box.place.addEventListener("click", () => this.choose(station));
     this.boxes.set(station === null ? host : station, box);
     return box.place;
@@ -359,6 +367,7 @@ class Stepper {
       parts.op.textContent = isReading ? "reads a hit" : "has no word to read";
       this.fillRay(parts.ray, isReading ? job[at] : null);
       band.style.background = isReading ? this.stateColor("moving") : "none";
+      bar.style.width = "0";
       return;
     }
     const which = host ? null : station, op = opAt(which, this.cycle), now = doing(which, this.cycle), wait = waitOf(which, now, this.cycle);
@@ -392,32 +401,26 @@ class Stepper {
     canvas.title = rays.length ? rays.slice(0, 12).join(", ") : "empty";
     const context = canvas.getContext("2d"), { width, height } = canvas;
     context.clearRect(0, 0, width, height);
-    // As large squares as there is room for; where there is none, words share a pixel.
-    let side = Math.floor(Math.sqrt(width * height / fifo.capacity));
-    while (side > 1 && Math.floor(width / side) * Math.floor(height / side) < fifo.capacity) side--;
-    side = Math.min(side, 24);
-    const rows = Math.max(1, Math.floor(height / Math.max(side, 1))), gap = side > 5 ? 2 : side > 2 ? 1 : 0;
-    const place = (word) => {
-      const column = Math.floor(word / rows), x = fifo.group === "Z" ? column * side : width - (column + 1) * side;
-      return [x, (word % rows) * side];
+    // Places that are about square, in columns; where they would be smaller than a pixel, words stand in one row.
+    const side = Math.sqrt(width * height / fifo.capacity), rows = side < 1 ? 1 : Math.max(1, Math.round(height / Math.min(side, height)));
+    const columns = Math.ceil(fifo.capacity / rows), [across, down] = [width / columns, height / rows], gap = Math.min(across, down) > 4 ? 1 : 0;
+    const fill = (word, count) => {
+      if (rows === 1) return context.fillRect(fifo.group === "Z" ? word * across : width - (word + count) * across, 0, Math.max(count * across - gap, 0.5), height);
+      for (let at = word; at < word + count; at++) {
+        const column = Math.floor(at / rows), x = (fifo.group === "Z" ? column : columns - 1 - column) * across;
+        context.fillRect(x, (at % rows) * down, across - gap, down - gap);
+      }
     };
-    const share = width / fifo.capacity;
     let word = 0;
     for (const [job, count] of words) {
       context.fillStyle = rayColor(job);
-      context.globalAlpha = this.followed === null || job === this.followed ? 1 : 0.22;
-      if (side < 2) {
-        context.fillRect(fifo.group === "Z" ? word * share : width - (word + count) * share, 0, Math.max(count * share, 1), height);
-      } else {
-        for (let at = word; at < word + count; at++) context.fillRect(...place(at), side - gap, side - gap);
-      }
+      context.globalAlpha = this.followed === null || job === this.followed ? 1 : 0.28;
+      fill(word, count);
       word += count;
     }
     context.globalAlpha = 1;
-    if (side > 5) {
-      context.fillStyle = ground("grid");
-      for (let at = word; at < fifo.capacity; at++) context.fillRect(...place(at), side - gap, side - gap);
-    }
+    context.fillStyle = ground("grid");
+    if (gap && rows > 1) fill(word, fifo.capacity - word);
   }
 
   // Where the followed ray has been and comes to.
@@ -466,7 +469,7 @@ class Stepper {
     const counts = SAID.map(([name], said) => [name, tests.filter((test) => test.said === said).length]).filter(([, count]) => count);
     const voxels = look.groups.reduce((sum, group) => sum + group.length, 0);
     const hit = look.hit ? `it hits polygon ${grouped(look.hit[0])} at t = ${figure(look.hit[1])}` : "it hits nothing";
-    const text = `${grouped(voxels)} voxels, ${grouped(tests.length)} candidates${counts.length ? ` (${counts.map(([name, count]) => `${count} ${name}`).join(", ")})` : ""}: ${hit}.`;
+    const text = voxels === 0 ? "It misses the volume." : `${grouped(voxels)} voxels, ${grouped(tests.length)} candidates${counts.length ? ` (${counts.map(([name, count]) => `${count} ${name}`).join(", ")})` : ""}: ${hit}.`;
     const sides = element("div", { class: "sides", role: "group", "aria-label": "Seen along" }, "seen along ");
     ["x", "y", "z"].forEach((name, axis) => {
       const choose = button(name, `along ${name}`, () => { this.side = axis; this.drawDetails(); });
@@ -524,7 +527,7 @@ class Stepper {
     const lines = Array.from({ length: 9 }, (_, n) => address - 4 + n).filter((row) => row >= 0 && row < rows.length);
     const body = element("tbody", {}, ...lines.map((row) => {
       const [text, line, source] = rows[row];
-      const made = element("tr", row === address ? { class: "now", "aria-current": "step" } : {}, ...[row, text, line || "", source].map((cell) => element("td", {}, `${cell}`)));
+      const made = element("tr", row === address ? { class: "now", "aria-current": "step" } : {}, ...[row, text, line || "", source.trim().replace(/\s+/g, " ")].map((cell) => element("td", {}, `${cell}`)));
       return made;
     }));
     const head = element("thead", {}, element("tr", {}, ...["address", "instruction", "line", "source"].map((text) => element("th", {}, text))));
