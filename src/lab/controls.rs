@@ -163,6 +163,7 @@ impl Control {
             default => default.as_str(),
             form => form.name(),
             paper => paper.as_ref().map(|(value, place)| vec![value.clone(), place.to_string()]),
+            stops => values.iter().map(|offered| offered.value.as_str()).collect::<Vec<_>>().join("|"),
             last => values.len().saturating_sub(1),
             values => values.iter().map(offered).collect::<Vec<_>>(),
         }

@@ -58,6 +58,7 @@ pub async fn file(State(lab): State<Arc<Lab>>, Path(name): Path<String>) -> Resp
         "view" => ("text/html", include_str!("page/view.html")),
         "run.js" => ("text/javascript", lab.pages.view_script.as_str()),
         "view.js" => ("text/javascript", include_str!("page/view.js")),
+        "frame.css" => ("text/css", include_str!("page/frame.css")),
         "view.css" => ("text/css", lab.pages.view_style.as_str()),
         _ => return (StatusCode::NOT_FOUND, "the lab has no such page\n").into_response(),
     };

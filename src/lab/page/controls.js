@@ -10,7 +10,7 @@ const controls = new Map([...document.querySelectorAll(".control")].map((row) =>
 function controlOf(row) {
   const { name, form, default: byDefault } = row.dataset;
   const [input, exact] = [row.querySelector("[id^=p-]"), row.querySelector(".slide .exact")];
-  const stops = [...row.querySelectorAll("datalist option")].map((option) => option.dataset.value);
+  const stops = row.dataset.stops.split("|");
   const control = { name, form, row, input, exact, stops, byDefault, label: row.querySelector("label").textContent };
   control.unit = row.querySelector(".unit")?.textContent ?? "";
   const told = () => form === "switch" ? String(input.checked) : form === "slider" ? control.stops[Number(input.value)] : input.value.trim();
@@ -51,8 +51,7 @@ function showControls() {
   const { parameters, told } = active(), moot = told?.moot ?? {};
   const { stages, cells, isFixed } = programOf(parameters);
   const ofCells = controls.get("cells");
-  ofCells.stops = isFixed ? [String(cells)] : [...ofCells.row.querySelectorAll("datalist option")].map((option) => option.dataset.value)
-    .filter((stop) => Number(stop) % stages === 0);
+  ofCells.stops = isFixed ? [String(cells)] : ofCells.row.dataset.stops.split("|").filter((stop) => Number(stop) % stages === 0);
   ofCells.input.max = ofCells.stops.length - 1;
   ofCells.input.disabled = ofCells.exact.disabled = isFixed;
   for (const control of controls.values()) showControl(control, parameters.get(control.name), moot[control.name]);
