@@ -13,6 +13,7 @@ TYPES = {
     "size": "str | int | tuple[int, int]",
     "truth": "bool",
     "whole": "int",
+    "whole or word": "int | str",
     "number": "float",
 }
 
@@ -54,12 +55,12 @@ def text() -> str:
         taken = {name for name, is_taken in zip(table["name"], table[call]) if is_taken}
         return [row for name, row in rows.items() if name in taken and name not in {"scene", *without}]
 
-    machine = [row[0] for row in of("replay")]
+    machine = [row[0] for row in of("machine")]
     base = "MachineParameters, total=False"
     return (
         HEADING
         + group(
-            "MachineChanges", "TypedDict, total=False", "Changes to a machine.", of("replay", without=["on", "machine"])
+            "MachineChanges", "TypedDict, total=False", "Changes to a machine.", of("machine", without=["on", "machine"])
         )
         + group(
             "MachineParameters",

@@ -320,7 +320,11 @@ impl Made {
         let Described { caption, names, .. } = &self.described();
         let (profile, recording) = (profile_of(seen)?, seen.recording.as_ref());
         let path = self.observed().and_then(|observed| observed.path.as_ref());
-        let run = plot::Run { caption, clock: self.clock(), profile, recording, path, cell_names: names };
+        let regions = match self {
+            Made::Cube { setup, outcome } => cube::region_map(setup, outcome),
+            _ => None,
+        };
+        let run = plot::Run { caption, clock: self.clock(), profile, recording, path, cell_names: names, regions };
         plot::pictures(&run).map_err(output)
     }
 

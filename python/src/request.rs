@@ -10,7 +10,7 @@ use pcs_sim::machine::MachineOptions;
 use pcs_sim::parameters::{Kind, ParameterInfo, named};
 use pcs_sim::run::{
     CellsOptions, CubeRunOptions, CubeSpec, FarmRunOptions, FarmSpec, Layers, MachineFileOptions, PlannedRun,
-    RayOptions, ReplaySpec, RunOptions, RunSpec,
+    RayOptions, ReplaySpec, RunOptions, RunSpec, moot,
 };
 use pcs_sim::scene::{Scene as SceneData, builtin};
 use pyo3::prelude::*;
@@ -40,7 +40,19 @@ pub enum Of {
 }
 
 impl Of {
-    /// The parameters that there are.
+    /// What the call is named, and the command.
+    fn name(self) -> &'static str {
+        match self {
+            Of::Rays => "run",
+            Of::Image => "image",
+            Of::Model => "model",
+            Of::Replay => "replay",
+            Of::Farm => "farm",
+            Of::Cube => "ipsc2",
+        }
+    }
+
+    /// The parameters that are known, those among them that the call always refuses: it then says why.
     fn parameters(self) -> Vec<&'static ParameterInfo> {
         let without = |group: &'static [ParameterInfo]| {
             RunOptions::parameters().filter(move |known| group.iter().all(|other| other.name != known.name))
@@ -288,13 +300,14 @@ fn text_of(py: Python<'_>, known: &ParameterInfo, value: &Bound<'_, PyAny>) -> P
         Kind::Size => "a size: \"640x480\", (640, 480), or a number for both sides",
         Kind::Truth => "True or False",
         Kind::Whole => "a whole number",
+        Kind::WholeOrWord => "a whole number or a word",
         Kind::Number => "a number",
     };
     Err(wrong(py, format!("invalid value {} for {}: expected {expected}", value.repr()?, known.name)))
 }
 
-/// The parameters: `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), and for each call
-/// whether it takes it (`run`, `image`, `replay`, `model`, `farm`, `ipsc2`).
+/// The parameters: `name`, `kind` (text, size, truth, whole, whole or word, number), what it is (`label`, with its unit), for each call
+/// whether it takes it (`run`, `image`, `replay`, `model`, `farm`, `ipsc2`), and whether it is one of a `machine`.
 #[pyfunction]
 pub fn parameters() -> PyResult<Table> {
     let mut all: Vec<&ParameterInfo> = Vec::new();
@@ -308,23 +321,25 @@ pub fn parameters() -> PyResult<Table> {
         Kind::Size => "size",
         Kind::Truth => "truth",
         Kind::Whole => "whole",
+        Kind::WholeOrWord => "whole or word",
         Kind::Number => "number",
     };
-    let taken = |of: Of| {
-        let taken = of.parameters();
-        all.iter().map(move |known| taken.iter().any(|other| other.name == known.name)).collect::<Vec<_>>()
+    let has = |of: Of, name: &str| of.parameters().iter().any(|known| known.name == name);
+    let refused = |of: Of, name: &str| {
+        moot::ALWAYS_REFUSED.iter().any(|(command, refused)| *command == of.name() && refused.contains(&name))
     };
-    Table::new(vec![
+    let takes = |of: Of| {
+        let takes = all.iter().map(|known| has(of, known.name) && !refused(of, known.name));
+        truth(of.name(), takes.collect::<Vec<_>>())
+    };
+    let mut columns = vec![
         text("name", all.iter().map(|known| known.name.to_owned())),
         text("kind", all.iter().map(|known| kind(known.kind).to_owned())),
         text("label", all.iter().map(|known| known.label.to_owned())),
-        truth("run", taken(Of::Rays)),
-        truth("image", taken(Of::Image)),
-        truth("replay", taken(Of::Replay)),
-        truth("model", taken(Of::Model)),
-        truth("farm", taken(Of::Farm)),
-        truth("ipsc2", taken(Of::Cube)),
-    ])
+    ];
+    columns.extend([Of::Rays, Of::Image, Of::Replay, Of::Model, Of::Farm, Of::Cube].map(takes));
+    columns.push(truth("machine", all.iter().map(|known| has(Of::Replay, known.name)).collect::<Vec<_>>()));
+    Table::new(columns)
 }
 
 /// The built-in scenes: `name`, the default `size_factor`, how many `polygons` they then have, and what they show (`about`).

@@ -106,7 +106,7 @@ ELSEWHERE: list[tuple[Callable[[], object], str]] = [
     (lambda: pcs_sim.farm(tile=4), "--tile is about tiles"),
     (lambda: pcs_sim.farm(fifo_words=4), "unknown parameter `fifo_words`"),  # type: ignore[call-arg]
     (lambda: pcs_sim.farm(config="image.json"), "describes no farm"),
-    (lambda: pcs_sim.model("room", mailbox=True), "the cost model knows no mailbox"),
+    (lambda: pcs_sim.model("room", mailbox=True), "the cost model knows no mailbox"),  # type: ignore[call-arg]
     (lambda: pcs_sim.model("room", predict_only=True, threads=2), "--threads is about the simulation"),
     (lambda: pcs_sim.model("room", predict_only=True, fifo_words=2), "--fifo-words is about the simulation"),
     (lambda: pcs_sim.model(config="image.json"), "that of a whole image"),

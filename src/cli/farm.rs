@@ -102,6 +102,7 @@ fn write_outputs(
         losses: None,
         configuration: &configuration,
         image: None,
+        regions: None,
         setup: None,
     };
     views.write(&seen, &mut written)?;

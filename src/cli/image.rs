@@ -250,6 +250,7 @@ fn write_outputs(
             cell_names: &cell_names(&setup.workload),
             configuration: &configuration,
             image: Some(&png),
+            regions: None,
             setup: Some(setup),
         };
         files.views.write(&seen, &mut written)?;

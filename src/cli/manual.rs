@@ -5,6 +5,7 @@ use std::io::Write;
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 use pcs_sim::machine::{CapitanFile, Ipsc2File, MachineFile};
+use pcs_sim::run::moot;
 use serde_json::Value;
 
 use super::args::{CompletionsArgs, ManArgs};
@@ -22,20 +23,11 @@ pub fn command() -> Command {
     }
     command = command.mut_subcommand("farm", |command| told(command, &capitan));
     command = command.mut_subcommand("ipsc2", |command| told(command, &ipsc2));
-    for (name, arguments) in REFUSED {
-        command = command.mut_subcommand(name, |command| hidden(command, arguments));
-    }
-    hidden(command, &["host_hit_us"])
+    moot::ALWAYS_REFUSED.into_iter().fold(command, |command, (name, refused)| match name {
+        "run" => hidden(command, refused),
+        _ => command.mut_subcommand(name, |command| hidden(command, refused)),
+    })
 }
-
-/// The parameters that commands share with others, and always refuse: a run of primary rays refuses the shading of hits.
-const REFUSED: [(&str, &[&str]); 5] = [
-    ("farm", &["adaptive", "why"]),
-    ("ipsc2", &["adaptive", "enough", "why"]),
-    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead"]),
-    ("replay", &["memory_words"]),
-    ("size-fifos", &["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"]),
-];
 
 fn hidden(command: Command, arguments: &[&str]) -> Command {
     arguments.iter().fold(command, |command, name| command.mut_arg(name, |arg| arg.hide(true)))

@@ -53,6 +53,7 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
         observed: &observed,
         cell_names: &[],
         configuration: &Configuration::Replay(Box::new(replay.spec.clone())),
+        regions: None,
         image: None,
         setup: None,
     };

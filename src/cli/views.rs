@@ -49,6 +49,8 @@ pub struct Seen<'a> {
     pub configuration: &'a Configuration,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
+    /// The regions of nodes, if they have any.
+    pub regions: Option<plot::RegionMap<'a>>,
     /// What it was made of, if there is a scene.
     pub setup: Option<&'a Setup>,
 }
@@ -117,7 +119,7 @@ impl Views {
 
     /// Writes the views of a run.
     pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
-        let &Seen { caption, clock, stats, losses, cell_names, configuration, image, setup, .. } = run;
+        let &Seen { caption, clock, stats, losses, cell_names, configuration, image, regions, setup, .. } = run;
         let (path, recording) = (run.observed.path.as_ref(), run.observed.recording.as_ref());
         if let Some(profile) = &run.observed.profile {
             let page = Page {
@@ -133,7 +135,7 @@ impl Views {
                 image,
                 setup,
             };
-            let drawn = plot::Run { caption, clock, profile, recording, path, cell_names };
+            let drawn = plot::Run { caption, clock, profile, recording, path, cell_names, regions };
             let (pictures, html) = rayon::join(
                 || self.plot.as_ref().map(|_| plot::pictures(&drawn)).transpose(),
                 || self.page.as_ref().map(|_| page::html(&page)).transpose(),

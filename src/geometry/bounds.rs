@@ -2,6 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
+use super::ray::Ray;
+
 /// An axis-parallel box, in double precision: volumes and their cuts are worked out by the host, before the run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
@@ -43,6 +45,22 @@ impl Bounds {
     /// Lengths of the edges.
     pub fn extent(&self) -> DVec3 {
         self.high - self.low
+    }
+
+    /// Where on a ray it enters the box, or 0 if it starts inside; `None` if it misses it or ends before.
+    pub fn entered_by(&self, ray: &Ray) -> Option<f64> {
+        let (mut enters, mut leaves) = (0.0f64, ray.t_max as f64);
+        for axis in 0..3 {
+            let (origin, direction) = (ray.origin[axis] as f64, ray.direction[axis] as f64);
+            let (low, high) = (self.low[axis] - origin, self.high[axis] - origin);
+            if direction != 0.0 {
+                let (a, b) = (low / direction, high / direction);
+                (enters, leaves) = (enters.max(a.min(b)), leaves.min(a.max(b)));
+            } else if low > 0.0 || high < 0.0 {
+                return None;
+            }
+        }
+        (enters <= leaves).then_some(enters)
     }
 
     /// The two parts on either side of the plane `axis` = `at`.

@@ -30,7 +30,7 @@ pub use brute_force::brute_force;
 pub use edges::Edges;
 pub use grid::Grid;
 pub use hit::Hit;
-pub use partition::Partition;
+pub use partition::{Numbering, Partition};
 pub use polygon::Polygons;
 pub use ray::Ray;
 pub use regions::{CellPlane, Regions};

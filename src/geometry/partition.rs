@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bounds::Bounds;
 use super::polygon::{Polygons, flat_bounds, hit_bounds};
+use super::ray::Ray;
 
 /// How the scene is cut into sub-volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -17,8 +18,10 @@ pub enum Partition {
     Regular,
     /// Boxes with equal numbers of polygons.
     Polygons,
-    /// Boxes with equal work, measured on a sub-sample of the rays (§4.1).
+    /// Boxes with equal work, measured on a sub-sample of the rays (§4.1) in one cell that has the whole scene.
     Work,
+    /// The same, then measured in the groups themselves, and cut again as long as that helps the one that works the most.
+    Measured,
 }
 
 impl FromStr for Partition {
@@ -29,7 +32,8 @@ impl FromStr for Partition {
             "regular" => Ok(Partition::Regular),
             "polygons" => Ok(Partition::Polygons),
             "work" => Ok(Partition::Work),
-            _ => Err(format!("there is no partition '{name}'; there are: regular, polygons, work")),
+            "measured" => Ok(Partition::Measured),
+            _ => Err(format!("there is no partition '{name}'; there are: regular, polygons, work, measured")),
         }
     }
 }
@@ -40,6 +44,46 @@ impl std::fmt::Display for Partition {
             Partition::Regular => "regular",
             Partition::Polygons => "polygons",
             Partition::Work => "work",
+            Partition::Measured => "measured",
+        })
+    }
+}
+
+/// In which order the sub-volumes of a cut are dealt out to the groups, from left to right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Numbering {
+    /// As the cut comes upon them.
+    #[default]
+    Cut,
+    /// As rays do, those first that are in front of others.
+    Front,
+}
+
+impl Numbering {
+    /// Whether it is that of the cut.
+    pub fn is_cut(&self) -> bool {
+        *self == Numbering::Cut
+    }
+}
+
+impl FromStr for Numbering {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Numbering, String> {
+        match name {
+            "cut" => Ok(Numbering::Cut),
+            "front" => Ok(Numbering::Front),
+            _ => Err(format!("there is no numbering '{name}'; there are: cut, front")),
+        }
+    }
+}
+
+impl std::fmt::Display for Numbering {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Numbering::Cut => "cut",
+            Numbering::Front => "front",
         })
     }
 }
@@ -121,6 +165,25 @@ fn cut_at(weights: &[Weight], axis: usize, share: f64) -> Option<f64> {
     })?;
     let next = weights.get(last + 1).unwrap_or(&weights[last]);
     Some((weights[last].at[axis] + next.at[axis]) / 2.0)
+}
+
+/// Numbers boxes from front to back: by how many others a ray has been in before it reaches them, on average over the rays that do.
+pub fn front_to_back(boxes: Vec<Bounds>, rays: &[Ray]) -> Vec<Bounds> {
+    let mut before = vec![0; boxes.len()];
+    let mut reached = vec![0; boxes.len()];
+    for ray in rays {
+        let enters = |(index, volume): (usize, &Bounds)| Some((volume.entered_by(ray)?, index));
+        let mut met: Vec<(f64, usize)> = boxes.iter().enumerate().filter_map(enters).collect();
+        met.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (place, (_, index)) in met.into_iter().enumerate() {
+            before[index] += place;
+            reached[index] += 1;
+        }
+    }
+    let mean = |index: usize| before[index] as f64 / reached[index].max(1) as f64;
+    let mut order: Vec<usize> = (0..boxes.len()).collect();
+    order.sort_by(|&a, &b| mean(a).total_cmp(&mean(b)));
+    order.into_iter().map(|index| boxes[index]).collect()
 }
 
 /// Every polygon's middle, with weight 1.

@@ -19,6 +19,11 @@ impl Ray {
         Ray { origin, direction, t_max: f32::INFINITY }
     }
 
+    /// The same ray, whose hits beyond `t` do not count either.
+    pub fn until(self, t: f32) -> Ray {
+        Ray { t_max: self.t_max.min(t), ..self }
+    }
+
     /// The point at parameter t.
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t

@@ -105,6 +105,11 @@ impl RaySlabs {
         }
         slabs
     }
+
+    /// Those of the same ray when it ends elsewhere.
+    pub fn ending_at(self, t_max: f32) -> RaySlabs {
+        RaySlabs { t_max, ..self }
+    }
 }
 
 /// The slabs of a polygon, each `slack` wider on both sides.

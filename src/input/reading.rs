@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 
 /// A file that was read.
@@ -56,9 +57,24 @@ pub(crate) fn note(path: &Path, bytes: &[u8]) {
     });
 }
 
-/// Takes note of files that another thread has read for this one.
-pub(crate) fn note_all(files: Vec<FileRead>) {
+/// Takes note of files that were read for this thread.
+fn note_all(files: Vec<FileRead>) {
     NOTED.with_borrow_mut(|noted| noted.as_mut().map_or((), |all| all.extend(files)));
+}
+
+/// Reads what may take long, as [`Cancel::wait_for`] does; which files were read is noted by this thread, and they are those that it may
+/// read.
+pub(crate) fn wait_for<T: Send + 'static>(
+    cancel: &Cancel,
+    read: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Cancelled> {
+    let folder = WITHIN.with_borrow(Clone::clone);
+    let (result, files) = cancel.wait_for(move || {
+        WITHIN.set(folder);
+        noting(read)
+    })?;
+    note_all(files);
+    Ok(result)
 }
 
 /// Does something, and tells which files this thread has read for it, each once and in the order of their names: those that

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::file::{base_of, impossible, machine_parameters, within};
-use super::{Cycles, FifoName, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
+use super::{Cycles, FifoName, HostTimes, KernelTimes, MachineSpec, RateCounts, Words};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
 use crate::isa::{Class, InstructionCycles};
@@ -196,20 +196,11 @@ impl MachineFile {
             }
             Ok(cycles)
         };
-        Ok(KernelTimes {
-            grid: Times { start: convert("grid_start", us.grid_start)?, each: convert("grid_voxel", us.grid_voxel)? },
-            slabs: Times {
-                start: convert("slabs_start", us.slabs_start)?,
-                each: convert("slabs_polygon", us.slabs_polygon)?,
-            },
-            intersection: Times {
-                start: convert("intersection_start", us.intersection_start)?,
-                each: convert("intersection_polygon", us.intersection_polygon)?,
-            },
-            host: HostTimes {
-                ray: convert("host_ray_us", self.host_ray_us)?,
-                hit: convert("host_hit_us", self.host_hit_us)?,
-            },
-        })
+        let kernels = us.kernels(&mut convert)?;
+        let host = HostTimes {
+            ray: convert("host_ray_us", self.host_ray_us)?,
+            hit: convert("host_hit_us", self.host_hit_us)?,
+        };
+        Ok(KernelTimes { host, ..kernels })
     }
 }

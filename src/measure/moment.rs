@@ -60,9 +60,10 @@ impl Recording {
         }
         let (from, until) = (span.from.max(self.window.start), at + Cycles(1));
         let states = &record.states[record.states.partition_point(|stretch| stretch.until <= from)..];
-        let moved = states.iter().take_while(|stretch| stretch.from < until).filter(|stretch| {
-            self.topology.states.is(stretch.state, StateKind::Moves)
-        });
+        let moved = states
+            .iter()
+            .take_while(|stretch| stretch.from < until)
+            .filter(|stretch| self.topology.states.is(stretch.state, StateKind::Moves));
         let moved = moved.map(|stretch| stretch.until.min(until).0 - stretch.from.max(from).0).sum::<u64>();
         Some(OpMoment { span, done: u64::from(span.before) + moved, of: count })
     }

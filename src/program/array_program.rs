@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
-use crate::geometry::Partition;
+use crate::geometry::{Numbering, Partition};
 use crate::input::fields::{self, Fault};
 
 /// A step of the geometric computation (§3).
@@ -33,6 +33,9 @@ pub struct ArrayProgram {
     /// How the scene is cut.
     #[serde(default)]
     pub partition: Partition,
+    /// Which sub-volume is which group's.
+    #[serde(default, skip_serializing_if = "Numbering::is_cut")]
+    pub numbering: Numbering,
     /// coeff_grid: voxels a polygon (annex A.1; 50 is UgRay's rule).
     #[serde(default = "ugray_coefficient")]
     pub grid_coefficient: f64,
@@ -46,6 +49,10 @@ pub struct ArrayProgram {
     /// How many rays a cell reads and passes on ahead of the one that it begins. Beyond the paper, where it is 0.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub forward_ahead: u32,
+    /// Whether a cell reads the hit of the groups before its own before it begins, and looks for nothing behind that. Beyond the
+    /// paper, whose cells read it when they have done their own work.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub bounded_walk: bool,
 }
 
 fn is_zero(number: &u32) -> bool {
@@ -101,10 +108,12 @@ impl ArrayProgram {
             groups: 1,
             stages: vec![vec![Kernel::Grid, Kernel::Slabs, Kernel::Intersection]],
             partition: Partition::default(),
+            numbering: Numbering::default(),
             grid_coefficient,
             mailbox: false,
             stop_words: None,
             forward_ahead: 0,
+            bounded_walk: false,
         }
     }
 
@@ -162,6 +171,11 @@ impl ArrayProgram {
     /// Cells of the array.
     pub fn cells(&self) -> usize {
         self.groups.saturating_mul(self.stages.len())
+    }
+
+    /// Whether the cut looks at rays of all kinds, which an image has more of than those of its camera.
+    pub fn cut_by_all_rays(&self) -> bool {
+        self.groups > 1 && (self.partition == Partition::Measured || self.numbering == Numbering::Front)
     }
 
     /// Where each kernel runs.

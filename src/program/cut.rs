@@ -5,11 +5,11 @@ use std::sync::Arc;
 use crate::cancel::Cancel;
 use crate::error::InputError;
 use crate::geometry::partition::{self, SubVolume, Weight};
-use crate::geometry::{Bounds, Partition, Ray};
+use crate::geometry::{Bounds, Numbering, Partition, Ray};
 use crate::machine::KernelTimes;
 use crate::scene::Mesh;
 
-use super::array_program::{ArrayProgram, Stages};
+use super::array_program::{ArrayProgram, Kernel};
 use super::layout::{Layout, NotLaidOut, Surfaces};
 use super::tracer::{Tracer, WorkSample};
 use super::workload::Workload;
@@ -17,13 +17,22 @@ use super::workload::Workload;
 /// One ray in so many is traced ahead to find where the work is (§4.1: 1.5 % of the pixels).
 const SAMPLE_EVERY: usize = 67;
 
+/// How often the parts are cut again at the most, and how often in a row to no avail.
+const MOST_ROUNDS: usize = 24;
+const ROUNDS_IN_VAIN: usize = 4;
+
+/// The rays that a cut looks at, of those of a run.
+pub fn sub_sample(rays: &[Ray]) -> Vec<Ray> {
+    rays.iter().step_by(SAMPLE_EVERY).copied().collect()
+}
+
 impl Workload {
     /// Lays a mesh out for an array program. `rays` are those of the run.
     ///
     /// Fails as [`Layout::new`] does.
     pub fn new(mesh: &Mesh, program: &ArrayProgram, times: KernelTimes, rays: &[Ray]) -> Result<Workload, InputError> {
         let surfaces = Arc::new(Surfaces::new(mesh, rays));
-        match Layout::new(surfaces, program, times, rays, &Cancel::default()) {
+        match Layout::new(surfaces, program, times, &sub_sample(rays), &Cancel::default()) {
             Ok(layout) => Ok(Workload::of(Arc::new(layout), program, times)),
             Err(NotLaidOut::Unfit(error)) => Err(error),
             Err(NotLaidOut::Cancelled(cancelled)) => Err(InputError::new(cancelled.to_string())),
@@ -32,8 +41,8 @@ impl Workload {
 }
 
 impl Layout {
-    /// Lays surfaces out. The partition by work weighs what it finds by `times`, and traces a few of `rays` ahead, which are
-    /// those of the run; nothing else looks at either.
+    /// Lays surfaces out. Cuts by work weigh what they find by `times`, and trace `sample` ahead, a few of the run's rays; so does a
+    /// numbering from front to back. Nothing else looks at either.
     ///
     /// # Errors
     ///
@@ -42,10 +51,10 @@ impl Layout {
         surfaces: Arc<Surfaces>,
         program: &ArrayProgram,
         times: KernelTimes,
-        rays: &[Ray],
+        sample: &[Ray],
         cancel: &Cancel,
     ) -> Result<Layout, NotLaidOut> {
-        let boxes = cut(&surfaces, program, times, rays, cancel)?;
+        let boxes = Cut { surfaces: &surfaces, program, times, sample, cancel }.boxes()?;
         Layout::in_boxes(surfaces, &boxes, program.grid_coefficient, cancel)
     }
 }
@@ -56,58 +65,104 @@ impl Surfaces {
         self: &Arc<Surfaces>,
         program: &ArrayProgram,
         times: KernelTimes,
-        rays: &[Ray],
+        sample: &[Ray],
         cancel: &Cancel,
     ) -> Result<Vec<SubVolume>, NotLaidOut> {
-        Ok(partition::assign(&self.polygons, &cut(self, program, times, rays, cancel)?))
+        let cut = Cut { surfaces: self, program, times, sample, cancel };
+        Ok(partition::assign(&self.polygons, &cut.boxes()?))
     }
 }
 
-/// The boxes of the sub-volumes.
-fn cut(
-    surfaces: &Arc<Surfaces>,
-    program: &ArrayProgram,
+/// What a cut depends on.
+struct Cut<'a> {
+    surfaces: &'a Arc<Surfaces>,
+    program: &'a ArrayProgram,
     times: KernelTimes,
-    rays: &[Ray],
-    cancel: &Cancel,
-) -> Result<Vec<Bounds>, NotLaidOut> {
-    program.check()?;
-    let polygons = &surfaces.polygons;
-    if program.groups > polygons.len() {
-        let message = format!("{} groups are more than the scene's {} polygons", program.groups, polygons.len());
-        return Err(InputError::new(message).help("use fewer cells or a larger scene").into());
-    }
-    let all: Vec<u32> = (0..polygons.len() as u32).collect();
-    let volume = partition::reached(polygons, &all);
-    if volume.is_empty() || program.groups == 1 {
-        return Ok(vec![volume; program.groups]);
-    }
-    let weighted = |mut weights: Vec<Weight>| partition::weighted(volume, &mut weights, program.groups);
-    Ok(match program.partition {
-        Partition::Regular => partition::regular(volume, program.groups),
-        Partition::Polygons => weighted(partition::polygon_weights(polygons)),
-        Partition::Work => weighted(sample_work(surfaces, volume, program, times, rays, cancel)?),
-    })
+    /// The rays that are traced ahead.
+    sample: &'a [Ray],
+    cancel: &'a Cancel,
 }
 
-/// Traces a sub-sample of the rays through the whole scene in one cell and notes where it worked how long.
-fn sample_work(
-    surfaces: &Arc<Surfaces>,
-    volume: Bounds,
-    program: &ArrayProgram,
-    times: KernelTimes,
-    rays: &[Ray],
-    cancel: &Cancel,
-) -> Result<Vec<Weight>, NotLaidOut> {
-    let layout = Layout::in_boxes(surfaces.clone(), &[volume], program.grid_coefficient, cancel)?;
-    let slabs = program.placement().slabs.map(|_| 0);
-    let whole = Workload { stop_words: None, ..Workload::of(Arc::new(layout), program, times) };
-    let whole = Workload { stages: Stages { slabs, intersection: 0 }, ..whole };
-    let mut sample = WorkSample::default();
-    let mut tracer = Tracer::new(&whole);
-    for ray in rays.iter().step_by(SAMPLE_EVERY) {
-        cancel.check()?;
-        tracer.sample(ray, &mut sample);
+impl Cut<'_> {
+    /// The boxes of the sub-volumes, in the order of the groups.
+    fn boxes(&self) -> Result<Vec<Bounds>, NotLaidOut> {
+        self.program.check()?;
+        let (polygons, groups) = (&self.surfaces.polygons, self.program.groups);
+        if groups > polygons.len() {
+            let message = format!("{groups} groups are more than the scene's {} polygons", polygons.len());
+            return Err(InputError::new(message).help("use fewer cells or a larger scene").into());
+        }
+        let all: Vec<u32> = (0..polygons.len() as u32).collect();
+        let volume = partition::reached(polygons, &all);
+        if volume.is_empty() || groups == 1 {
+            return Ok(vec![volume; groups]);
+        }
+        let weighted = |mut weights: Vec<Weight>| self.numbered(partition::weighted(volume, &mut weights, groups));
+        match self.program.partition {
+            Partition::Regular => Ok(self.numbered(partition::regular(volume, groups))),
+            Partition::Polygons => Ok(weighted(partition::polygon_weights(polygons))),
+            Partition::Work => Ok(weighted(self.work_in_one_cell(volume)?)),
+            Partition::Measured => self.measured(weighted(self.work_in_one_cell(volume)?), weighted),
+        }
     }
-    Ok(sample.weights)
+
+    fn numbered(&self, boxes: Vec<Bounds>) -> Vec<Bounds> {
+        match self.program.numbering {
+            Numbering::Cut => boxes,
+            Numbering::Front => partition::front_to_back(boxes, self.sample),
+        }
+    }
+
+    /// Where one cell with the whole scene would work how long.
+    fn work_in_one_cell(&self, volume: Bounds) -> Result<Vec<Weight>, NotLaidOut> {
+        let stage = if self.program.placement().slabs.is_some() {
+            vec![Kernel::Grid, Kernel::Slabs, Kernel::Intersection]
+        } else {
+            vec![Kernel::Grid, Kernel::Intersection]
+        };
+        let one_cell = ArrayProgram { stages: vec![stage], ..ArrayProgram::one_cell(self.program.grid_coefficient) };
+        Ok(self.work(&one_cell, &[volume])?.stages.swap_remove(0))
+    }
+
+    /// Cuts again where the groups, cut into `boxes`, work how long, until the busiest cell has no less to do for some rounds.
+    fn measured(
+        &self,
+        mut boxes: Vec<Bounds>,
+        weighted: impl Fn(Vec<Weight>) -> Vec<Bounds>,
+    ) -> Result<Vec<Bounds>, NotLaidOut> {
+        let (mut best, mut least, mut in_vain) = (boxes.clone(), f64::INFINITY, 0);
+        for _ in 0..MOST_ROUNDS {
+            let mut work = self.work(self.program, &boxes)?;
+            let busiest = work.groups.iter().flatten().copied().fold(0.0, f64::max);
+            if std::env::var("CUT_TRACE").is_ok() {
+                eprintln!("{busiest}");
+            }
+            if busiest < least {
+                (best, least, in_vain) = (boxes, busiest, 0);
+            } else {
+                in_vain += 1;
+            }
+            if in_vain == ROUNDS_IN_VAIN {
+                break;
+            }
+            // The stage that has most to do is the one to be evened out.
+            let total = |stage: usize| work.groups.iter().map(|cells| cells[stage]).sum::<f64>();
+            let stage = (0..work.stages.len()).max_by(|&a, &b| total(a).total_cmp(&total(b))).unwrap_or(0);
+            boxes = weighted(work.stages.swap_remove(stage));
+        }
+        Ok(best)
+    }
+
+    /// What the cells of a program do for the sample, when the scene is cut into these boxes.
+    fn work(&self, program: &ArrayProgram, boxes: &[Bounds]) -> Result<WorkSample, NotLaidOut> {
+        let layout = Layout::in_boxes(self.surfaces.clone(), boxes, program.grid_coefficient, self.cancel)?;
+        let workload = Workload::of(Arc::new(layout), program, self.times);
+        let mut work = WorkSample::new(boxes.len(), program.stages.len());
+        let mut tracer = Tracer::new(&workload);
+        for ray in self.sample {
+            self.cancel.check()?;
+            tracer.sample(ray, &mut work);
+        }
+        Ok(work)
+    }
 }

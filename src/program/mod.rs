@@ -17,6 +17,7 @@ pub mod work;
 mod workload;
 
 pub use array_program::{ArrayProgram, Kernel, Stages};
+pub use cut::sub_sample;
 pub use layout::{Layout, NotLaidOut, Surfaces};
 pub use tracer::{Counts, GroupVisit, Said, Test, Tracer, Visit, VoxelVisit, send_ray};
 pub use workload::{CellMemory, Workload};

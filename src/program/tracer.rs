@@ -8,6 +8,7 @@ mod visit;
 use std::ops::ControlFlow;
 
 use bitvec::vec::BitVec;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 pub use visit::{GroupVisit, Said, Test, Visit, VoxelVisit};
@@ -49,10 +50,30 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
-/// Where a sample of rays made one cell work, and for how many cycles.
-#[derive(Debug, Default)]
+/// Where a sample of rays made cells work, and for how many cycles.
+#[derive(Debug)]
 pub(super) struct WorkSample {
-    pub weights: Vec<Weight>,
+    /// For each stage, where the cells that it is of worked how long.
+    pub stages: Vec<Vec<Weight>>,
+    /// For each group and each of its stages, all that the cell worked.
+    pub groups: Vec<Vec<f64>>,
+}
+
+impl WorkSample {
+    /// No ray yet, for so many groups of so many cells.
+    pub fn new(groups: usize, stages: usize) -> WorkSample {
+        WorkSample { stages: vec![Vec::new(); stages], groups: vec![vec![0.0; stages]; groups] }
+    }
+
+    /// Takes what the cells of a group have done, there or nowhere.
+    fn take(&mut self, cells: &mut [OpStream], group: usize, at: Option<DVec3>, costs: &Costs) {
+        for (stage, ops) in cells.iter_mut().enumerate() {
+            let amount = cycles(ops, costs).0 as f64;
+            ops.clear();
+            self.groups[group][stage] += amount;
+            self.stages[stage].extend(at.map(|at| Weight { at, amount }));
+        }
+    }
 }
 
 /// Traces rays through a workload. Each thread has its own.
@@ -119,25 +140,21 @@ impl<'a> Tracer<'a> {
 
     /// The same where the cells take Figure 7's times.
     fn trace_groups(&mut self, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+        let bounded = self.workload.program.bounded_walk;
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
         let stages = self.workload.stages.count();
         for (index, (group, cells)) in self.workload.layout.groups.iter().zip(cells.chunks_mut(stages)).enumerate() {
-            let mut in_group = RayInGroup {
-                workload: self.workload,
-                surfaces: &self.workload.layout.surfaces,
-                ray,
-                cells,
-                ray_slabs,
-                entered: Entered::default(),
-                stopping: Stopping::default(),
-                hit: Hit::MISS,
-            };
+            let known = if bounded { nearest } else { Hit::MISS };
+            let mut in_group = RayInGroup::new(self.workload, ray, known, cells, ray_slabs);
             in_group.read_ray(passed_on);
+            if bounded && index > 0 {
+                in_group.read_earlier_hit();
+            }
             in_group.start_kernels();
             in_group.take_candidates(group, &mut self.mailbox, &mut self.counts);
             in_group.end_candidates();
-            if index > 0 {
+            if !bounded && index > 0 {
                 in_group.read_earlier_hit();
             }
             in_group.write_hit();
@@ -148,33 +165,34 @@ impl<'a> Tracer<'a> {
         nearest
     }
 
-    /// Traces a ray through a workload of one cell and notes its work, voxel by voxel.
+    /// Traces a ray through all groups and notes the work of their cells, voxel by voxel. Where stop words are sent, the cells are
+    /// taken to stop at once.
     pub(super) fn sample(&mut self, ray: &Ray, sample: &mut WorkSample) {
-        let workload = self.workload;
-        let mut cells = [OpStream::default()];
-        let Some(group) = workload.layout.groups.first() else { return };
-        let mut in_group = RayInGroup {
-            workload,
-            surfaces: &workload.layout.surfaces,
-            ray,
-            cells: &mut cells,
-            ray_slabs: None,
-            entered: Entered::default(),
-            stopping: Stopping::default(),
-            hit: Hit::MISS,
-        };
-        let mut t_enter = 0.0;
-        group.grid.walk(ray, workload.polygons().beyond_margin(ray.origin), |voxel| {
-            for &polygon in voxel.polygons {
-                in_group.candidate(polygon, &mut self.counts);
-            }
-            let work = cycles(&in_group.cells[0], workload.costs());
-            in_group.cells[0].clear();
-            let at = group.grid.voxel_center(ray.at((t_enter + voxel.t_exit) / 2.0));
-            sample.weights.push(Weight { at, amount: (work + workload.costs().of(GRID_VOXEL)).0 as f64 });
-            t_enter = voxel.t_exit;
-            if in_group.t_done() <= voxel.t_exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
+        let (workload, program) = (self.workload, &self.workload.program);
+        let stops = workload.stages.intersection == 0 || workload.stop_words.is_some();
+        let mut cells: Vec<OpStream> = (0..workload.stages.count()).map(|_| OpStream::default()).collect();
+        let mut nearest = Hit::MISS;
+        for (index, group) in workload.layout.groups.iter().enumerate() {
+            let known = if program.bounded_walk { nearest } else { Hit::MISS };
+            let mut in_group = RayInGroup::new(workload, ray, known, &mut cells, None);
+            in_group.start_kernels();
+            sample.take(in_group.cells, index, None, workload.costs());
+            let (ray, mut t_enter) = (in_group.ray, 0.0);
+            group.grid.walk(&ray, workload.polygons().beyond_margin(ray.origin), |voxel| {
+                in_group.work(0, GRID_VOXEL, 1);
+                for &polygon in voxel.polygons {
+                    if !program.mailbox || self.mailbox.mark(polygon) {
+                        in_group.candidate(polygon, &mut self.counts);
+                    }
+                }
+                let at = group.grid.voxel_center(ray.at((t_enter + voxel.t_exit) / 2.0));
+                sample.take(in_group.cells, index, Some(at), workload.costs());
+                t_enter = voxel.t_exit;
+                if stops && in_group.hit.t <= voxel.t_exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            nearest = nearest.nearer(in_group.hit);
+            self.mailbox.clear();
+        }
     }
 }
 
@@ -202,7 +220,8 @@ struct Entered {
 struct RayInGroup<'a> {
     workload: &'a Workload,
     surfaces: &'a Surfaces,
-    ray: &'a Ray,
+    /// The ray, which ends at the hit that is known when the group begins.
+    ray: Ray,
     cells: &'a mut [OpStream],
     ray_slabs: Option<RaySlabs>,
     entered: Entered,
@@ -210,7 +229,32 @@ struct RayInGroup<'a> {
     hit: Hit,
 }
 
-impl RayInGroup<'_> {
+impl<'a> RayInGroup<'a> {
+    /// A group that begins with a ray, and knows a hit of it already or none. What slabs need of the ray may be known from the
+    /// groups before.
+    ///
+    /// The ray then ends there, as far as the group is concerned. What it hits nearer, or at the same t on a polygon with a lower
+    /// number, takes the known hit's place: that is how the hits of all groups are merged, whichever comes first.
+    fn new(
+        workload: &'a Workload,
+        ray: &Ray,
+        known: Hit,
+        cells: &'a mut [OpStream],
+        ray_slabs: Option<RaySlabs>,
+    ) -> RayInGroup<'a> {
+        let ray = ray.until(known.t);
+        RayInGroup {
+            workload,
+            surfaces: &workload.layout.surfaces,
+            ray,
+            cells,
+            ray_slabs: ray_slabs.map(|slabs| slabs.ending_at(ray.t_max)),
+            entered: Entered::default(),
+            stopping: Stopping::default(),
+            hit: known,
+        }
+    }
+
     /// Step 1, the ray: every cell reads it and passes it on. Where rays are passed on ahead, these are `passed_on` rays up to
     /// one further on: several at first, none at the end.
     fn read_ray(&mut self, passed_on: u64) {
@@ -257,7 +301,8 @@ impl RayInGroup<'_> {
     fn walk(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
         let workload = self.workload;
         let strayed = self.surfaces.polygons.beyond_margin(self.ray.origin);
-        let behind = group.grid.walk_occupied(self.ray, strayed, |stretch| {
+        let ray = self.ray;
+        let behind = group.grid.walk_occupied(&ray, strayed, |stretch| {
             self.work(0, GRID_VOXEL, stretch.voxels);
             counts.voxels += stretch.voxels;
             for &polygon in stretch.polygons {
@@ -277,7 +322,8 @@ impl RayInGroup<'_> {
     fn walk_told(&mut self, group: &Group, mailbox: &mut Mailbox, counts: &mut Counts) {
         let workload = self.workload;
         let Some(words) = workload.stop_words else { return };
-        group.grid.walk(self.ray, self.surfaces.polygons.beyond_margin(self.ray.origin), |voxel| {
+        let ray = self.ray;
+        group.grid.walk(&ray, self.surfaces.polygons.beyond_margin(ray.origin), |voxel| {
             self.work(0, GRID_VOXEL, 1);
             counts.voxels += 1;
             for &polygon in voxel.polygons {
@@ -340,7 +386,7 @@ impl RayInGroup<'_> {
         }
         self.work(cell, SLABS_POLYGON, 1);
         let Surfaces { polygons, slabs } = self.surfaces;
-        let new = || RaySlabs::new(self.ray, polygons.largest_coordinate());
+        let new = || RaySlabs::new(&self.ray, polygons.largest_coordinate());
         slabs.meets(self.ray_slabs.get_or_insert_with(new), polygon)
     }
 
@@ -351,7 +397,7 @@ impl RayInGroup<'_> {
             self.enter_intersection();
         }
         self.work(self.workload.stages.intersection, INTERSECTION_POLYGON, 1);
-        self.hit = self.surfaces.polygons.nearer(self.ray, polygon, self.hit);
+        self.hit = self.surfaces.polygons.nearer(&self.ray, polygon, self.hit);
     }
 
     #[inline(always)]
@@ -369,7 +415,7 @@ impl RayInGroup<'_> {
     }
 
     /// Step 5, the earlier group's hit: every stage reads it, and all but the last pass it on. The last merges it with its
-    /// own, which takes no time.
+    /// own, which takes no time. Where it bounds the walk, that comes before step 2.
     fn read_earlier_hit(&mut self) {
         let last = self.workload.stages.intersection;
         for (stage, cell) in self.cells.iter_mut().enumerate() {

@@ -11,14 +11,15 @@ use super::options::{CellsRun, Switch};
 use super::recording_memory::RecordingMemory;
 use super::timed::{Outcome, RunError, Watching, replay_watched, run_watched};
 use super::trace::{TracedBatch, trace};
-use super::{RunSpec, Workers};
+use super::{RunSpec, Workers, trees};
 use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::{Edges, Hit, Partition, Ray};
-use crate::input::reading::{note_all, noting};
+use crate::host::shading::Shader;
+use crate::input::reading;
 use crate::machine::{Machine, Observed};
 use crate::measure::Measured;
-use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, work};
+use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, sub_sample, work};
 use crate::scene::Scene;
 use crate::seam::{Costs, OpBatch};
 
@@ -52,14 +53,21 @@ impl Keys {
         // All fields by name, so that a new one cannot be forgotten here.
         let RunSpec { version: _, scene, size_factor, resolution, size, rays, order, image, program, .. } = spec;
         let RunSpec { edges, cells_run, cell_programs, instruction_limit, machine: _, .. } = spec;
-        let ArrayProgram { name: _, stages, groups, partition, grid_coefficient, .. } = program;
-        let ArrayProgram { mailbox, stop_words, forward_ahead, .. } = program;
+        let ArrayProgram { name: _, stages, groups, partition, numbering, grid_coefficient, .. } = program;
+        let ArrayProgram { mailbox, stop_words, forward_ahead, bounded_walk, .. } = program;
         let Machine { spec: array, times, instructions, notes: _ } = machine;
 
         let scene = Key::of((scene, size_factor, resolution));
         let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order, edges));
         let sample = || (times.grid.each, times.slabs, times.intersection, program.placement().slabs.is_some());
-        let cut = (*groups > 1).then(|| (partition, (*partition == Partition::Work).then(sample)));
+        let in_groups = || (times.grid.start, stages, mailbox, stop_words.is_some(), bounded_walk);
+        let light = image.as_ref().filter(|_| program.cut_by_all_rays()).map(|image| image.limits());
+        let cut = || match partition {
+            Partition::Regular | Partition::Polygons => (partition, None, None),
+            Partition::Work => (partition, Some(sample()), None),
+            Partition::Measured => (partition, Some(sample()), Some(in_groups())),
+        };
+        let cut = (*groups > 1).then(|| (cut(), numbering, light));
         let laid_out = Key::of((&prepared, groups, cut, grid_coefficient));
         // A machine that does not say what instructions cost runs no programs, whatever others would make of their ops.
         let programs =
@@ -67,7 +75,7 @@ impl Keys {
         // The host of an image sends what it sends next by what it has read until then.
         let clock = |timing| (timing == Switch::On).then_some((array, times, instructions));
         let image = image.as_ref().map(|image| (image, clock(image.timing)));
-        let cells = (stages, mailbox, stop_words, forward_ahead);
+        let cells = (stages, mailbox, stop_words, forward_ahead, bounded_walk);
         let traced = Key::of((&laid_out, cells, programs, image));
         let kernels = (times.grid, times.slabs, times.intersection);
         let costs = match cells_run {
@@ -198,8 +206,7 @@ impl Layers {
         {
             (self.prepared, self.laid_out, self.traced) = (None, None, None);
             let spec = run.spec.clone();
-            let (prepared, files) = cancel.wait_for(move || noting(|| Prepared::load(&spec, &scene)))?;
-            note_all(files);
+            let prepared = reading::wait_for(cancel, move || Prepared::load(&spec, &scene))?;
             self.prepared = Some((run.keys.prepared.clone(), prepared));
         }
         Ok(())
@@ -212,8 +219,7 @@ impl Layers {
         }
         *self = Layers::default();
         let spec = run.spec.clone();
-        let (scene, files) = cancel.wait_for(move || noting(|| spec.load_scene().map(Arc::new)))?;
-        note_all(files);
+        let scene = reading::wait_for(cancel, move || spec.load_scene().map(Arc::new))?;
         self.scene = Some((run.keys.scene.clone(), scene));
         Ok(())
     }
@@ -226,13 +232,28 @@ impl Layers {
         let prepared = self.prepared(run)?;
         (self.laid_out, self.traced) = (None, None);
         let (surfaces, times) = (prepared.surfaces.clone(), run.machine.times);
-        let layout = match Layout::new(surfaces, &run.spec.program, times, &prepared.rays, cancel) {
+        let sample = self.sample(run, cancel)?;
+        let layout = match Layout::new(surfaces, &run.spec.program, times, &sample, cancel) {
             Ok(layout) => Ok(Arc::new(layout)),
             Err(NotLaidOut::Unfit(error)) => Err(error),
             Err(NotLaidOut::Cancelled(cancelled)) => return Err(cancelled.into()),
         };
         self.laid_out = Some((run.keys.laid_out.clone(), layout.clone()));
         Ok(layout?)
+    }
+
+    /// The rays that the cut looks at: a few of those of the run. Of an image they are its primary rays, or, for cuts that look at all
+    /// kinds of rays, all rays of these samples.
+    fn sample(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Vec<Ray>, NotLaidOut> {
+        let (prepared, program) = (self.prepared(run)?, &run.spec.program);
+        let primary = sub_sample(&prepared.rays);
+        let Some(image) = run.spec.image.as_ref().filter(|_| program.cut_by_all_rays()) else { return Ok(primary) };
+        let one_cell = ArrayProgram::one_cell(program.grid_coefficient);
+        let layout = Layout::new(prepared.surfaces.clone(), &one_cell, run.machine.times, &[], cancel)?;
+        let workload = Workload::of(Arc::new(layout), &one_cell, run.machine.times);
+        let scene = self.scene(run)?;
+        let shader = Shader::new(&scene, workload.polygons(), image.limits());
+        Ok(trees::rays(&shader, &workload, primary, cancel)?)
     }
 
     /// What the array has to do: the scene laid out for its program, with the cells' programs if they run any.

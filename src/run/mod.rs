@@ -12,6 +12,7 @@ mod kept;
 mod layers;
 mod modelled;
 pub mod moot;
+mod one_cell;
 mod options;
 mod outputs;
 mod recording_memory;
@@ -27,8 +28,9 @@ mod trees;
 mod workers;
 
 pub use cube::{
-    Calibrated, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut, First,
-    FlowKind, Known, KnownTime, Mapping, Percent, PixelOrder, PixelsOf, RegionSpec, Termination,
+    Calibrated, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut, Distribution,
+    First, FlowKind, Grant, Grids, Known, KnownTime, Mapping, Percent, PixelOrder, PixelsOf, QueueRays, RegionSpec,
+    Termination,
 };
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
 pub use in_step::InStep;

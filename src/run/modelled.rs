@@ -7,7 +7,7 @@ use crate::machine::{Machine, RateCounts};
 use crate::measure::{Actor, Measured, StateKind, StateTimes};
 use crate::model::cost::KernelTime;
 use crate::model::{ArrayModel, Bound, CellLoad, LinkLoad, Links, Prediction, Stage, Survey, Times};
-use crate::program::{ArrayProgram, Kernel, NotLaidOut};
+use crate::program::{ArrayProgram, Kernel, NotLaidOut, sub_sample};
 
 /// An array program on a machine, as the model sees it.
 pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
@@ -56,7 +56,7 @@ impl Layers {
         let (prepared, program) = (self.prepared(run)?, &run.spec.program);
         let (surfaces, rays) = (&prepared.surfaces, &prepared.rays);
         let array = array_model(program, &run.machine);
-        let sub_volumes = surfaces.sub_volumes(program, run.machine.times, rays, cancel)?;
+        let sub_volumes = surfaces.sub_volumes(program, run.machine.times, &sub_sample(rays), cancel)?;
         let survey = Survey::new(surfaces.polygons(), &sub_volumes, rays);
         let too_large = |error| InputError::new(format!("{error}"));
         let predicted = survey.predict(&array, program.grid_coefficient).map_err(too_large)?;

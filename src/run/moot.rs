@@ -15,6 +15,16 @@ use crate::program::ArrayProgram;
 use crate::program::farm::ItemKind;
 use crate::scene::builtin;
 
+/// What commands share with others and refuse in any case, so that no help tells of it. (`run` is the command without a name.)
+pub const ALWAYS_REFUSED: [(&str, &[&str]); 6] = [
+    ("run", &["host_hit_us"]),
+    ("replay", &["memory_words"]),
+    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk"]),
+    ("size-fifos", &DEPTHS),
+    ("farm", &["adaptive", "why", "enough"]),
+    ("ipsc2", &["adaptive", "why", "enough"]),
+];
+
 /// Refuses the flags that a run of primary rays would not look at.
 pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
     check_rays(typed)?;
@@ -39,7 +49,7 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
     }
     if image.timing == Switch::Off {
         let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
-        let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &HOST];
+        let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &DEPTHS, &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
     check_resolution(&spec.scene, spec.resolution)?;
@@ -59,10 +69,13 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
             InputError::new("the cost model knows neither stop words nor rays forwarded ahead, as the paper does not");
         return Err(error.help("take a program without them, or run this one to see what it does"));
     }
+    if program.bounded_walk {
+        let error = InputError::new("the cost model knows no walk that is bounded by the hit from the left");
+        return Err(error.help("leave --bounded-walk out, or take a program with bounded_walk: false"));
+    }
     if predict_only {
         let (why, help) = (WITHOUT_RUN, "leave out one of the two");
-        let names = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words", "latency_cycles", "memory_words"];
-        refuse(typed, &names, why, help)?;
+        refuse(typed, &[&DEPTHS[..], &["latency_cycles", "memory_words"]].concat(), why, help)?;
     }
     check_rays(typed)?;
     check_shading(typed)?;
@@ -77,8 +90,7 @@ pub fn check_replay(typed: &RunOptions) -> Result<(), InputError> {
 
 /// Refuses what sizing the FIFOs finds out.
 pub fn check_size_fifos(typed: &RunOptions) -> Result<(), InputError> {
-    let depths = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"];
-    refuse(typed, &depths, "is what is sought here", "leave it out")
+    refuse(typed, &DEPTHS, "is what is sought here", "leave it out")
 }
 
 /// Refuses what a trace has recorded already.
@@ -157,7 +169,11 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
         return refuse(&OF_REGIONS, why, "leave it out, or ask for --mode regions");
     };
     let why = "is about pages of a shared memory, and these nodes have a region each";
-    refuse(&["page_bytes", "lookup_us", "serve_us"], why, "leave it out, or ask for --mode shared-memory")?;
+    refuse(
+        &["page_bytes", "distribution", "lookup_us", "serve_us"],
+        why,
+        "leave it out, or ask for --mode shared-memory",
+    )?;
     if regions.flow != FlowKind::Window {
         refuse(&["window"], "is about pixels under way, which are not limited", "ask for --flow window")?;
     }
@@ -165,16 +181,22 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
         let why = "is about slots of queues, which are not limited";
         refuse(&["queue_rays"], why, "ask for --flow classes or block")?;
     }
+    if regions.flow != FlowKind::Classes {
+        let why = "is about slots by rank, of which other nodes must know whether they are free";
+        refuse(&["grant"], why, "ask for --flow classes")?;
+    }
     Ok(())
 }
 
 /// What only nodes look at that have regions.
-const OF_REGIONS: [&str; 12] = [
+const OF_REGIONS: [&str; 14] = [
     "sub_sample",
     "cell_grid",
+    "grids",
     "mapping",
     "flow",
     "queue_rays",
+    "grant",
     "window",
     "termination",
     "pixel_order",
@@ -201,7 +223,9 @@ fn check_cells(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
 fn check_program(typed: &RunOptions, program: &ArrayProgram) -> Result<(), InputError> {
     if program.groups == 1 {
         let why = "cuts the scene into sub-volumes, and one group has them all";
-        refuse(typed, &["partition"], why, "ask for several --groups")?;
+        refuse(typed, &["partition", "numbering"], why, "ask for several --groups")?;
+        let why = "is about the hit of the groups to the left, and one group has none";
+        refuse(typed, &["bounded_walk"], why, "ask for several --groups")?;
     }
     if program.placement().slabs.is_none() {
         let why = format!("is about slabs, which the program '{}' goes without", program.name);
@@ -233,17 +257,11 @@ fn refuse(typed: &RunOptions, names: &[&str], why: &str, help: &str) -> Result<(
     }
 }
 
-/// What joins the cells: all that computing does not depend on.
-const LINKS: [&str; 8] = [
-    "word_bytes",
-    "fifo_words",
-    "link_mb_s",
-    "rate_counts",
-    "latency_cycles",
-    "x_fifo_words",
-    "y_fifo_words",
-    "z_fifo_words",
-];
+/// The depths of the FIFOs.
+const DEPTHS: [&str; 4] = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo_words"];
+
+/// What joins the cells beside: all that computing does not depend on.
+const LINKS: [&str; 4] = ["word_bytes", "link_mb_s", "rate_counts", "latency_cycles"];
 
 /// The host's times.
 const HOST: [&str; 2] = ["host_ray_us", "host_hit_us"];

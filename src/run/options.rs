@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
-use crate::geometry::{Edges, Partition};
+use crate::geometry::{Edges, Numbering, Partition};
 use crate::host::camera::ImageSize;
 use crate::host::order::Order;
 use crate::host::policy::Policy;
@@ -66,9 +66,12 @@ parameters! {
         cells: usize, "N", Whole, "cells";
         /// Number of sub-volumes, each with a group of cells [default: the program's; 1 in pipeline, 8 in broadcast, 4 in hybrid].
         groups: usize, "G", Whole, "groups of cells";
-        /// How the scene is cut into sub-volumes: regular, polygons (equally many each) or work (equal work each) [default: the
-        /// program's; regular in the standard ones].
+        /// How the scene is cut into sub-volumes: regular, polygons (equally many each), work (equal work each) or measured (work,
+        /// measured in the parts and cut again) [default: the program's; regular in the standard ones].
         partition: Partition, "HOW", Text, "partition of the scene";
+        /// Which sub-volume is which group's: cut (as they are cut) or front (from front to back, as rays meet them) [default: the
+        /// program's; cut in the standard ones].
+        numbering: Numbering, "HOW", Text, "numbering of the groups";
         /// Voxels of the grid for each polygon [default: the program's; 50 in the standard ones].
         grid_coefficient: f64, "N", Number, "grid coefficient (voxels a polygon)";
         /// Let the grid send no polygon twice for the same ray.
@@ -79,6 +82,9 @@ parameters! {
         stop_words: u32, "W", Whole, "voxels ahead of the stop words";
         /// Let each cell read and pass on K rays ahead of the one that it begins [default: the program's; 0 in the standard ones].
         forward_ahead: u32, "K", Whole, "rays passed on ahead";
+        /// Let each cell read the hit of the groups to its left before it begins a ray, and look for nothing behind it.
+        #[cfg_attr(feature = "cli", arg(action = clap::ArgAction::SetTrue))]
+        bounded_walk: bool, "", Truth, "walk bounded by the hit from the left";
     }
 }
 

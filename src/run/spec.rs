@@ -181,6 +181,9 @@ impl Default for ImageSpec {
 }
 
 impl RunSpec {
+    /// The scene where none is named.
+    pub const STANDARD_SCENE: &str = "teapot";
+
     /// What a run of primary rays is that was asked for by `options`: they are laid over `base`, or over the defaults.
     ///
     /// Fails if a file cannot be read, or if the options make an impossible program or machine.
@@ -209,7 +212,10 @@ impl RunSpec {
         check_order(order, rays.as_deref())?;
         Ok(RunSpec {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            scene: scene.clone().or(base.map(|base| base.scene.clone())).unwrap_or_else(|| "teapot".to_owned()),
+            scene: scene
+                .clone()
+                .or(base.map(|base| base.scene.clone()))
+                .unwrap_or_else(|| RunSpec::STANDARD_SCENE.to_owned()),
             size_factor: shape.size_factor.or(of_same_scene.and_then(|base| base.size_factor)),
             resolution: shape.resolution.or(of_same_scene.and_then(|base| base.resolution)),
             size,
@@ -443,10 +449,12 @@ pub fn array_program(options: &RunOptions, base: Option<&ArrayProgram>) -> Resul
         return Err(InputError::new(message).help("several macro-pipelines side by side are --program hybrid-3"));
     }
     program.partition = options.partition.unwrap_or(program.partition);
+    program.numbering = options.numbering.unwrap_or(program.numbering);
     program.grid_coefficient = options.grid_coefficient.unwrap_or(program.grid_coefficient);
     program.mailbox |= options.mailbox.unwrap_or(false);
     program.stop_words = options.stop_words.or(program.stop_words);
     program.forward_ahead = options.forward_ahead.unwrap_or(program.forward_ahead);
+    program.bounded_walk |= options.bounded_walk.unwrap_or(false);
     program.check()?;
     Ok(program)
 }

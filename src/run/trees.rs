@@ -4,11 +4,12 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::TracedBatch;
-use crate::geometry::Hit;
+use crate::cancel::{Cancel, Cancelled};
+use crate::geometry::{Hit, Ray};
 use crate::host::camera::View;
 use crate::host::sampling::Pass;
 use crate::host::shading::{Branch, RayKind, Shader};
-use crate::program::{Tracer, work};
+use crate::program::{Tracer, Workload, work};
 use crate::seam::{Costs, OpStream};
 
 /// What was counted on the rays of each kind, in the order of [`RayKind::ALL`].
@@ -118,6 +119,31 @@ impl Grower<'_> {
         colors.push(color);
         ends.push(rays.len() as u32);
     }
+}
+
+/// All rays of the trees that grow from some roots, tree by tree, traced through a workload of one cell.
+///
+/// # Errors
+///
+/// If it is told to stop.
+pub(super) fn rays(
+    shader: &Shader<'_>,
+    workload: &Workload,
+    roots: Vec<Ray>,
+    cancel: &Cancel,
+) -> Result<Vec<Ray>, Cancelled> {
+    let (mut tracer, mut cells, mut branches) = (Tracer::new(workload), [OpStream::default()], Vec::new());
+    let mut rays = Vec::new();
+    for root in roots {
+        cancel.check()?;
+        let trace = |branch: &Branch| {
+            cells[0].clear();
+            rays.push(branch.ray);
+            (tracer.trace_cells(0, &branch.ray, &mut cells), ())
+        };
+        grow(shader, Branch::primary(root), &mut branches, trace, |_, _, _| ());
+    }
+    Ok(rays)
 }
 
 /// Grows a tree of rays, generation by generation, and tells its light. `trace` finds each ray's first hit, and what else there is to

@@ -158,11 +158,16 @@ impl SweepFile {
         let names: Vec<&str> = named.map(|(known, _)| known.name).collect();
         let modes = NAMES.iter().position(|name| *name == "mode").and_then(|place| given[place].clone());
         let points = Points::of(&names, &modes.unwrap_or_default())?;
-        let column = |known: &ParameterInfo| Column { name: known.name, kind: known.kind.into(), label: known.label };
         let mut take = |known: &ParameterInfo| given[NAMES.iter().position(|name| *name == known.name)?].take();
         let all = points.parameters().into_iter();
-        let parameters: Vec<Parameter> =
-            all.filter_map(|known| Some(Parameter { column: column(known), values: take(known)? })).collect();
+        let parameter = |known: &'static ParameterInfo| {
+            let values = take(known)?;
+            let has_words = known.kind == Form::WholeOrWord && values.iter().any(|value| value.parse::<u64>().is_err());
+            let kind = if has_words { Kind::Text } else { known.kind.into() };
+            let column = Column { name: known.name, kind, label: known.label };
+            Some(Parameter { column, values })
+        };
+        let parameters: Vec<Parameter> = all.filter_map(parameter).collect();
         let no_farm = |parameter: &Parameter| {
             parameter.column.name == FARM.name && parameter.values.iter().any(|value| value != "true")
         };
@@ -196,12 +201,12 @@ impl<'de> Deserialize<'de> for Name {
 }
 
 impl From<Form> for Kind {
-    /// What the cells of a table's column hold.
+    /// What the cells of a table's column hold, but for words in place of numbers.
     fn from(form: Form) -> Kind {
         match form {
             Form::Text | Form::Size => Kind::Text,
             Form::Truth => Kind::Truth,
-            Form::Whole => Kind::Whole,
+            Form::Whole | Form::WholeOrWord => Kind::Whole,
             Form::Number => Kind::Number,
         }
     }
@@ -211,7 +216,7 @@ impl Form {
     /// A whole number as a value.
     fn of_whole(self, value: u64) -> Option<String> {
         match self {
-            Form::Whole => i64::try_from(value).ok().map(|value| value.to_string()),
+            Form::Whole | Form::WholeOrWord => i64::try_from(value).ok().map(|value| value.to_string()),
             Form::Number => Some(value.to_string()),
             Form::Size => Some(format!("{value}x{value}")),
             Form::Text | Form::Truth => None,
@@ -222,7 +227,7 @@ impl Form {
     fn of_number(self, value: f64) -> Option<String> {
         match self {
             Form::Number => value.is_finite().then(|| value.to_string()),
-            Form::Whole | Form::Size if value.fract() == 0.0 && (0.0..9e15).contains(&value) => {
+            Form::Whole | Form::WholeOrWord | Form::Size if value.fract() == 0.0 && (0.0..9e15).contains(&value) => {
                 self.of_whole(value as u64)
             }
             _ => None,
@@ -249,6 +254,7 @@ impl<'de> Visitor<'de> for Form {
             Form::Whole => {
                 "a whole number, a list, or a range: (from: 1, to: 9, step: 2) or (from: 1, to: 64, times: 2)"
             }
+            Form::WholeOrWord => "a whole number or a word in quotes, a list of them, or a range",
             Form::Number => "a number, a list, or a range: (from: 1, to: 9, step: 2) or (from: 1, to: 64, times: 2)",
         })
     }
@@ -277,7 +283,7 @@ impl<'de> Visitor<'de> for Form {
 
     fn visit_str<E: Error>(self, value: &str) -> Result<Vec<String>, E> {
         match self {
-            Form::Text | Form::Size if !value.is_empty() => Ok(vec![value.to_owned()]),
+            Form::Text | Form::Size | Form::WholeOrWord if !value.is_empty() => Ok(vec![value.to_owned()]),
             _ => Err(E::invalid_type(Unexpected::Str(value), &self)),
         }
     }

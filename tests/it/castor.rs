@@ -81,7 +81,9 @@ fn what_cannot_be_is_refused_at_its_place() {
     let folder = Folder::new();
     folder.file("circle.cas", "#include \"circle.cas\"\n");
     let copies: String = (0..20).map(|n| format!("a{} = $U(a{n}, a{n});\n", n + 1)).collect();
-    let deep = format!("a = {}!cu(1,1,1,0){};\n> a;", "$U(".repeat(150), ")".repeat(150));
+    let deep = format!("a = {}!cu(1,1,1,0){};\n> a;", "$U(".repeat(250), ")".repeat(250));
+    let chain: String = (0..250).map(|n| format!("c{} = @t(0,0,0.01) c{n};\n", n + 1)).collect();
+    let chain = format!("c0 = !cu(1,1,1,0);\n{chain}> c250;");
     let many = format!("a0 = !cu(1,1,1,0);\n{copies}> a20;");
     let mut report = String::new();
     for text in [
@@ -117,6 +119,7 @@ fn what_cannot_be_is_refused_at_its_place() {
         "#ifdef A\n",
         "#define\n",
         &deep,
+        &chain,
         &many,
     ] {
         let answer = load(&folder, "bad.cas", text).map_or_else(|error| error, |scene| scene.notes.join("; "));

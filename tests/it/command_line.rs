@@ -1,5 +1,7 @@
 //! The main job as a user types it: what it prints, what it writes, and that threads change nothing.
 
+use pcs_sim::run::moot;
+
 use crate::support::command::Folder;
 
 #[test]
@@ -146,28 +148,38 @@ fn results_fit_80_columns() {
     }
 }
 
-/// The help tells every default of the machine, and no flag that is always refused.
+/// The help tells every default of the machine.
 #[test]
 fn help_tells_defaults() {
-    let folder = Folder::new();
-    let help = folder.run("--help").success();
+    let help = Folder::new().run("--help").success();
     let flat = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(flat.contains("[default: the machine file's; 512 in the standard one]"), "{help}");
     assert!(flat.contains("Figure 7: the grid's work, in µs a voxel [default: the machine file's; 7.8"), "{help}");
-    assert!(!help.contains("--host-hit-us"), "{help}");
-    assert!(folder.run("image --help").success().contains("--host-hit-us"));
-    for (command, refused) in [
-        ("replay", "--memory-words"),
-        ("farm", "--adaptive"),
-        ("farm", "--why"),
-        ("model", "--mailbox"),
-        ("model", "--stop-words"),
-        ("model", "--forward-ahead"),
-        ("size-fifos", "--fifo-words"),
-        ("size-fifos", "--z-fifo-words"),
-    ] {
-        assert!(!folder.run(&format!("{command} --help")).success().contains(&format!(" {refused} ")), "{command}");
+}
+
+/// What a command refuses in any case, its help leaves out; a command that takes it tells of it.
+#[test]
+fn help_leaves_out_what_is_always_refused() {
+    let folder = Folder::new();
+    folder.run("--scene room --size 8x6 --ops a.ops").success();
+    for (command, refused) in moot::ALWAYS_REFUSED {
+        let (name, input) = match command {
+            "run" => ("", "--scene room"),
+            "replay" => (command, "a.ops"),
+            "size-fifos" => (command, "--scene room"),
+            _ => (command, "room"),
+        };
+        let help = folder.run(&format!("{name} --help")).success();
+        for flag in refused.iter().map(|parameter| format!("--{}", parameter.replace('_', "-"))) {
+            let takes_value = !["--adaptive", "--mailbox", "--why", "--enough"].contains(&flag.as_str());
+            let value = if takes_value { "1" } else { "" };
+            let error = folder.run(&format!("{name} {input} {flag} {value}")).refused();
+            let about = flag.trim_start_matches("--").split('-').next().unwrap();
+            assert!(error.contains(about), "{name} {flag}: {error}");
+            assert!(!help.contains(&format!(" {flag} ")) && !help.contains(&format!(" {flag}\n")), "{name} {flag}");
+        }
     }
+    assert!(folder.run("image --help").success().contains("--host-hit-us"));
 }
 
 /// Each heading stands once, and what is about no part of a run stands under the first.

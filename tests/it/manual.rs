@@ -1,6 +1,6 @@
 //! The cell's manual says what the program says: its tables are the table of instructions, its sessions what is printed.
 //!
-//! `UPDATE_DOCS=1 cargo test --release --test manual` writes both anew.
+//! `UPDATE_DOCS=1 cargo test --release --test it manual` writes both anew.
 
 use std::fmt::Write;
 use std::process::Command;

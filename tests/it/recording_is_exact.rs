@@ -179,7 +179,8 @@ fn naive_passages(batches: &[OpBatch], info: &FifoInfo, history: &History) -> Ve
     let (mut passages, mut first) = (Vec::new(), 0);
     for (job, ops) in batches.iter().flat_map(|batch| stream(batch, link).lines()) {
         let written = ops.iter().filter(|op| !(is_last && op.kind() == OpKind::PassX));
-        let words: u32 = written.filter(|op| op.kind().writes().is_some_and(|c| c as usize == channel)).map(|op| op.count()).sum();
+        let words: u32 =
+            written.filter(|op| op.kind().writes().is_some_and(|c| c as usize == channel)).map(|op| op.count()).sum();
         let end = first + words as usize;
         if let Some(&from) = writes.get(first).filter(|_| words > 0) {
             let until = reads.get(end - 1).map_or(u64::MAX, |read| read + 1);

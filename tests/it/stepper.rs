@@ -20,9 +20,8 @@ fn counted(workload: &Workload, visit: &Visit) -> Counts {
     let intersected = |said: &Said| matches!(said, Said::Missed | Said::Behind(_) | Said::Nearest(_));
     Counts {
         voxels: voxels().count() as u64,
-        slab_tests: tests()
-            .filter(|test| has_slabs && (intersected(&test.said) || test.said == Said::Dropped))
-            .count() as u64,
+        slab_tests: tests().filter(|test| has_slabs && (intersected(&test.said) || test.said == Said::Dropped)).count()
+            as u64,
         intersection_tests: tests().filter(|test| intersected(&test.said)).count() as u64,
         hits: visit.hit.is_hit() as u64,
     }
@@ -49,7 +48,10 @@ fn a_rays_visit_is_what_the_run_counts() {
             counts += counted(&workload, &visit);
         }
         assert_eq!(counts, outcome.counts, "{}, mailbox {}", program.name, program.mailbox);
-        assert_eq!(workload.look(&rays).iter().map(bits).collect::<Vec<_>>(), outcome.hits.iter().map(bits).collect::<Vec<_>>());
+        assert_eq!(
+            workload.look(&rays).iter().map(bits).collect::<Vec<_>>(),
+            outcome.hits.iter().map(bits).collect::<Vec<_>>()
+        );
     }
 }
 
@@ -83,8 +85,8 @@ fn a_cells_instructions_are_its_ops() {
     let costs = workload.costs();
     for (id, ray) in (0..).zip(&rays) {
         for cell in 0..workload.cells() {
-            let lines = batches.iter().flat_map(|batch| batch.cells[cell].lines());
-            let ops = lines.clone().find(|(job, _)| *job == id).unwrap().1;
+            let mut lines = batches.iter().flat_map(|batch| batch.cells[cell].lines());
+            let ops = lines.find(|(job, _)| *job == id).unwrap().1;
             let work = ops.iter().filter_map(|op| Some(costs.of(op.unit()?).0 * u64::from(op.count()))).sum::<u64>();
             let moved = ops.iter().filter(|op| !matches!(op.kind(), OpKind::Work(_))).map(|op| op.count()).sum::<u32>();
             let steps = workload.instructions(cell, id, ray, usize::MAX);
@@ -165,7 +167,12 @@ fn two_hundred_events_forward_and_back_are_the_recordings() {
     let Some(browser) = Browser::start() else { return };
     let shown = Shown::new(RUN);
     let page = shown.open(&browser, (1600, 900));
+    // A cycle in which something changes; the way back from others leads to them, too.
     let start = shown.recording.stations[1].jobs[2].from;
+    let quiet = "(async () => { stepper.go(9001); const first = JSON.stringify(stepper.state()); \
+        for (let n = 0; n < 200; n++) await stepper.step('event', 1); \
+        for (let n = 0; n < 200; n++) await stepper.step('event', -1); return JSON.stringify(stepper.state()) === first; })()";
+    assert_eq!(page.eval(quiet), true);
     let seen = page.eval(&format!(
         "(async () => {{
           stepper.go({});
@@ -251,8 +258,8 @@ fn moments_are_found_by_questions() {
         stations[cell].states.iter().find(kind).unwrap().from.0
     };
     let asked = [
-        ("next time X1 is full", full("X1")),
-        ("x1 full", full("X1")),
+        ("next time X2 is full", full("X2")),
+        ("x2 full", full("X2")),
         ("cell 2 waits", waits(2)),
         ("ray 17 comes to cell 3", job(&stations[3].jobs, 17)),
         ("ray 17", job(&host.as_ref().unwrap().jobs, 17)),
@@ -269,7 +276,10 @@ fn moments_are_found_by_questions() {
         assert_eq!(page.eval("stepper.cycle"), 5, "{wrong}");
         let told = page.eval("document.querySelector('.told').textContent");
         let told = told.as_str().unwrap();
-        assert!(told.contains("is no moment") || told.contains("does not come") || told.contains("is not among"), "{told}");
+        assert!(
+            told.contains("is no moment") || told.contains("does not come") || told.contains("is not among"),
+            "{told}"
+        );
     }
     page.assert_quiet();
 }
@@ -298,7 +308,9 @@ fn keys_the_picture_and_the_charts_move_the_moment() {
     assert_eq!(page.eval("stepper.playing"), Value::Null);
     // The first pixel's ray is followed, from the host to the host.
     page.eval("document.querySelector('#run header img').scrollIntoView()");
-    let corner = page.eval("(({ left, top }) => [left + 3, top + 3])(document.querySelector('#run header img').getBoundingClientRect())");
+    let corner = page.eval(
+        "(({ left, top }) => [left + 3, top + 3])(document.querySelector('#run header img').getBoundingClientRect())",
+    );
     page.click(corner[0].as_f64().unwrap(), corner[1].as_f64().unwrap());
     page.wait_for("stepper.followed === 0");
     page.eval("stepper.go(0)");
@@ -340,7 +352,11 @@ fn cells_that_run_programs_are_stepped_by_instruction() {
     for end in ends.as_array().unwrap() {
         let [cell, ray, until, count] = [0, 1, 2, 3].map(|place| end[place].as_u64().unwrap());
         let jobs = &shown.recording.stations[cell as usize].jobs;
-        assert_eq!(jobs.iter().find(|span| u64::from(span.job) == ray).unwrap().until.0, until, "cell {cell}, ray {ray}");
+        assert_eq!(
+            jobs.iter().find(|span| u64::from(span.job) == ray).unwrap().until.0,
+            until,
+            "cell {cell}, ray {ray}"
+        );
         let sent = &shown.setup.prepared.rays[ray as usize];
         let steps = shown.setup.workload.instructions(cell as usize, ray as u32, sent, usize::MAX);
         assert_eq!(steps.len() as u64, count);
@@ -382,4 +398,40 @@ fn pages_are_bounded() {
     let page = folder.read("a.html");
     assert!(page == folder.read("b.html"));
     assert!(page.len() < 4_000_000, "{} bytes", page.len());
+}
+
+/// The mean brightness of a picture, from 0 to 255.
+fn brightness(path: &std::path::Path) -> f64 {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    pixels.iter().map(|&value| f64::from(value)).sum::<f64>() / pixels.len() as f64
+}
+
+#[test]
+fn the_steps_fit_narrow_and_wide_windows_light_and_dark() {
+    let Some(browser) = Browser::start() else { return };
+    let shown = Shown::new("--mode broadcast --cells 24 --scene tetra --size 6x5 --fifo-words 16");
+    let page = shown.open(&browser, (1600, 900));
+    page.eval("stepper.follow(3)");
+    for width in [900, 1600] {
+        page.resize(width, 900);
+        for dark in [false, true] {
+            page.dark(dark);
+            page.wait_for(&format!("isDark() === {dark}"));
+            assert_eq!(page.eval("document.documentElement.scrollWidth <= innerWidth"), true, "{width}");
+            let picture = shown.folder.path("page.png");
+            page.screenshot(&picture);
+            let brightness = brightness(&picture);
+            assert!(if dark { brightness < 90.0 } else { brightness > 180.0 }, "{width}, dark {dark}: {brightness}");
+        }
+    }
+    // All that has an action has a name, and what is drawn is told.
+    let unnamed = "[...document.querySelectorAll('.around :is(button, input, select)')].filter((one) => \
+        !one.getAttribute('aria-label') && !one.textContent.trim() && !one.closest('label')).length";
+    assert_eq!(page.eval(unnamed), 0);
+    let untold = "[...document.querySelectorAll('.store canvas, .walk')].filter((one) => !one.getAttribute('aria-label')).length";
+    assert_eq!(page.eval(untold), 0);
+    page.assert_quiet();
 }

@@ -239,7 +239,15 @@ fn a_run_of_no_cycles_can_be_drawn() {
         let caption = Caption { title: "nothing".to_owned(), partition: None, machine: "none".to_owned() };
         let profile = &observed.profile.unwrap();
         let recording = observed.recording.as_ref();
-        let run = Run { caption: &caption, clock: spec.clock(), profile, recording, path: None, cell_names: &[] };
+        let run = Run {
+            caption: &caption,
+            clock: spec.clock(),
+            profile,
+            recording,
+            path: None,
+            cell_names: &[],
+            regions: None,
+        };
         assert!(plot::pictures(&run).unwrap().len() >= 6);
     }
 }

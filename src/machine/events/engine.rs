@@ -27,6 +27,8 @@ pub enum Act<M> {
     Sleep(StateId),
     /// Wakes another task, if that sleeps or waits for a message: it then goes on without one.
     Wake(usize),
+    /// Does the job with that number, in one state after the other.
+    Job(u32, [(StateId, Cycles); MOST_SPELLS]),
     /// Begins the job with that number.
     Begin(u32),
     /// Has done the job that it began last.
@@ -68,6 +70,8 @@ pub enum Delivery {
 enum Phase<M> {
     /// Something that ends by itself.
     Busy,
+    /// A job, which is done when it ends.
+    Works,
     /// A message, until it is ready to go.
     Sends(Message<M>),
     /// A message that is on its way until a time, then a state until the receiver takes it.
@@ -163,6 +167,10 @@ impl<M: Copy> Events<M> {
     fn resume(&mut self, task: usize) -> Option<Option<M>> {
         match self.phases[task] {
             Phase::Busy => Some(None),
+            Phase::Works => {
+                self.lanes.done(task, self.now);
+                Some(None)
+            }
             Phase::Sends(message) => self.send(task, message),
             Phase::Holds { arrives, state, .. } => {
                 self.lanes.spend(task, self.sending, arrives);
@@ -181,7 +189,15 @@ impl<M: Copy> Events<M> {
     fn act(&mut self, task: usize, act: Act<M>) -> Option<Option<M>> {
         match act {
             Act::Spend(state, cycles) => self.spend(task, state, cycles, Phase::Busy).then_some(None),
-            Act::SpendEach(spells) => self.spend_each(task, spells).then_some(None),
+            Act::SpendEach(spells) => self.spend_each(task, spells, Phase::Busy).then_some(None),
+            Act::Job(job, spells) => {
+                self.lanes.begin(task, job, self.now);
+                let takes_no_time = self.spend_each(task, spells, Phase::Works);
+                takes_no_time.then(|| {
+                    self.lanes.done(task, self.now);
+                    None
+                })
+            }
             Act::Send(message) => match self.spend(task, self.sending, message.time, Phase::Sends(message)) {
                 true => self.send(task, message),
                 false => None,
@@ -224,7 +240,7 @@ impl<M: Copy> Events<M> {
     }
 
     /// The same of several states, one after the other.
-    fn spend_each(&mut self, task: usize, spells: [(StateId, Cycles); MOST_SPELLS]) -> bool {
+    fn spend_each(&mut self, task: usize, spells: [(StateId, Cycles); MOST_SPELLS], phase: Phase<M>) -> bool {
         let mut until = self.now;
         for (state, cycles) in spells {
             until += cycles.0;
@@ -234,7 +250,7 @@ impl<M: Copy> Events<M> {
             return true;
         }
         self.agenda.wake(task, until);
-        self.phases[task] = Phase::Busy;
+        self.phases[task] = phase;
         false
     }
 
@@ -329,7 +345,7 @@ impl<M: Copy> Events<M> {
             Phase::Waits { from, .. } => Some(Waits::For(from)),
             Phase::Holds { to, .. } => Some(Waits::On(to)),
             Phase::Sleeps(_) => Some(Waits::ToBeWoken),
-            Phase::Busy | Phase::Sends(_) | Phase::Ended => None,
+            Phase::Busy | Phase::Works | Phase::Sends(_) | Phase::Ended => None,
         };
         let waiting: Vec<_> =
             self.phases.iter().enumerate().filter_map(|(task, phase)| Some((task, waits(phase)?))).collect();

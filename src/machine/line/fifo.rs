@@ -47,7 +47,7 @@ struct Peak {
 const MAX_STRETCH: usize = 64;
 
 /// The fewest words that are remembered. More than a shallow FIFO holds, so that there, too, many are counted at once.
-const LEAST_RING: u64 = 64;
+const LEAST_RING: u64 = 256;
 
 /// A ring's length is a power of two.
 #[inline(always)]
@@ -234,9 +234,7 @@ impl Fifo {
     /// Writes `count` words, one a cycle, the first in cycle `at`; [`Fifo::can_write`] has allowed it.
     #[inline(always)]
     pub fn write_burst(&mut self, at: u64, count: u64) {
-        for k in 0..count {
-            self.ready_at[slot(self.written + k, &self.ready_at)] = at + k + self.latency;
-        }
+        note_run(&mut self.ready_at, self.written, count, at + self.latency);
         self.count_writes(at, count);
     }
 
@@ -244,9 +242,7 @@ impl Fifo {
     #[inline(always)]
     pub fn read_burst(&mut self, at: u64, count: u64) {
         let written_in = self.write_time(self.read);
-        for k in 0..count {
-            self.free_from[slot(self.read + k, &self.free_from)] = at + k + 1;
-        }
+        note_run(&mut self.free_from, self.read, count, at + 1);
         self.count_reads(at, count, written_in);
     }
 
@@ -338,6 +334,20 @@ impl Fifo {
             empty: Cycles(self.empty + filled_in.saturating_sub(self.last_read)),
             enough: None,
         }
+    }
+}
+
+/// Notes rising times of `count` words, one a cycle.
+#[inline(always)]
+fn note_run(ring: &mut [u64], word: u64, count: u64, first: u64) {
+    let start = slot(word, ring);
+    match ring.get_mut(start..start + count as usize) {
+        Some(row) => row.iter_mut().zip(first..).for_each(|(time, at)| *time = at),
+        // Around the end.
+        None => (0..count).for_each(|k| {
+            let place = slot(word + k, ring);
+            ring[place] = first + k;
+        }),
     }
 }
 

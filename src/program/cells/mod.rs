@@ -80,7 +80,7 @@ impl CellPrograms {
         let mut executables = Vec::new();
         for earlier in 0..variants {
             for kernels in &array.stages {
-                let program = open(kernels, earlier, array.mailbox, options)?;
+                let program = open(kernels, earlier, array, options)?;
                 executables.push(Executable::new(program, &options.cycles));
             }
         }
@@ -112,9 +112,15 @@ impl CellPrograms {
     }
 }
 
-fn open(kernels: &[Kernel], earlier: usize, mailbox: bool, options: &CellOptions) -> Result<Program, InputError> {
+fn open(
+    kernels: &[Kernel],
+    earlier: usize,
+    array: &ArrayProgram,
+    options: &CellOptions,
+) -> Result<Program, InputError> {
     let name = program_name(kernels);
-    let set = [("EARLIER", earlier as i64), ("MAILBOX", mailbox as i64)];
+    let bounded = if array.bounded_walk { earlier } else { 0 };
+    let set = [("EARLIER", earlier as i64), ("BOUNDED", bounded as i64), ("MAILBOX", array.mailbox as i64)];
     match &options.folder {
         Some(folder) => assemble(&folder.join(name), crate::isa::Sources::Files, &set),
         None => assemble(Path::new(name), STANDARD, &set),

@@ -19,6 +19,8 @@ const TEXTS: &[(&str, &str)] = texts! {
     "intersection.pcs"
     "slabs-intersection.pcs"
     "slabs.pcs"
+    "kernels/bound.pcs"
+    "kernels/bound-passed.pcs"
     "kernels/candidate.pcs"
     "kernels/grid-start.pcs"
     "kernels/grid-step.pcs"

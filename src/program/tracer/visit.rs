@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::{Counts, Entered, Mailbox, RayInGroup, Stopping, Tracer};
+use super::{Counts, Mailbox, RayInGroup, Tracer};
 use crate::geometry::{Hit, Ray};
 use crate::program::Workload;
 use crate::seam::OpStream;
@@ -79,18 +79,11 @@ impl Workload {
         let mut cells = vec![OpStream::default(); self.stages.count()];
         let (mut ray_slabs, mut nearest) = (None, Hit::MISS);
         let groups = self.layout.groups.iter().map(|group| {
-            let mut in_group = RayInGroup {
-                workload: self,
-                surfaces: &self.layout.surfaces,
-                ray,
-                cells: &mut cells,
-                ray_slabs,
-                entered: Entered::default(),
-                stopping: Stopping::default(),
-                hit: Hit::MISS,
-            };
+            let known = if self.program.bounded_walk { nearest } else { Hit::MISS };
+            let mut in_group = RayInGroup::new(self, ray, known, &mut cells, ray_slabs);
+            let ray = in_group.ray;
             let mut voxels = Vec::new();
-            group.grid.walk(ray, self.polygons().beyond_margin(ray.origin), |voxel| {
+            group.grid.walk(&ray, self.polygons().beyond_margin(ray.origin), |voxel| {
                 let told = |&polygon: &u32| Test { polygon, said: in_group.told(polygon, &mut mailbox) };
                 voxels.push(VoxelVisit { voxel: voxel.voxel, tests: voxel.polygons.iter().map(told).collect() });
                 let is_done = match self.stop_words {
@@ -125,7 +118,7 @@ impl RayInGroup<'_> {
         match counts {
             Counts { intersection_tests: 1, .. } if self.hit != before => Said::Nearest(self.hit.t),
             Counts { intersection_tests: 1, .. } => {
-                let hit = self.surfaces.polygons.intersect(self.ray, polygon, f32::INFINITY);
+                let hit = self.surfaces.polygons.intersect(&self.ray, polygon, f32::INFINITY);
                 hit.map_or(Said::Missed, |hit| Said::Behind(hit.t))
             }
             Counts { slab_tests: 1, .. } if !self.stopping.seen_by(stages.intersection, stop_words) => Said::Dropped,

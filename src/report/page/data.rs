@@ -142,9 +142,10 @@ impl<'a> Data<'a> {
                 waits: palette::on_both(palette::WAITS[0]),
                 answer: palette::on_both(palette::ANSWER),
             },
-            looks: page.setup.zip(page.recording).and_then(|(setup, recording)| {
-                Looks::new(setup, recording, super::window::end(recording))
-            }),
+            looks: page
+                .setup
+                .zip(page.recording)
+                .and_then(|(setup, recording)| Looks::new(setup, recording, super::window::end(recording))),
             window: page.recording.map(Window::new),
         }
     }

@@ -160,7 +160,8 @@ impl Looks {
             let visit = workload.visit(&rays[ray as usize]);
             let new: Vec<u32> =
                 polygons_of(&visit).into_iter().filter(|polygon| !self.polygons.contains_key(polygon)).collect();
-            tests += visit.groups.iter().flat_map(|group| &group.voxels).map(|voxel| 1 + voxel.tests.len()).sum::<usize>();
+            tests +=
+                visit.groups.iter().flat_map(|group| &group.voxels).map(|voxel| 1 + voxel.tests.len()).sum::<usize>();
             coordinates += new.iter().map(|&polygon| 3 * workload.polygons().vertices(polygon).len()).sum::<usize>();
             if tests > MOST_TESTS || coordinates > MOST_COORDINATES {
                 return;

@@ -59,7 +59,7 @@ impl PageError {
 }
 
 /// What draws it: templates, as they name what the machine is made of.
-const SCRIPTS: [&str; 11] = [
+const SCRIPTS: [&str; 12] = [
     include_str!("theme.js"),
     include_str!("window.js"),
     include_str!("array.js"),
@@ -68,6 +68,7 @@ const SCRIPTS: [&str; 11] = [
     include_str!("space_time.js"),
     include_str!("moment.js"),
     include_str!("steps.js"),
+    include_str!("store.js"),
     include_str!("ray.js"),
     include_str!("stepper.js"),
     include_str!("page.js"),

@@ -121,7 +121,7 @@ const shadeOf = (at) => mixed(ground("ground"), seen(run.colors.amount), at / 4)
 function addOverviews() {
   addOverview("all {{ station }}s: a click on one shows or hides its charts", count, (row, from, until) => statesOf(run.cells[row].shares(), from, until, stateColors()), {
     thin: "each in the colour of what takes most of the time",
-    name: (row) => `${row}`,
+    name: (row) => {% if is_line %}`${row}`{% else %}shortName(row){% endif %},
     station: (row) => row,
     describe: (row, bin) => `{% if is_line %}cell ${row}{% else %}${run.cells[row].name}{% endif %}: ${describeCell(run.cells[row], bin)}`,
   });

@@ -107,9 +107,9 @@ impl Station {
         let states = record.states.iter().filter(|stretch| stretch.from < end);
         let early = record.ops.first().map(|op| [start.0.saturating_sub(op.from.0), op.before.into()]);
         Station {
-            states: Packed::new(states.flat_map(|stretch| {
-                [u64::from(stretch.state.0), stretch.until.min(end).0 - stretch.from.0]
-            })),
+            states: Packed::new(
+                states.flat_map(|stretch| [u64::from(stretch.state.0), stretch.until.min(end).0 - stretch.from.0]),
+            ),
             jobs: Packed::jobs(&record.jobs, ends),
             ops: ops(&record.ops, ends),
             early: early.unwrap_or_default(),

@@ -1,15 +1,15 @@
 //! What the pixels of a scene of polygons take: traced on all threads, counted, not timed.
 
 use super::{FarmRays, FarmScene, FarmSpec};
-use crate::host::camera::{View, primary_rays};
+use crate::host::camera::View;
 use crate::host::order::Order;
 use crate::host::sampling::{Pass, Sampling};
 use crate::host::shading::{Limits, Shader};
 use crate::program::farm::{Counts, PixelWork, Pixels};
-use crate::program::{ArrayProgram, Tracer, Workload, work};
+use crate::program::{Tracer, work};
 use crate::run::ahead;
+use crate::run::one_cell::Whole;
 use crate::run::render::{Picture, object};
-use crate::run::spec::load_scene;
 use crate::run::trees::{Grower, TreeBatch};
 use crate::run::{RunError, Workers};
 use crate::scene::Object;
@@ -28,17 +28,18 @@ impl FarmSpec {
         workers: &Workers,
         observe: impl FnMut(usize) -> Result<(), E>,
     ) -> Result<FarmScene, RunError<E>> {
-        let scene = load_scene(&self.scene, self.size_factor, self.resolution)?;
         let machine = self.machine.build()?;
-        let program = ArrayProgram::one_cell(rays.grid_coefficient);
-        let workload = &Workload::new(&scene.mesh, &program, machine.times, &primary_rays(&scene.camera, self.size))?;
+        let (size_factor, resolution, grid_coefficient) = (self.size_factor, self.resolution, rays.grid_coefficient);
+        let whole = Whole { scene: &self.scene, size_factor, resolution, size: self.size, grid_coefficient };
+        let (scene, workload) = &whole.lay_out(machine.times, &workers.cancel)?;
         let bytes = WORD_BYTES * workload.memory_of(0).total().0;
         self.check_memory(bytes)?;
         let sampling = Sampling { side: rays.samples, adaptive: false };
         let limits = Limits { depth: rays.depth, contribution: rays.min_contribution };
-        let picture = Picture { scene: &scene, workload, size: self.size, sampling, limits };
+        let picture = Picture { scene, workload, size: self.size, sampling, limits };
         let pixels = pixels(&picture, workers, observe)?;
-        Ok(FarmScene { name: scene.name, polygons: Some(workload.polygons().len()), bytes, pixels, notes: scene.notes })
+        let (name, notes) = (scene.name.clone(), scene.notes.clone());
+        Ok(FarmScene { name, polygons: Some(workload.polygons().len()), bytes, pixels, notes })
     }
 }
 

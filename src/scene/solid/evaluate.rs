@@ -49,7 +49,7 @@ pub struct Evaluated {
 ///
 /// If a coordinate is too large for the array.
 pub fn evaluate(solid: &Solid, options: Options) -> Result<Evaluated, String> {
-    let size = extent(solid, &DAffine3::IDENTITY);
+    let size = extent(solid, &[]);
     coordinate(size)?;
     let mut evaluator = Evaluator { size, step: power_of_two(size * STEP), sources: Sources::default() };
     let part = evaluator.part(solid, &DAffine3::IDENTITY, false)?;
@@ -65,18 +65,24 @@ pub fn evaluate(solid: &Solid, options: Options) -> Result<Evaluated, String> {
     Ok(Evaluated { mesh, report })
 }
 
-/// The largest coordinate that any part has anywhere on its way to its place.
-fn extent(solid: &Solid, map: &DAffine3) -> f64 {
+/// The largest coordinate that any part has anywhere on its way to its place. `maps` take the solid's frame to each of those that
+/// it is placed in.
+fn extent(solid: &Solid, maps: &[DAffine3]) -> f64 {
     match solid {
         Solid::Leaf { shell, .. } => {
-            let sizes =
-                shell.points.iter().map(|&point| map.transform_point3(point).abs().max(point.abs()).max_element());
-            sizes.fold(0.0, f64::max)
+            let largest = |point: DVec3| {
+                let places = maps.iter().map(|map| map.transform_point3(point));
+                places.fold(point.abs(), |largest, place| largest.max(place.abs())).max_element()
+            };
+            shell.points.iter().map(|&point| largest(point)).fold(0.0, f64::max)
         }
         Solid::Union(solids) | Solid::Intersection(solids) | Solid::Difference(solids) => {
-            solids.iter().map(|solid| extent(solid, map)).fold(0.0, f64::max)
+            solids.iter().map(|solid| extent(solid, maps)).fold(0.0, f64::max)
         }
-        Solid::Place(own, solid) => extent(solid, &(*map * *own)).max(extent(solid, own)),
+        Solid::Place(own, solid) => {
+            let outer = maps.iter().map(|map| *map * *own);
+            extent(solid, &outer.chain([*own]).collect::<Vec<_>>())
+        }
     }
 }
 

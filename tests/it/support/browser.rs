@@ -164,7 +164,10 @@ impl Page<'_> {
     /// Shows the page as on a system that is dark, or light.
     pub fn dark(&self, is_dark: bool) {
         let value = if is_dark { "dark" } else { "light" };
-        self.say("Emulation.setEmulatedMedia", json!({ "features": [{ "name": "prefers-color-scheme", "value": value }] }));
+        self.say(
+            "Emulation.setEmulatedMedia",
+            json!({ "features": [{ "name": "prefers-color-scheme", "value": value }] }),
+        );
     }
 
     /// Writes a picture of the whole page, as PNG.

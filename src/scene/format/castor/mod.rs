@@ -27,11 +27,12 @@ use crate::scene::solid::{Options, Shell, Solid, evaluate};
 /// How thick the flat shapes `sq`, `ci` and `po` are in their own frame: the thesis, too, takes them for thin solids.
 const THICKNESS: f64 = 1e-4;
 
-/// Largest number of closed shapes in one object: names are copied where they are used, and their copies copied.
-const MOST_SHAPES: usize = 100_000;
+/// Most polygons of all shapes that all names stand for, and of those of one object: names are copied where they are used, and their
+/// copies copied.
+const MOST_POLYGONS: usize = 4_000_000;
 
-/// How deep operations may stand in each other.
-const DEEPEST: usize = 100;
+/// How deep operations and maps may stand in each other, those of names among them.
+const DEEPEST: usize = 200;
 
 /// The shapes: what they are called, and whether they are ours.
 const SHAPES: [(&str, bool); 11] = [
@@ -52,7 +53,8 @@ const SHAPES: [(&str, bool); 11] = [
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Draft, InputError> {
     let tokens = source::read(path)?;
     let draft = Draft::new(Vec3::Z);
-    let mut parser = Parser { tokens: &tokens, at: 0, names: HashMap::new(), draft, options, textures: 0, shown: 0 };
+    let mut parser =
+        Parser { tokens: &tokens, at: 0, names: HashMap::new(), draft, options, polygons: 0, textures: 0, shown: 0 };
     parser.draft.materials.clear();
     parser.file()?;
     parser.finish(path)
@@ -64,6 +66,8 @@ struct Parser<'a> {
     names: HashMap<String, Object>,
     draft: Draft,
     options: &'a ReadOptions,
+    /// Of all names' shapes.
+    polygons: usize,
     textures: u32,
     shown: u32,
 }
@@ -72,7 +76,10 @@ struct Parser<'a> {
 #[derive(Clone)]
 struct Object {
     solid: Solid,
-    shapes: usize,
+    /// Those of its shapes.
+    polygons: usize,
+    /// How deep its tree of operations and maps is.
+    depth: usize,
 }
 
 impl Parser<'_> {
@@ -85,13 +92,35 @@ impl Parser<'_> {
             } else if token.is_name() {
                 self.expect("=")?;
                 let object = self.expression(0)?;
-                self.names.insert(token.text.clone(), object);
+                self.set(&token, object)?;
             } else {
                 return Err(self
                     .tokens
                     .error(&token, format!("`{}` begins nothing: a name or `>` was expected", token.text)));
             }
             self.expect(";")?;
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, name: &Token, object: Object) -> Result<(), InputError> {
+        self.polygons += object.polygons;
+        let before = self.names.insert(name.text.clone(), object);
+        self.polygons -= before.map_or(0, |before| before.polygons);
+        self.check_polygons(name, self.polygons)
+    }
+
+    fn check_polygons(&self, place: &Token, count: usize) -> Result<(), InputError> {
+        if count > MOST_POLYGONS {
+            return Err(self.tokens.error(place, format!("objects have more than {MOST_POLYGONS} polygons so far")));
+        }
+        Ok(())
+    }
+
+    fn check_depth(&self, place: &Token, depth: usize) -> Result<(), InputError> {
+        if depth > DEEPEST {
+            let message = format!("more than {DEEPEST} operations and maps stand in each other");
+            return Err(self.tokens.error(place, message));
         }
         Ok(())
     }
@@ -139,6 +168,8 @@ impl Parser<'_> {
                     }
                     if map != DAffine3::IDENTITY {
                         object.solid = object.solid.placed(map);
+                        object.depth += 1;
+                        self.check_depth(&token, object.depth)?;
                     }
                     return Ok(object);
                 }
@@ -171,9 +202,7 @@ impl Parser<'_> {
     /// `U`, `I` or `D` and its operands in parentheses, behind the last of which a comma may stand.
     fn operation(&mut self, depth: usize) -> Result<Object, InputError> {
         let name = self.name()?;
-        if depth > DEEPEST {
-            return Err(self.tokens.error(&name, "operations stand too deep in each other"));
-        }
+        self.check_depth(&name, depth)?;
         let make = match name.text.as_str() {
             "U" => Solid::Union,
             "I" => Solid::Intersection,
@@ -186,18 +215,17 @@ impl Parser<'_> {
             }
         };
         self.expect("(")?;
-        let mut operands = Vec::new();
-        let mut shapes = 0;
+        let (mut operands, mut polygons, mut deepest) = (Vec::new(), 0, 0);
         loop {
-            let Object { solid, shapes: more } = self.expression(depth)?;
-            shapes += more;
-            if shapes > MOST_SHAPES {
-                return Err(self.tokens.error(&name, format!("object has more than {MOST_SHAPES} shapes")));
-            }
-            operands.push(solid);
+            let operand = self.expression(depth)?;
+            polygons += operand.polygons;
+            deepest = deepest.max(operand.depth);
+            self.check_polygons(&name, polygons)?;
+            self.check_depth(&name, deepest + 1)?;
+            operands.push(operand.solid);
             let comma = self.take(",");
             if self.take(")") {
-                return Ok(Object { solid: make(operands), shapes });
+                return Ok(Object { solid: make(operands), polygons, depth: deepest + 1 });
             }
             if !comma {
                 let token = self.any("`,` or `)`")?;
@@ -243,10 +271,11 @@ impl Parser<'_> {
             _ => Shell::prism(&corners).map_err(|message| self.tokens.error(&name, message))?,
         };
         let material = self.colored(&name, [color[0], color[1], color[2], color[3]])?;
+        let polygons = shell.face_count();
         let solid = Solid::leaf(shell.of_material(material));
         let is_flat = ["sq", "ci", "po"].contains(&kind);
         let thin = DAffine3::from_scale(DVec3::new(1.0, 1.0, THICKNESS));
-        Ok(Object { solid: if is_flat { solid.placed(thin) } else { solid }, shapes: 1 })
+        Ok(Object { solid: if is_flat { solid.placed(thin) } else { solid }, polygons, depth: 1 })
     }
 
     fn colored(&mut self, place: &Token, [red, green, blue, specular]: [f64; 4]) -> Result<u32, InputError> {

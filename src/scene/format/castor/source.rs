@@ -36,6 +36,8 @@ pub struct Source {
     tokens: Vec<Token>,
     files: Vec<(PathBuf, String)>,
     definitions: HashMap<String, Vec<Token>>,
+    /// How many words there are, those of definitions among them.
+    words: usize,
 }
 
 /// Reads a file and what it includes.
@@ -88,17 +90,22 @@ impl Source {
 
     /// Adds a word, or what it is defined to be.
     fn push(&mut self, token: Token) -> Result<(), InputError> {
-        if self.tokens.len() > MOST_WORDS {
+        let words = self.meant(token)?;
+        self.tokens.extend(words);
+        Ok(())
+    }
+
+    /// What a word stands for: itself, or what it is defined to be. Words are seen where the name stands, not where it was defined.
+    fn meant(&mut self, token: Token) -> Result<Vec<Token>, InputError> {
+        let words = match self.definitions.get(&token.text) {
+            Some(words) => words.iter().map(|word| Token { text: word.text.clone(), ..token.clone() }).collect(),
+            None => vec![token.clone()],
+        };
+        self.words += words.len();
+        if self.words > MOST_WORDS {
             return Err(self.error(&token, format!("the file has more than {MOST_WORDS} words, with its definitions")));
         }
-        match self.definitions.get(&token.text) {
-            // Seen where the name stands, not where it was defined.
-            Some(words) => {
-                self.tokens.extend(words.iter().map(|word| Token { text: word.text.clone(), ..token.clone() }))
-            }
-            None => self.tokens.push(token),
-        }
-        Ok(())
+        Ok(words)
     }
 
     fn directive(
@@ -118,10 +125,11 @@ impl Source {
                     return Err(self.error(&whole, "`#define` needs a name"));
                 };
                 // What is defined already stands for itself in later definitions.
-                let words =
-                    words.flat_map(|word| self.definitions.get(&word.text).cloned().unwrap_or_else(|| vec![word]));
-                let words: Vec<Token> = words.take(MOST_WORDS).collect();
-                self.definitions.insert(name.text, words);
+                let mut meaning = Vec::new();
+                for word in words {
+                    meaning.extend(self.meant(word)?);
+                }
+                self.definitions.insert(name.text, meaning);
                 Ok(())
             }
             _ => Err(self
