@@ -213,6 +213,7 @@ fn run_context(page: &Page<'_>, names: &Value) -> Value {
         has_window => page.recording.is_some(),
         why => page.path.map(|path| context! {
             sentence => why::sentence(path),
+            subject_to => why::subject_to(path),
             times => value(why::time_rows(path, false)),
             places => value(why::place_rows(path)),
         }),
