@@ -41,7 +41,7 @@ function set(name, value) {
 
 // Takes back a number of cells that the mode cannot have.
 function fitCells(parameters) {
-  const { stages, cells, isFixed } = programOf(parameters);
+  const { stages, cells, is_fixed: isFixed } = programOf(parameters);
   const asked = Number(parameters.get("cells") ?? cells);
   if (isFixed || asked % stages !== 0) parameters.delete("cells");
 }
@@ -49,7 +49,7 @@ function fitCells(parameters) {
 // Brings the controls up to what is set.
 function showControls() {
   const { parameters, told } = active(), moot = told?.moot ?? {};
-  const { stages, cells, isFixed } = programOf(parameters);
+  const { stages, cells, is_fixed: isFixed } = programOf(parameters);
   const ofCells = controls.get("cells");
   ofCells.stops = isFixed ? [String(cells)] : ofCells.row.dataset.stops.split("|").filter((stop) => Number(stop) % stages === 0);
   ofCells.input.max = ofCells.stops.length - 1;
