@@ -103,7 +103,8 @@ mod tests {
     fn a_lab_on_loopback_answers_to_its_own_names_alone() {
         let own = hosts("127.0.0.1:1989");
         assert!(["127.0.0.1:1989", "localhost:1989", "LOCALHOST:1989", "[::1]:1989"].iter().all(|host| own.has(host)));
-        let others = ["127.0.0.1", "127.0.0.1:80", "localhost", "example.org:1989", "192.168.1.9:1989", "", ":1989", "[::1]"];
+        let others =
+            ["127.0.0.1", "127.0.0.1:80", "localhost", "example.org:1989", "192.168.1.9:1989", "", ":1989", "[::1]"];
         assert!(others.iter().all(|host| !own.has(host)), "{others:?}");
         assert!(hosts("127.0.0.1:80").has("localhost"));
     }

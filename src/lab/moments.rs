@@ -19,12 +19,20 @@ use super::request::{Asked, Pairs};
 use super::streams::whole;
 
 /// `GET /window/FROM/UNTIL?...`: these cycles one by one, or as many of them as a page holds.
-pub async fn window(State(lab): State<Arc<Lab>>, Path((from, until)): Path<(u64, u64)>, Query(pairs): Query<Pairs>) -> Response {
+pub async fn window(
+    State(lab): State<Arc<Lab>>,
+    Path((from, until)): Path<(u64, u64)>,
+    Query(pairs): Query<Pairs>,
+) -> Response {
     answered(lab, pairs, move |run| run.window(Cycles(from)..Cycles(until))).await
 }
 
 /// `GET /find/AFTER/WHAT...?...`: the next cycle in which that comes to pass, or nothing.
-pub async fn find(State(lab): State<Arc<Lab>>, Path((after, what)): Path<(u64, String)>, Query(pairs): Query<Pairs>) -> Response {
+pub async fn find(
+    State(lab): State<Arc<Lab>>,
+    Path((after, what)): Path<(u64, String)>,
+    Query(pairs): Query<Pairs>,
+) -> Response {
     answered(lab, pairs, move |run| {
         let words: Vec<&str> = what.split('/').collect();
         let sought = Sought::new(&words).ok_or_else(|| InputError::new(format!("no moment is called {what}")))?;
@@ -228,7 +236,9 @@ impl<'a> Sought<'a> {
             ["ray", ray, "back"] => Some(Sought::Ray(ray.parse().ok()?, Place::Back)),
             ["ray", ray, "cell", cell] => Some(Sought::Ray(ray.parse().ok()?, Place::Cell(cell.parse().ok()?))),
             ["host", state] => Some(Sought::State { actor: Actor::Host, kind: kind(state)? }),
-            ["cell", cell, state] => Some(Sought::State { actor: Actor::Station(cell.parse().ok()?), kind: kind(state)? }),
+            ["cell", cell, state] => {
+                Some(Sought::State { actor: Actor::Station(cell.parse().ok()?), kind: kind(state)? })
+            }
             [fifo, "full"] => Some(Sought::Level { fifo, is_full: true }),
             [fifo, "empty"] => Some(Sought::Level { fifo, is_full: false }),
             _ => None,

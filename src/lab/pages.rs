@@ -25,11 +25,15 @@ impl Pages {
     pub fn new(help: fn(&str) -> Option<String>) -> Result<Pages, PageError> {
         let mut environment = Environment::new();
         environment.set_undefined_behavior(UndefinedBehavior::Strict);
-        let lab = environment.render_named_str("lab.html", include_str!("page/lab.html"), context! {
-            groups => controls::groups(help).iter().map(controls::Group::value).collect::<Vec<Value>>(),
-            programs => serde_json::to_string(&controls::programs()).unwrap_or_default(),
-            version => env!("CARGO_PKG_VERSION"),
-        });
+        let lab = environment.render_named_str(
+            "lab.html",
+            include_str!("page/lab.html"),
+            context! {
+                groups => controls::groups(help).iter().map(controls::Group::value).collect::<Vec<Value>>(),
+                programs => serde_json::to_string(&controls::programs()).unwrap_or_default(),
+                version => env!("CARGO_PKG_VERSION"),
+            },
+        );
         Ok(Pages {
             lab: lab.map_err(PageError::new)?,
             view_script: page::line_script()?,

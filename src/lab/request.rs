@@ -64,7 +64,8 @@ pub fn check_no_file(name: &str, value: &str) -> Result<(), InputError> {
     let is_file = FILES.contains(&name) || name == "program" && ArrayProgram::standard(value).is_none();
     match is_file {
         true => {
-            let error = InputError::new(format!("{name} names a file, and the lab reads none but scenes dropped on it"));
+            let error =
+                InputError::new(format!("{name} names a file, and the lab reads none but scenes dropped on it"));
             Err(error.help("the command takes it as a flag"))
         }
         false => Ok(()),
@@ -97,7 +98,11 @@ fn command<'a>(pairs: impl Iterator<Item = &'a (String, String)>) -> String {
 /// A word as a shell takes it.
 fn quoted(word: &str) -> String {
     let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-./:,+@%".contains(letter);
-    if !word.is_empty() && word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
 }
 
 #[cfg(test)]

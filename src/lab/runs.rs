@@ -116,10 +116,10 @@ fn done(
 ) -> Result<Done, RunError<Infallible>> {
     let planned = &asked.planned;
     let setup = Setup::new(planned.clone(), layers, &workers.cancel)?;
-    let watching = Watching { profile: true, recording: Some(Cycles(0)..Cycles(u64::MAX)), path, ..Watching::default() };
+    let watching =
+        Watching { profile: true, recording: Some(Cycles(0)..Cycles(u64::MAX)), path, ..Watching::default() };
     let mut growing = Growing::new(&setup, events);
-    let mut outcome =
-        layers.run(planned, &watching, (workers, lab.benches.memory()), |_, hits| growing.take(hits))?;
+    let mut outcome = layers.run(planned, &watching, (workers, lab.benches.memory()), |_, hits| growing.take(hits))?;
     let (spec, costs) = (&setup.machine.spec, setup.workload.costs());
     let losses = bottleneck::losses(&outcome.stats, || {
         let mut shuffled = Shuffled::new(setup.workload.cells());

@@ -27,7 +27,8 @@ pub async fn sweep(State(lab): State<Arc<Lab>>, Json(asked): Json<Map<String, Va
     answer(move |events, cancel| {
         let columns: Vec<Value> =
             sweep.columns().iter().map(|column| json!({ "name": column.name, "label": column.label })).collect();
-        events.tell("columns", json!({ "columns": columns, "points": sweep.points(), "file": sweep.text() }).to_string());
+        events
+            .tell("columns", json!({ "columns": columns, "points": sweep.points(), "file": sweep.text() }).to_string());
         let workers = Workers { threads: lab.threads, cancel };
         let all: Vec<usize> = (0..sweep.points()).collect();
         let telling = Mutex::new(events);

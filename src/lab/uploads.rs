@@ -193,7 +193,9 @@ fn main_of(files: &[(String, Vec<u8>)]) -> Result<&str, InputError> {
     };
     let best = files.iter().filter_map(|(name, _)| Some((ending(name)?, name))).min_by_key(|(rank, _)| *rank);
     // Alone, it is told what is wrong with its name.
-    best.map(|(_, name)| name.as_str()).or(files.first().map(|(name, _)| name.as_str())).ok_or_else(|| InputError::new("no file"))
+    best.map(|(_, name)| name.as_str())
+        .or(files.first().map(|(name, _)| name.as_str()))
+        .ok_or_else(|| InputError::new("no file"))
 }
 
 /// Whether a name is one of a file, not a way to one.

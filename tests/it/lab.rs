@@ -70,7 +70,8 @@ fn what_makes_no_run_is_refused_in_the_commands_words() {
         assert_eq!(answer.status, 422, "{}", answer.body);
         answer.body
     };
-    for (query, flags) in [("cells=8", "--cells 8"), ("clock_ns=0", "--clock-ns 0"), ("fifo_words=0", "--fifo-words 0")] {
+    for (query, flags) in [("cells=8", "--cells 8"), ("clock_ns=0", "--clock-ns 0"), ("fifo_words=0", "--fifo-words 0")]
+    {
         assert_eq!(refused(query), folder.run(flags).refused());
     }
     assert!(refused("fifo_wrods=8").contains("unknown parameter `fifo_wrods`"));
@@ -116,7 +117,8 @@ fn a_scene_that_is_dropped_is_run_and_one_that_is_wrong_is_told_as_by_the_comman
     assert!(done["title"].as_str().unwrap().contains("scene a (1 polygons)"), "{done}");
     assert_eq!(done["command"], "pcs-sim --scene a.obj --size 8x8");
     // The same again has the same address, in this lab as in any.
-    let again = Lab::start("").post("/scenes", &files(&[("a.mtl", b"newmtl red\nKd 1 0 0\n"), ("a.obj", obj.as_bytes())]));
+    let again =
+        Lab::start("").post("/scenes", &files(&[("a.mtl", b"newmtl red\nKd 1 0 0\n"), ("a.obj", obj.as_bytes())]));
     assert_eq!(again.body, taken.body);
 
     let wrong: [(&str, &str); 4] = [
@@ -182,14 +184,24 @@ fn other_sites_get_nothing() {
     assert_eq!(status("/", &format!("Host: {host}\r\n")), 200);
     assert_eq!(status("/", &format!("Host: localhost:{port}\r\n")), 200);
     assert_eq!(status("/run?size=4x4", &format!("Host: {host}\r\nOrigin: http://{host}\r\n")), 200);
-    for foreign in ["example.org", &format!("example.org:{port}"), "127.0.0.1", "127.0.0.1:1", &format!("127.0.0.1.example.org:{port}")] {
+    for foreign in [
+        "example.org",
+        &format!("example.org:{port}"),
+        "127.0.0.1",
+        "127.0.0.1:1",
+        &format!("127.0.0.1.example.org:{port}"),
+    ] {
         assert_eq!(status("/", &format!("Host: {foreign}\r\n")), 403, "{foreign}");
     }
     for foreign in ["http://example.org", "null", &format!("https://{host}"), &format!("http://{host}.example.org")] {
         assert_eq!(status("/run", &format!("Host: {host}\r\nOrigin: {foreign}\r\n")), 403, "{foreign}");
     }
     assert_eq!(status("/run", &format!("Host: {host}\r\nSec-Fetch-Site: cross-site\r\n")), 403);
-    assert_eq!(status("/", &format!("Host: {host}\r\nSec-Fetch-Site: cross-site\r\n")), 200, "a lecture can link to it");
+    assert_eq!(
+        status("/", &format!("Host: {host}\r\nSec-Fetch-Site: cross-site\r\n")),
+        200,
+        "a lecture can link to it"
+    );
     assert_eq!(status("/run?size=4x4", &format!("Host: {host}\r\nSec-Fetch-Site: same-origin\r\n")), 200);
     let page = lab.get("/");
     assert!(page.head.contains("frame-ancestors 'self'") && page.head.contains("nosniff"), "{}", page.head);
@@ -206,10 +218,13 @@ fn a_sweep_is_the_commands_table_point_by_point() {
     assert_eq!(names, ["columns", "point", "point", "point", "done"]);
     folder.file("sweep.ron", r#"(scene: "room", size: "12x12", mode: "broadcast", cells: 4, fifo_words: [1, 4, 512])"#);
     folder.run("sweep sweep.ron -o table.csv").success();
-    let mut rows: Vec<String> = events[1..4].iter().map(|(_, data)| {
-        let row = serde_json::from_str::<Value>(data).unwrap()["row"].clone();
-        row.as_array().unwrap().iter().map(|cell| cell.as_str().unwrap().to_owned()).collect::<Vec<_>>().join(",")
-    }).collect();
+    let mut rows: Vec<String> = events[1..4]
+        .iter()
+        .map(|(_, data)| {
+            let row = serde_json::from_str::<Value>(data).unwrap()["row"].clone();
+            row.as_array().unwrap().iter().map(|cell| cell.as_str().unwrap().to_owned()).collect::<Vec<_>>().join(",")
+        })
+        .collect();
     rows.sort();
     let mut table: Vec<String> = folder.read("table.csv").lines().skip(1).map(str::to_owned).collect();
     table.sort();
@@ -229,7 +244,8 @@ fn a_sweep_is_the_commands_table_point_by_point() {
 #[test]
 fn two_runs_are_compared_as_by_the_command() {
     let (lab, folder) = (Lab::start(""), Folder::new());
-    let [a, b] = ["size=8x8", "size=8x8&grid_voxel=3.9"].map(|query| lab.get(&format!("/run?scene=room&{query}")).done());
+    let [a, b] =
+        ["size=8x8", "size=8x8&grid_voxel=3.9"].map(|query| lab.get(&format!("/run?scene=room&{query}")).done());
     let told = lab.post("/compare", &json!({ "a": a["stats"], "b": b["stats"] })).body;
     folder.file("a.json", a["stats"].to_string());
     folder.file("b.json", b["stats"].to_string());
@@ -265,7 +281,8 @@ impl Held {
         let begun = Instant::now();
         loop {
             let held = Held::by(lab);
-            if held.threads <= before.threads && held.files <= before.files || begun.elapsed() > Duration::from_secs(60) {
+            if held.threads <= before.threads && held.files <= before.files || begun.elapsed() > Duration::from_secs(60)
+            {
                 return held;
             }
             std::thread::sleep(Duration::from_millis(50));
@@ -326,7 +343,13 @@ fn a_thousand_slider_moves_in_ten_tabs_leave_nothing_behind() {
         });
         std::thread::sleep(Duration::from_millis(1500));
     };
-    let places = || std::fs::read_dir(std::env::temp_dir()).unwrap().flatten().filter(|place| place.file_name().to_string_lossy().starts_with("pcs-sim-lab-")).count();
+    let places = || {
+        std::fs::read_dir(std::env::temp_dir())
+            .unwrap()
+            .flatten()
+            .filter(|place| place.file_name().to_string_lossy().starts_with("pcs-sim-lab-"))
+            .count()
+    };
     let at_first = Held::by(&lab);
     move_sliders(200);
     let before = Held::settled(&lab, &at_first);

@@ -120,10 +120,19 @@ fn two_runs_have_one_axis_and_their_address_has_both() {
     let [a, b] = [0, 1].map(|at| page.eval(seconds)[at].as_f64().unwrap());
     assert!(b > 2.0 * a, "{a} {b}");
     let zoomed = "[sides.a, sides.b].map(({ frame }) => frame.contentWindow.zoomedTo())";
-    let stretch = |at: usize| page.eval(zoomed)[at].as_array().unwrap().iter().map(|time| time.as_f64().unwrap()).collect::<Vec<_>>();
-    let near = |one: Vec<f64>, other: Vec<f64>| one.iter().zip(&other).all(|(one, other)| (one - other).abs() < 1e-6 * b);
+    let stretch = |at: usize| {
+        page.eval(zoomed)[at].as_array().unwrap().iter().map(|time| time.as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let near =
+        |one: Vec<f64>, other: Vec<f64>| one.iter().zip(&other).all(|(one, other)| (one - other).abs() < 1e-6 * b);
     assert!(near(stretch(0), vec![0.0, b]) && near(stretch(1), vec![0.0, b]), "{:?}", page.eval(zoomed));
-    page.eval(&format!("sides.b.frame.contentWindow.zoomSeconds({}, {}); sides.b.frame.contentWindow.onZoom({}, {})", a / 4.0, a / 2.0, a / 4.0, a / 2.0));
+    page.eval(&format!(
+        "sides.b.frame.contentWindow.zoomSeconds({}, {}); sides.b.frame.contentWindow.onZoom({}, {})",
+        a / 4.0,
+        a / 2.0,
+        a / 4.0,
+        a / 2.0
+    ));
     assert!(near(stretch(0), vec![a / 4.0, a / 2.0]) && near(stretch(1), vec![a / 4.0, a / 2.0]));
     let address = page.eval("location.search + location.hash").as_str().unwrap().to_owned();
     let again = opened(&browser, &lab, &address, 2, (1600, 900));
@@ -143,14 +152,17 @@ fn a_sweep_is_drawn_point_by_point() {
     page.eval("swept.value = 'cells'; over.value = '1, 2, 4, 8'");
     page.click_on("#sweep-start");
     page.wait_for("document.body.dataset.points === '4' && !sweep.stop");
-    let rows: Vec<Value> = page.eval("sweep.rows.map((row) => row[sweep.columns.indexOf('cycles')])").as_array().unwrap().clone();
+    let rows: Vec<Value> =
+        page.eval("sweep.rows.map((row) => row[sweep.columns.indexOf('cycles')])").as_array().unwrap().clone();
     for (cells, cycles) in [1, 2, 4, 8].iter().zip(&rows) {
         let done = lab.get(&format!("/run?scene=room&size=16x16&mode=broadcast&cells={cells}")).done();
         assert_eq!(&Value::String(done["cycles"].to_string()), cycles);
     }
     assert!(page.eval("document.querySelector('#curve').getAttribute('aria-label')").as_str().unwrap().contains("8: "));
     assert!(page.eval("document.querySelector('#curve canvas').width").as_u64().unwrap() > 300);
-    page.eval("swept.value = 'mode'; over.value = 'pipeline, broadcast'; sides.a.parameters.delete('mode'); startSweep()");
+    page.eval(
+        "swept.value = 'mode'; over.value = 'pipeline, broadcast'; sides.a.parameters.delete('mode'); startSweep()",
+    );
     page.wait_for("document.body.dataset.points === '2' && !sweep.stop");
     page.assert_quiet();
 }
@@ -205,7 +217,9 @@ fn the_frame_steps_to_cycles_that_it_does_not_hold() {
     assert_eq!(there["fifos"], of_page["fifos"]);
     // 200 events on and 200 back.
     for (direction, times) in [(1, 200), (-1, 200)] {
-        page.eval(&format!("(async () => {{ for (let n = 0; n < {times}; n++) await stepper.step('event', {direction}); }})()"));
+        page.eval(&format!(
+            "(async () => {{ for (let n = 0; n < {times}; n++) await stepper.step('event', {direction}); }})()"
+        ));
     }
     assert_eq!(page.eval("stateAt(stepper.cycle)"), there);
     // Rays and moments anywhere: the last ray in the last cell, and as a FIFO next gets full.
@@ -227,7 +241,8 @@ fn everything_that_takes_the_focus_has_a_name() {
     let mut focusable = 0;
     for node in tree["nodes"].as_array().unwrap().iter().filter(|node| node["ignored"] == false) {
         let properties = node["properties"].as_array().cloned().unwrap_or_default();
-        let is_focusable = properties.iter().any(|property| property["name"] == "focusable" && property["value"]["value"] == true);
+        let is_focusable =
+            properties.iter().any(|property| property["name"] == "focusable" && property["value"]["value"] == true);
         if is_focusable && node["role"]["value"] != "RootWebArea" {
             focusable += 1;
             let name = node["name"]["value"].as_str().unwrap_or_default();
@@ -244,7 +259,11 @@ fn everything_that_takes_the_focus_has_a_name() {
     for _ in 0..4 {
         page.key("Tab");
     }
-    assert!(page.eval("document.activeElement.matches('#controls input, #controls select, #controls button, #controls summary')") == true);
+    assert!(
+        page.eval(
+            "document.activeElement.matches('#controls input, #controls select, #controls button, #controls summary')"
+        ) == true
+    );
     page.assert_quiet();
 }
 
@@ -261,7 +280,8 @@ fn nothing_is_cut_off_in_windows_of_any_size_on_white_and_on_black() {
             assert_eq!(page.eval(fits), true, "{size:?}");
             let ground = page.eval("getComputedStyle(document.body).backgroundColor");
             assert_eq!(ground == "rgb(255, 255, 255)", !dark);
-            let controls = "document.getElementById('controls').scrollWidth <= document.getElementById('controls').clientWidth";
+            let controls =
+                "document.getElementById('controls').scrollWidth <= document.getElementById('controls').clientWidth";
             assert_eq!(page.eval(controls), true, "{size:?}");
         }
         page.assert_quiet();
@@ -275,6 +295,31 @@ fn the_readmes_picture_is_taken() {
     let browser = Browser::start().expect("a browser is needed");
     let lab = Lab::start("");
     let page = opened(&browser, &lab, "?scene=teapot&mode=broadcast&cells=8&partition=work", 1, (1600, 1000));
+    // The stepper where a cell is held up, with what its ray comes to.
+    page.wait_for("sides.a.frame.contentDocument.querySelector('#stepper .walk')");
+    page.eval("sides.a.frame.contentDocument.getElementById('step-by-step').scrollIntoView()");
     page.screenshot(std::path::Path::new("docs/lab.png"));
     page.assert_quiet();
+}
+
+/// How long the page takes from a slider's last move until the run is drawn: to be looked at on a quiet machine, in a release build.
+#[test]
+#[ignore = "it measures"]
+fn a_sliders_answers_are_timed() {
+    let browser = Browser::start().expect("a browser is needed");
+    let lab = Lab::start("");
+    let page = opened(&browser, &lab, "?scene=teapot&size=256x256", 1, (1600, 900));
+    for (name, values) in
+        [("fifo_words", ["256", "128"]), ("grid_coefficient", ["40", "30"]), ("grid_voxel", ["7", "8"])]
+    {
+        let mut times: Vec<u64> = (0..10)
+            .map(|at| {
+                page.eval(&format!("document.body.dataset.runs = 0; set('{name}', '{}')", values[at % 2]));
+                done(&page, 1);
+                page.eval("document.body.dataset.answered").as_str().unwrap().parse().unwrap()
+            })
+            .collect();
+        times.sort();
+        println!("{name}: {} ms in the middle, {} ms at the most", times[times.len() / 2], times[times.len() - 1]);
+    }
 }
