@@ -294,7 +294,7 @@ fn nothing_is_cut_off_in_windows_of_any_size_on_white_and_on_black() {
 fn the_readmes_picture_is_taken() {
     let browser = Browser::start().expect("a browser is needed");
     let lab = Lab::start("");
-    let page = opened(&browser, &lab, "?scene=teapot&mode=broadcast&cells=8&partition=work", 1, (1600, 1000));
+    let page = opened(&browser, &lab, "?scene=teapot&size=64x64&mode=broadcast", 1, (1600, 1000));
     // The stepper where a cell is held up, with what its ray comes to.
     page.wait_for("sides.a.frame.contentDocument.querySelector('#stepper .walk')");
     page.eval("sides.a.frame.contentDocument.getElementById('step-by-step').scrollIntoView()");
