@@ -351,14 +351,14 @@ fn a_thousand_slider_moves_in_ten_tabs_leave_nothing_behind() {
             .count()
     };
     let at_first = Held::by(&lab);
-    move_sliders(200);
+    move_sliders(1000);
     let before = Held::settled(&lab, &at_first);
     let folders = places();
     move_sliders(1000);
     let after = Held::settled(&lab, &at_first);
-    println!("at first {at_first:?}, after 200 moves {before:?}, after 1000 more {after:?}");
+    println!("at first {at_first:?}, after 1000 moves {before:?}, after 1000 more {after:?}");
     assert!(after.threads <= at_first.threads && after.files <= at_first.files, "{at_first:?} {after:?}");
-    // What is kept of runs has a bound, and is there after the first 200 moves.
-    assert!(after.kilobytes <= before.kilobytes * 5 / 4 + 20_000, "{before:?} {after:?}");
+    // What is kept of runs has a bound, and so has what ten runs take at once, of which the allocator gives back what it likes.
+    assert!(after.kilobytes <= before.kilobytes * 3 / 2, "{before:?} {after:?}");
     assert!(places() <= folders);
 }
