@@ -170,7 +170,7 @@ impl CapitanFile {
         let us = &self.times_us;
         let mut ns = |name, us: f64| time(name, us, (US, LONGEST), notes);
         let kernels = us.kernels(&mut ns)?;
-        Ok(KernelTimes { host: HostTimes { ray: Cycles(0), hit: ns("shade_hit", us.shade_hit)? }, ..kernels })
+        Ok(KernelTimes { host: HostTimes { hit: ns("shade_hit", us.shade_hit)?, ..HostTimes::default() }, ..kernels })
     }
 }
 

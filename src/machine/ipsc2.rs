@@ -250,7 +250,10 @@ impl Ipsc2File {
         let us = &self.times_us;
         let mut cycles = |name, us: f64| time(name, us, (self.us(), LONGEST), notes);
         let kernels = us.kernels(&mut cycles)?;
-        Ok(KernelTimes { host: HostTimes { ray: Cycles(0), hit: cycles("shade_hit", us.shade_hit)? }, ..kernels })
+        Ok(KernelTimes {
+            host: HostTimes { hit: cycles("shade_hit", us.shade_hit)?, ..HostTimes::default() },
+            ..kernels
+        })
     }
 }
 

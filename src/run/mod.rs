@@ -19,6 +19,7 @@ mod recording_memory;
 mod render;
 mod replayed;
 mod setup;
+mod shown;
 mod shuffled;
 mod sizing;
 mod spec;
@@ -38,8 +39,8 @@ pub use kept::KeptOps;
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};
 pub use options::{
-    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, On, OrderOptions, ProgramOptions,
-    RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
+    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, On, ProgramOptions, RayOptions,
+    RunOptions, SceneOptions, SendingOptions, ShapeOptions, Switch,
 };
 #[cfg(feature = "report")]
 pub(crate) use outputs::make_readable;

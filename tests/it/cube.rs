@@ -96,7 +96,7 @@ fn machine(nodes: usize, t: [u64; 20]) -> Ipsc2 {
             grid: times(10),
             slabs: times(12),
             intersection: times(14),
-            host: HostTimes { ray: Cycles(0), hit: Cycles(t[16]) },
+            host: HostTimes { hit: Cycles(t[16]), ..HostTimes::default() },
         },
         notes: Vec::new(),
     }

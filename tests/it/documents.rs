@@ -113,9 +113,10 @@ fn tables_md_lists_every_column() {
         format!("| `{name}` | {holds} | {label} |")
     };
     let lines = |columns: &[Column]| columns.iter().map(|it| line(it.name, it.kind, it.label)).collect::<Vec<_>>();
-    let (arrays, farms) = (results(r#"(machine: "pcs.ron")"#), results("(farm: true, bus_mb_s: 10)"));
+    let (arrays, farms) =
+        (results(r#"(machine: "pcs.ron", host_filter_us: 1, host_mask_us: 1)"#), results("(farm: true, bus_mb_s: 10)"));
     let cubes = results(r#"(nodes: 4, machine: "my.ron")"#);
-    let (rounded, of_arrays) = arrays.split_at(9);
+    let (rounded, of_arrays) = arrays.split_at(11);
     let (bus, of_farms) = farms.split_at(1);
     let (nodes, of_cubes) = cubes.split_at(6);
     // A column that arrays have, too, is listed once.
@@ -162,7 +163,7 @@ fn tables_md_lists_every_field() {
     let runs = [
         "--scene room --size 8x6 --mode broadcast --cells 2 --why --enough --ops a.ops",
         "replay a.ops",
-        "image room --size 8x6 -o i.png",
+        "image room --size 8x6 -o i.png --samples 2 --adaptive --screen-rectangles scene",
         "--scene tetra --size-factor 3 --size 8x8 --cells-run programs",
         "--mode broadcast --cells 8 --partition work --scene teapot --size 48x48",
         "--scene room --size 8x6 --mode pipeline --stop-words 2",

@@ -447,6 +447,7 @@ fn the_work_on_a_scene_is_that_of_one_cell() {
         size: planned.spec.size,
         sampling: image.sampling(),
         limits: image.limits(),
+        screen: None,
     };
     let rendered = run::render(&picture, None, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap();
     let counts = one.counts().unwrap();

@@ -18,7 +18,7 @@ from ._parameters import (
     ModelParameters,
     RunParameters,
 )
-from ._types import CellState, Counts, Doing, Timelines, Wait
+from ._types import CellState, Counts, Doing, FewColors, Timelines, Wait
 
 _Path = str | PathLike[str]
 _Point = tuple[float, float, float]
@@ -197,6 +197,11 @@ class Run:
 
         None if the rays are no camera's.
         """
+    def few_colors(self, colors: int, palette: str | None = None) -> FewColors:
+        """The picture in so many `colors` at the most, from 1 to 65536.
+
+        They are chosen by a `palette`: peano (the default), peano-large, fixed, popularity, median-cut or gervautz.
+        """
     @property
     def timelines(self) -> Timelines:
         """The run over time."""
@@ -224,6 +229,8 @@ class Run:
         stats: _Path | None = None,
         hits: _Path | None = None,
         image: _Path | None = None,
+        colors: int | None = None,
+        palette: str | None = None,
         page: _Path | None = None,
         plot: _Path | None = None,
         trace: _Path | None = None,
@@ -231,6 +238,8 @@ class Run:
         force: bool = False,
     ) -> list[Path]:
         """Writes results as the command does, and gives the files that it wrote.
+
+        `colors` writes the picture in so many at the most, chosen by a `palette`, as `few_colors` has it.
 
         Statistics, hits, the picture, the page, a folder of plots, a trace for viewers (.pftrace, .vcd, .fst) of the
         cycles from `trace_window[0]` to before `trace_window[1]`. Files that exist are replaced only with `force`.

@@ -41,6 +41,12 @@ class MachineChanges(TypedDict, total=False):
     z_fifo_words: int | None
     """Depth of each FIFO of Z (words)."""
 
+    host_filter_us: float | None
+    """Host's time for testing a sample (µs)."""
+
+    host_mask_us: float | None
+    """Host's time for testing a sub-volume (µs)."""
+
     host_ray_us: float | None
     """Host's time for sending a ray (µs)."""
 
@@ -89,6 +95,9 @@ class RunParameters(MachineParameters, total=False):
     rays: str | PathLike[str] | ArrayLike | None
     """Rays."""
 
+    screen_rectangles: str | None
+    """Screen rectangles."""
+
     order: str | None
     """Order of the rays."""
 
@@ -118,6 +127,9 @@ class RunParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    masks: str | None
+    """Masks of the sub-volumes."""
 
     edges: str | None
     """Edges of polygons."""
@@ -143,6 +155,9 @@ class ImageParameters(MachineParameters, total=False):
     size: str | int | tuple[int, int] | None
     """Size of the image (pixels)."""
 
+    screen_rectangles: str | None
+    """Screen rectangles."""
+
     order: str | None
     """Order of the rays."""
 
@@ -173,6 +188,9 @@ class ImageParameters(MachineParameters, total=False):
     forward_ahead: int | None
     """Rays passed on ahead."""
 
+    masks: str | None
+    """Masks of the sub-volumes."""
+
     edges: str | None
     """Edges of polygons."""
 
@@ -190,6 +208,12 @@ class ImageParameters(MachineParameters, total=False):
 
     adaptive: bool | None
     """Samples only where they tell."""
+
+    adaptive_by: str | None
+    """What asks for samples."""
+
+    threshold: int | None
+    """Colours may differ by (of 255)."""
 
     depth: int | None
     """Reflections and refractions at the most."""
@@ -224,6 +248,9 @@ class ModelParameters(MachineParameters, total=False):
     rays: str | PathLike[str] | ArrayLike | None
     """Rays."""
 
+    screen_rectangles: str | None
+    """Screen rectangles."""
+
     order: str | None
     """Order of the rays."""
 
@@ -253,6 +280,9 @@ class ModelParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    masks: str | None
+    """Masks of the sub-volumes."""
 
 class FarmParameters(TypedDict, total=False):
     """Parameters of a farm."""
@@ -295,6 +325,12 @@ class FarmParameters(TypedDict, total=False):
 
     adaptive: bool | None
     """Samples only where they tell."""
+
+    adaptive_by: str | None
+    """What asks for samples."""
+
+    threshold: int | None
+    """Colours may differ by (of 255)."""
 
     depth: int | None
     """Reflections and refractions at the most."""
@@ -406,6 +442,12 @@ class CubeParameters(TypedDict, total=False):
 
     adaptive: bool | None
     """Samples only where they tell."""
+
+    adaptive_by: str | None
+    """What asks for samples."""
+
+    threshold: int | None
+    """Colours may differ by (of 255)."""
 
     depth: int | None
     """Reflections and refractions at the most."""

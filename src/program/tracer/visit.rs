@@ -78,7 +78,10 @@ impl Workload {
         let mut mailbox = Mailbox::of(self);
         let mut cells = vec![OpStream::default(); self.stages.count()];
         let (mut ray_slabs, mut nearest) = (None, Hit::MISS);
-        let groups = self.layout.groups.iter().map(|group| {
+        let groups = self.layout.groups.iter().enumerate().map(|(index, group)| {
+            if !self.admits(ray, index) {
+                return GroupVisit { voxels: Vec::new(), hit: Hit::MISS };
+            }
             let known = if self.program.bounded_walk { nearest } else { Hit::MISS };
             let mut in_group = RayInGroup::new(self, ray, known, &mut cells, ray_slabs);
             let ray = in_group.ray;

@@ -183,7 +183,7 @@ impl CubeSpec {
             Whole { scene: &self.scene, size_factor, resolution, size, grid_coefficient: self.rays.grid_coefficient };
         let (scene, workload) = whole.lay_out(machine.times, &workers.cancel)?;
         let (sampling, limits) = (self.sampling(), self.limits());
-        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits };
+        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
         let mut cut = self.cut(&picture, &machine, workers)?;
         let own = match self.regions.map(|regions| regions.grids) {
             Some(Grids::Own) => cut.own_grids(&workload, self.rays.grid_coefficient, workers)?,

@@ -236,7 +236,7 @@ impl CubeSpec {
 
     /// Rays from the eye.
     pub fn sampling(&self) -> Sampling {
-        Sampling { side: self.rays.samples, adaptive: false }
+        Sampling { side: self.rays.samples, adaptive: None }
     }
 
     /// Where the trees of rays end.
