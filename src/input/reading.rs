@@ -40,7 +40,9 @@ pub fn within<T>(folder: &Path, read: impl FnOnce() -> T) -> T {
 pub(super) fn check(path: &Path) -> Result<(), InputError> {
     let true_path = |path: &Path| path.canonicalize().ok();
     WITHIN.with_borrow(|folder| match folder {
-        Some(folder) if !true_path(path).zip(true_path(folder)).is_some_and(|(path, folder)| path.starts_with(folder)) => {
+        Some(folder)
+            if !true_path(path).zip(true_path(folder)).is_some_and(|(path, folder)| path.starts_with(folder)) =>
+        {
             let error = InputError::in_file(path, "there is no such file beside the scene");
             Err(error.help("a scene that comes from elsewhere can only name files that come with it"))
         }
