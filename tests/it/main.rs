@@ -33,6 +33,8 @@ mod interrupt;
 mod ipsc2;
 mod isa;
 mod killed_sweeps;
+mod lab;
+mod lab_in_browser;
 mod layers;
 mod lecture;
 mod machine_files;
