@@ -107,6 +107,9 @@ class RunParameters(MachineParameters, total=False):
     partition: str | None
     """Partition of the scene."""
 
+    numbering: str | None
+    """Numbering of the groups."""
+
     grid_coefficient: float | None
     """Grid coefficient (voxels a polygon)."""
 
@@ -118,6 +121,9 @@ class RunParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    bounded_walk: bool | None
+    """Walk bounded by the hit from the left."""
 
     edges: str | None
     """Edges of polygons."""
@@ -161,6 +167,9 @@ class ImageParameters(MachineParameters, total=False):
     partition: str | None
     """Partition of the scene."""
 
+    numbering: str | None
+    """Numbering of the groups."""
+
     grid_coefficient: float | None
     """Grid coefficient (voxels a polygon)."""
 
@@ -172,6 +181,9 @@ class ImageParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    bounded_walk: bool | None
+    """Walk bounded by the hit from the left."""
 
     edges: str | None
     """Edges of polygons."""
@@ -242,6 +254,9 @@ class ModelParameters(MachineParameters, total=False):
     partition: str | None
     """Partition of the scene."""
 
+    numbering: str | None
+    """Numbering of the groups."""
+
     grid_coefficient: float | None
     """Grid coefficient (voxels a polygon)."""
 
@@ -253,6 +268,9 @@ class ModelParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    bounded_walk: bool | None
+    """Walk bounded by the hit from the left."""
 
 class FarmParameters(TypedDict, total=False):
     """Parameters of a farm."""
