@@ -124,8 +124,7 @@ impl Cut<'_> {
         } else {
             vec![Kernel::Grid, Kernel::Intersection]
         };
-        let one_cell =
-            ArrayProgram { stages: vec![stage], ..ArrayProgram::one_cell(self.program.grid_coefficient) };
+        let one_cell = ArrayProgram { stages: vec![stage], ..ArrayProgram::one_cell(self.program.grid_coefficient) };
         Ok(self.work(&one_cell, &[volume])?.stages.swap_remove(0))
     }
 

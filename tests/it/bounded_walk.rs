@@ -31,8 +31,8 @@ fn a_hit_at_the_bound_counts_if_its_number_is_lower() {
     };
     let mut mesh = Mesh::default();
     square(&mut mesh, [2.0, 2.0], [3.0, 3.0], 0.0);
-    square(&mut mesh, [-4.0, -4.0], [4.0, 4.0], 0.0);
-    square(&mut mesh, [-4.0, -4.0], [4.0, 4.0], 2.0);
+    square(&mut mesh, [-8.0, -4.0], [8.0, 4.0], 0.0);
+    square(&mut mesh, [-8.0, -4.0], [8.0, 4.0], 2.0);
     let (from, to) = (Vec3::new(-3.0, 2.5, 0.25), Vec3::new(2.5, 2.5, 0.0));
     let ray = Ray::new(from, to - from);
     let polygons = Polygons::new(&mesh);
@@ -84,7 +84,8 @@ fn what_the_cells_read_when() {
 fn an_image_is_the_same() {
     let folder = Folder::new();
     let image = |name: &str, more: &str| {
-        let run = format!("image room --size 20x16 --mode broadcast --cells 6 -o {name}.png --stats {name}.json {more}");
+        let run =
+            format!("image room --size 20x16 --mode broadcast --cells 6 -o {name}.png --stats {name}.json {more}");
         folder.run(&run).success();
         let stats: serde_json::Value = serde_json::from_str(&folder.read(&format!("{name}.json"))).unwrap();
         (std::fs::read(folder.path(&format!("{name}.png"))).unwrap(), stats)

@@ -65,8 +65,7 @@ fn in_every_split() {
                 (4, false, Partition::Measured, true),
             ] {
                 let stages = stages.clone();
-                let program =
-                    ArrayProgram { stages, mailbox, partition, bounded_walk, ..program("hybrid-3", groups) };
+                let program = ArrayProgram { stages, mailbox, partition, bounded_walk, ..program("hybrid-3", groups) };
                 let [timings, programs] = both(&scene.mesh, &program, &rays);
                 let what = format!("{name}, {:?} in {groups} groups", program.stages);
                 assert_eq!(hits_and_counts(&programs), hits_and_counts(&timings), "{what}");

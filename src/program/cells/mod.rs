@@ -98,7 +98,12 @@ impl CellPrograms {
     }
 }
 
-fn open(kernels: &[Kernel], earlier: usize, array: &ArrayProgram, options: &CellOptions) -> Result<Program, InputError> {
+fn open(
+    kernels: &[Kernel],
+    earlier: usize,
+    array: &ArrayProgram,
+    options: &CellOptions,
+) -> Result<Program, InputError> {
     let name = program_name(kernels);
     let bounded = if array.bounded_walk { earlier } else { 0 };
     let set = [("EARLIER", earlier as i64), ("BOUNDED", bounded as i64), ("MAILBOX", array.mailbox as i64)];
