@@ -45,6 +45,10 @@ fn on_small_built_in_scenes() {
                 ("hybrid", 3),
                 ("hybrid-3", 5),
             ] {
+                // A measured cut lays the scene out again and again.
+                if partition == Partition::Measured && groups != 3 && groups != 7 {
+                    continue;
+                }
                 // Bounded walks and numbers from front to back for about half of them.
                 let bounded_walk = groups % 3 == 0 || mode == "hybrid-3" || groups == 16;
                 let numbering = if groups % 2 == 1 { Numbering::Front } else { Numbering::Cut };
