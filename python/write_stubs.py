@@ -13,6 +13,7 @@ TYPES = {
     "size": "str | int | tuple[int, int]",
     "truth": "bool",
     "whole": "int",
+    "whole or word": "int | str",
     "number": "float",
 }
 

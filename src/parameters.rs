@@ -14,6 +14,8 @@ pub enum Kind {
     Truth,
     /// A whole number.
     Whole,
+    /// A whole number, or a word that stands for one.
+    WholeOrWord,
     /// A number.
     Number,
 }

@@ -6,6 +6,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pcs_sim::error;
 use pcs_sim::geometry::Hit;
+use pcs_sim::host::camera::ImageSize;
+use pcs_sim::host::color_table::{ColorTable, Palette};
 use pcs_sim::host::image;
 use pcs_sim::machine::Capitan;
 use pcs_sim::measure::{Clock, Measured, Observed, Profile};
@@ -39,6 +41,15 @@ pub enum Made {
     Farm { setup: Box<FarmSetup>, outcome: Box<FarmOutcome> },
     /// An image on a hypercube.
     Cube { setup: Box<CubeSetup>, outcome: Box<CubeOutcome> },
+}
+
+/// What a picture is written as.
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Png,
+    /// With a table of so many colours.
+    Indexed(usize, Palette),
+    Pfm,
 }
 
 /// What a run was, in words and as data.
@@ -86,7 +97,8 @@ impl Made {
             Made::Rays { outcome, .. } => Some(&outcome.observed),
             Made::Image { rendered, .. } => rendered.timing.as_ref().map(|timing| &timing.observed),
             Made::Replay { observed, .. } => Some(observed),
-            Made::Farm { .. } | Made::Cube { .. } => None,
+            Made::Farm { outcome, .. } => Some(&outcome.observed),
+            Made::Cube { .. } => None,
         }
     }
 
@@ -260,26 +272,35 @@ impl Made {
     }
 
     /// Writes the picture, if there is one.
-    fn write_picture(&self, file: &mut impl Write, as_pfm: bool) -> Result<(), Trouble> {
-        let (size, pixels) = match self {
+    fn write_picture(&self, file: &mut impl Write, form: Form) -> Result<(), Trouble> {
+        let (size, pixels) = self.picture()?;
+        match form {
+            Form::Pfm => image::write_pfm(file, size, &pixels).map_err(output),
+            Form::Png => image::write_png(file, size, &pixels).map_err(output),
+            Form::Indexed(most, palette) => {
+                let table = ColorTable::new(&image::on_screen(&pixels), most, palette);
+                image::write_indexed_png(file, size, &table).map_err(output)
+            }
+        }
+    }
+
+    /// The picture, if there is one.
+    pub fn picture(&self) -> Result<(ImageSize, image::Pixels), Trouble> {
+        Ok(match self {
             Made::Rays { setup, outcome, .. } if setup.spec.rays.is_none() => {
                 (setup.spec.size, setup.preview(&outcome.hits))
             }
             Made::Image { setup, rendered, .. } => (setup.spec.size, rendered.pixels.clone()),
             Made::Cube { setup, .. } => (setup.spec.size, setup.scene.pixels.clone()),
             _ => return Err(error::InputError::new("the rays are none of a picture").into()),
-        };
-        match as_pfm {
-            true => image::write_pfm(file, size, &pixels).map_err(output),
-            false => image::write_png(file, size, &pixels).map_err(output),
-        }
+        })
     }
 
     /// The same as PNG for a page.
     fn png(&self) -> Result<Option<Vec<u8>>, Trouble> {
         let mut png = Vec::new();
         match self.pixels() {
-            Some(_) => self.write_picture(&mut png, false).map(|()| Some(png)),
+            Some(_) => self.write_picture(&mut png, Form::Png).map(|()| Some(png)),
             None => Ok(None),
         }
     }
@@ -307,6 +328,10 @@ impl Made {
             cell_names: names,
             configuration,
             image: image.as_deref(),
+            setup: match self {
+                Made::Rays { setup, .. } | Made::Image { setup, .. } => Some(setup),
+                _ => None,
+            },
         })
         .map_err(output)
     }
@@ -316,23 +341,32 @@ impl Made {
         let Described { caption, names, .. } = &self.described();
         let (profile, recording) = (profile_of(seen)?, seen.recording.as_ref());
         let path = self.observed().and_then(|observed| observed.path.as_ref());
-        let run = plot::Run { caption, clock: self.clock(), profile, recording, path, cell_names: names };
+        let regions = match self {
+            Made::Cube { setup, outcome } => cube::region_map(setup, outcome),
+            _ => None,
+        };
+        let run = plot::Run { caption, clock: self.clock(), profile, recording, path, cell_names: names, regions };
         plot::pictures(&run).map_err(output)
     }
 
     /// Writes the picture under a name that says as what.
-    pub fn save_picture(&self, path: &Path, force: bool) -> Result<PathBuf, Trouble> {
+    pub fn save_picture(&self, path: &Path, colors: Option<(usize, Palette)>, force: bool) -> Result<PathBuf, Trouble> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        let as_pfm = match (extension.as_deref(), self) {
-            (Some("pfm"), Made::Image { .. }) => true,
-            (Some("png"), _) => false,
+        let form = match (extension.as_deref(), self, colors) {
+            (Some("pfm"), Made::Image { .. }, None) => Form::Pfm,
+            (Some("png"), _, None) => Form::Png,
+            (Some("png"), _, Some((most, palette))) => Form::Indexed(most, palette),
+            (Some("pfm"), Made::Image { .. }, Some(_)) => {
+                let error = error::InputError::new("colors makes a table of colours, and PFM has none");
+                return Err(error.help("leave it out, or write a PNG").into());
+            }
             _ => {
                 let error = error::InputError::in_file(path, "is no name of an image");
                 return Err(error.help("images end in .png or .pfm").into());
             }
         };
         let mut file = outputs::open(path, force)?;
-        self.write_picture(&mut file, as_pfm)?;
+        self.write_picture(&mut file, form)?;
         outputs::finish(file)
     }
 }

@@ -300,12 +300,13 @@ fn text_of(py: Python<'_>, known: &ParameterInfo, value: &Bound<'_, PyAny>) -> P
         Kind::Size => "a size: \"640x480\", (640, 480), or a number for both sides",
         Kind::Truth => "True or False",
         Kind::Whole => "a whole number",
+        Kind::WholeOrWord => "a whole number or a word",
         Kind::Number => "a number",
     };
     Err(wrong(py, format!("invalid value {} for {}: expected {expected}", value.repr()?, known.name)))
 }
 
-/// The parameters: `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), for each call
+/// The parameters: `name`, `kind` (text, size, truth, whole, whole or word, number), what it is (`label`, with its unit), for each call
 /// whether it takes it (`run`, `image`, `replay`, `model`, `farm`, `ipsc2`), and whether it is one of a `machine`.
 #[pyfunction]
 pub fn parameters() -> PyResult<Table> {
@@ -320,6 +321,7 @@ pub fn parameters() -> PyResult<Table> {
         Kind::Size => "size",
         Kind::Truth => "truth",
         Kind::Whole => "whole",
+        Kind::WholeOrWord => "whole or word",
         Kind::Number => "number",
     };
     let has = |of: Of, name: &str| of.parameters().iter().any(|known| known.name == name);

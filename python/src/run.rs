@@ -7,6 +7,8 @@ use std::sync::{Arc, Mutex};
 
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pcs_sim::geometry::Hit;
+use pcs_sim::host::color_table::{ColorTable, Palette};
+use pcs_sim::host::image;
 use pcs_sim::measure::{Observed, Shape, StateKind};
 use pcs_sim::program::Counts;
 use pcs_sim::quantities::Cycles;
@@ -197,6 +199,26 @@ impl Run {
         Ok(Some(array.reshape([size.height as usize, size.width as usize, 3])?))
     }
 
+    /// The picture in so many `colors` at the most, from 1 to 65536: `colors`, the table (n x 3, bytes of red, green and blue as a screen has
+    /// them); `pixels`, each one's place in it (height x width); and how far they are off, in steps of 255: `mean_square` and `largest`;
+    /// `bound` is the most that an octree's can be. They are chosen by a `palette`: peano (the default), peano-large, fixed, popularity, median-cut or gervautz.
+    #[pyo3(signature = (colors, palette=None))]
+    fn few_colors<'py>(&self, py: Python<'py>, colors: i64, palette: Option<&str>) -> PyResult<Bound<'py, PyDict>> {
+        let (most, palette) = few(py, colors, palette)?;
+        let (size, pixels) = self.made.picture().map_err(|trouble| trouble.raise(py))?;
+        let pixels = image::on_screen(&pixels);
+        let table = briefly(py, |_| Ok(ColorTable::new(&pixels, most, palette)))?;
+        let error = table.error(&pixels);
+        let made = PyDict::new(py);
+        let places = PyArray1::from_slice(py, &table.pixels);
+        made.set_item("colors", PyArray1::from_vec(py, table.colors.concat()).reshape([table.colors.len(), 3])?)?;
+        made.set_item("pixels", places.reshape([size.height as usize, size.width as usize])?)?;
+        made.set_item("mean_square", error.mean_square)?;
+        made.set_item("largest", error.largest)?;
+        made.set_item("bound", table.bound())?;
+        Ok(made)
+    }
+
     /// The run over time, cut into bins of `bin` cycles: `start` is each one's first cycle; `cells` has for each state the
     /// cycles of every cell (cells x bins); `fifos` the `min`, `max` and `mean` of what every FIFO held, and the `full` cycles
     /// (FIFOs x bins); `rays` how many answers came back.
@@ -278,7 +300,8 @@ impl Run {
     /// Writes results as the command does, all or none of each: statistics, hits, the picture, the page, a folder of plots, a
     /// trace for viewers (.pftrace, .vcd, .fst) of the cycles from `trace_window[0]` to before `trace_window[1]`. Files that
     /// exist are replaced only with `force`. Gives the files that it wrote.
-    #[pyo3(signature = (*, stats=None, hits=None, image=None, page=None, plot=None, trace=None, trace_window=None, force=false))]
+    /// `colors` writes the picture in so many at the most, chosen by a `palette`, as `Run.few_colors` has it.
+    #[pyo3(signature = (*, stats=None, hits=None, image=None, colors=None, palette=None, page=None, plot=None, trace=None, trace_window=None, force=false))]
     // A keyword each.
     #[expect(clippy::too_many_arguments)]
     fn save(
@@ -287,6 +310,8 @@ impl Run {
         stats: Option<PathBuf>,
         hits: Option<PathBuf>,
         image: Option<PathBuf>,
+        colors: Option<i64>,
+        palette: Option<&str>,
         page: Option<PathBuf>,
         plot: Option<PathBuf>,
         trace: Option<PathBuf>,
@@ -305,7 +330,10 @@ impl Run {
         }
         if let Some(path) = image {
             self.made.setup("image")?;
-            written.push(briefly(py, |_| self.made.save_picture(&path, force))?);
+            let colors = colors.map(|most| few(py, most, palette)).transpose()?;
+            written.push(briefly(py, |_| self.made.save_picture(&path, colors, force))?);
+        } else if colors.is_some() || palette.is_some() {
+            return Err(wrong(py, "colors and palette are about the picture: name a file for it by image"));
         }
         let window = trace_window.map(|(from, until)| Cycles(from)..Cycles(until));
         if window.as_ref().is_some_and(Range::is_empty) {
@@ -351,6 +379,16 @@ impl Run {
         let helpers = py.import("pcs_sim._helpers")?;
         helpers.getattr("html_text")?.call1((self.__str__(), picture))?.extract()
     }
+}
+
+/// How many colours are asked for, and how they are chosen.
+fn few(py: Python<'_>, colors: i64, palette: Option<&str>) -> PyResult<(usize, Palette)> {
+    let most = usize::try_from(colors).ok().filter(|most| (1..=ColorTable::MOST).contains(most));
+    let most =
+        most.ok_or_else(|| wrong(py, format!("{colors} colours: there can be from 1 to {}", ColorTable::MOST)))?;
+    let chosen = palette.map(str::parse).transpose();
+    let chosen = chosen.map_err(|why: String| wrong(py, format!("there is no such palette: {why}")))?;
+    Ok((most, chosen.unwrap_or_default()))
 }
 
 impl Run {

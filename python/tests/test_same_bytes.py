@@ -21,6 +21,8 @@ RUNS: list[dict[str, Any]] = [
     {"scene": "room", "size": "16x12", "mode": "broadcast", "partition": "measured", "numbering": "front", "bounded_walk": True},
     {"scene": "room", "size": "24x18", "mode": "broadcast", "cells": 8, "order": "shuffle:5"},
     {"scene": "room", "size": "6x4", "cells_run": "programs", "instruction_limit": 100000},
+    {"scene": "tree", "size_factor": 2, "size": "16x12", "screen_rectangles": "objects", "host_filter_us": 2.5},
+    {"scene": "room", "size": "12x9", "mode": "broadcast", "cells": 8, "masks": "rectangles", "host_mask_us": 1.0},
     {"scene": "balls", "size_factor": 1, "resolution": 8, "size": "16x16", "clock_ns": 25.0, "stop_words": 4},
 ]
 
@@ -28,6 +30,8 @@ IMAGES: list[dict[str, Any]] = [
     {"scene": "room", "size": "16x12"},
     {"scene": "tetra", "size": "12x12", "mode": "broadcast", "cells": 2, "samples": 2, "adaptive": True, "depth": 2},
     {"scene": "room", "size": "12x8", "policy": "generation", "in_flight": 5, "host_hit_us": 10.0},
+    {"scene": "room", "size": "12x8", "samples": 2, "adaptive_by": "whitted", "threshold": 30, "masks": "boxes"},
+    {"scene": "balls", "size_factor": 1, "size": "12x8", "samples": 2, "adaptive_by": "lao", "screen_rectangles": "scene"},
 ]
 
 FILES = ["stats.json", "hits.csv", "image.png", "page.html", "trace.vcd"]
@@ -65,6 +69,30 @@ def test_runs(two: Path, parameters: dict[str, Any]) -> None:
     assert run.stats == json.loads((two / "theirs" / "stats.json").read_text())
     noted = [line.removeprefix("note: ") for line in ended.err.splitlines() if line.startswith("note: ")]
     assert run.notes == [note for note in noted if "trace" not in note]
+
+
+def test_few_colors(two: Path) -> None:
+    run = pcs_sim.image("room", size="24x16", timing="off")
+    assert run.image is not None
+    for palette in ["peano", "peano-large", "fixed", "popularity", "median-cut", "gervautz"]:
+        few = run.few_colors(24, palette)
+        assert few["colors"].dtype == np.uint8
+        assert few["pixels"].shape == (16, 24)
+        assert len(few["colors"]) <= 24
+        assert few["pixels"].max() < len(few["colors"])
+        linear = np.clip(run.image, 0, 1)
+        screen = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055) * 255
+        off = few["colors"][few["pixels"]].astype(float) - np.round(screen)
+        assert abs(float((off**2).sum(axis=2).mean()) - few["mean_square"]) < 1
+        run.save(image=f"{palette}.png", colors=24, palette=palette)
+        made = "image room --size 24x16 --timing off --colors 24 --palette".split()
+        assert command(two / "theirs", *made, palette, "-o", f"{palette}.png").status == 0
+        same(two, [f"{palette}.png"])
+    for wrong in [lambda: run.few_colors(0), lambda: run.few_colors(1 << 17), lambda: run.few_colors(9, "oil")]:
+        with pytest.raises(pcs_sim.InputError):
+            wrong()
+    with pytest.raises(pcs_sim.InputError):
+        run.save(stats="s.json", colors=9)
 
 
 @pytest.mark.parametrize("parameters", IMAGES)
@@ -159,6 +187,17 @@ def test_farms(two: Path, parameters: dict[str, Any]) -> None:
     assert list(run.cells["runs"]) == [task["name"] for task in run.stats["tasks"]]
     for name in ["hits", "counts", "image", "rays", "rays_per_second"]:
         assert not hasattr(run, name)
+
+
+def test_why_farms_take_as_long(two: Path) -> None:
+    run = pcs_sim.farm(size=24, tasks=2, why=True)
+    run.save(stats="stats.json", page="page.html", plot="plots")
+    asked = "farm rectangles --size 24 --tasks 2 --why --stats stats.json --page page.html --plot plots"
+    ended = command(two / "theirs", *asked.split())
+    assert ended.status == 0, ended.err
+    same(two, ["stats.json", "page.html", "plots/critical-path.svg"])
+    assert ended.out.startswith(str(run))
+    assert sum(part["cycles"] for part in run.stats["why"]["parts"]) == run.stats["cycles"]
 
 
 def test_sweeps_of_farms() -> None:

@@ -9,8 +9,8 @@ use pcs_sim::host::color_table::Palette;
 use pcs_sim::machine::{Cycles, MachineOptions};
 use pcs_sim::report::plot::Format;
 use pcs_sim::run::{
-    CellsOptions, HostOptions, LightOptions, MachineFileOptions, OrderOptions, ProgramOptions, RayOptions,
-    RecordingMemory, RunOptions, SceneOptions, ShapeOptions,
+    CellsOptions, HostOptions, LightOptions, MachineFileOptions, ProgramOptions, RayOptions, RecordingMemory,
+    RunOptions, SceneOptions, SendingOptions, ShapeOptions,
 };
 use pcs_sim::seam::activity_trace::Form;
 
@@ -35,7 +35,7 @@ pub struct Asked {
     #[command(flatten)]
     pub rays: RayOptions,
     #[command(flatten)]
-    pub order: OrderOptions,
+    pub sending: SendingOptions,
     #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]
@@ -49,7 +49,7 @@ impl Asked {
             scene: self.scene.clone(),
             shape: self.shape.clone(),
             rays: self.rays.clone(),
-            order: self.order.clone(),
+            sending: self.sending.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -85,7 +85,7 @@ impl ImageArgs {
         let mut options = RunOptions {
             scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
-            order: self.order.clone(),
+            sending: self.sending.clone(),
             program: self.program.clone(),
             cells: self.cells.clone(),
             machine_file: self.machine_file.clone(),
@@ -106,7 +106,7 @@ impl ModelArgs {
             scene: SceneOptions { scene: self.scene.clone() },
             shape: self.shape.clone(),
             rays: self.rays.clone(),
-            order: self.order.clone(),
+            sending: self.sending.clone(),
             program: self.program.clone(),
             machine_file: self.machine_file.clone(),
             machine: self.machine.clone(),
@@ -148,16 +148,25 @@ pub struct ImageArgs {
     /// Where the image goes: .png, or .pfm for linear light in all its bits.
     #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     pub output: PathBuf,
-    /// Write a PNG of at most so many colours, with a table of them, and tell how far they are off.
-    #[arg(long, value_name = "N", help_heading = "Results", value_parser = clap::value_parser!(u16).range(1..=256))]
-    pub colors: Option<u16>,
+    /// Write a PNG of at most so many colours, with a table of them if they are no more than 256, and tell how far they are off.
+    #[arg(long, value_name = "N", help_heading = "Results", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub colors: Option<u32>,
     /// How these colours are chosen.
-    #[arg(long, value_enum, default_value_t = PaletteName::Peano, help_heading = "Results", requires = "colors")]
-    pub palette: PaletteName,
+    #[arg(long, value_enum, default_value_t = Palette::Peano, help_heading = "Results", requires = "colors")]
+    pub palette: Palette,
+    /// Tell how far the image is off from another one, such as one of many samples.
+    #[arg(long, value_name = "FILE.pfm", help_heading = "Results")]
+    pub against: Option<PathBuf>,
+    /// Write which pixels adaptive sampling gave more samples, as a PNG in black and white.
+    #[arg(long, value_name = "FILE.png", help_heading = "Results")]
+    pub refined: Option<PathBuf>,
+    /// Draw the rectangles of --screen-rectangles on the image.
+    #[arg(long, help_heading = "Results")]
+    pub show_rectangles: bool,
     #[command(flatten)]
     pub shape: ShapeOptions,
     #[command(flatten)]
-    pub order: OrderOptions,
+    pub sending: SendingOptions,
     #[command(flatten)]
     pub light: LightOptions,
     #[command(flatten)]
@@ -196,24 +205,6 @@ pub struct TracingArgs {
     /// Threads to use [default: all cores]. The results do not depend on it.
     #[arg(long, value_name = "N", help_heading = GENERAL, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-}
-
-/// How the colours of a table are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum PaletteName {
-    /// By an octree of colours in Peano's order, as SKY did.
-    Peano,
-    /// By halving boxes of colours.
-    MedianCut,
-}
-
-impl From<PaletteName> for Palette {
-    fn from(name: PaletteName) -> Palette {
-        match name {
-            PaletteName::Peano => Palette::Peano,
-            PaletteName::MedianCut => Palette::MedianCut,
-        }
-    }
 }
 
 /// What an activity trace counts work in.
@@ -366,7 +357,7 @@ pub struct ModelArgs {
     #[command(flatten)]
     pub rays: RayOptions,
     #[command(flatten)]
-    pub order: OrderOptions,
+    pub sending: SendingOptions,
     #[command(flatten)]
     pub machine_file: MachineFileOptions,
     #[command(flatten)]

@@ -8,8 +8,9 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::camera::ImageSize;
-use pcs_sim::host::color_table::{ColorTable, Palette};
+use pcs_sim::host::color_table::{Color, ColorError, ColorTable, Palette};
 use pcs_sim::host::image;
+use pcs_sim::host::screen::{self, ScreenRectangles};
 use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::losses::Losses;
@@ -38,6 +39,7 @@ pub enum Format {
 /// The files that the command writes.
 struct Outputs {
     image: Option<OutputFile>,
+    refined: Option<OutputFile>,
     stats: Option<OutputFile>,
     hits: Option<OutputFile>,
     ops: Option<OutputFile>,
@@ -53,6 +55,7 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let run = PlannedRun::new(RunSpec::of_image(&options, base)?)?;
     check_files(args, &run.spec)?;
     moot::check_image(&options, &run.spec)?;
+    let truth = args.against.as_deref().map(|path| truth(path, run.spec.size)).transpose()?;
     let mut files = open_outputs(args, &run.spec)?;
     let spinner = progress::waiting("preparing the scene");
     let layers = &mut Layers::default();
@@ -70,18 +73,33 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
         },
     };
     print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
+    let pixels = image::on_screen(&rendered.pixels);
+    if let (Some(truth), Some(path)) = (truth, &args.against) {
+        print(&account::difference_line(&ColorError::between(pixels.iter().copied(), &truth), path))?;
+    }
     if let Format::Indexed(most, palette) = format {
-        let pixels = image::on_screen(&rendered.pixels);
         print(&account::colors_line(&ColorTable::new(&pixels, most, palette), palette, &pixels))?;
     }
-    let written = write_outputs(format, &setup, (&rendered, losses.as_ref()), &found, files)?;
+    let written = write_outputs((format, args.show_rectangles), &setup, (&rendered, losses.as_ref()), &found, files)?;
     print(&outputs::list(&written))
+}
+
+/// The pixels that the image is held against, as a screen has them.
+fn truth(path: &Path, size: ImageSize) -> Result<Vec<Color>, InputError> {
+    let (found, pixels) = image::read_pfm(path)?;
+    if found != size {
+        let (found, size) = (String::from(found), String::from(size));
+        return Err(
+            InputError::in_file(path, format!("is {found}, and the image {size}")).help("make both of one size")
+        );
+    }
+    Ok(image::on_screen(&pixels))
 }
 
 /// What the image is written as, by its name and by the colours that are asked for.
 fn format(args: &ImageArgs) -> Result<Format, InputError> {
     match (Format::of(&args.output), args.colors) {
-        (Some(Format::Png), Some(most)) if !args.engine.detach => Ok(Format::Indexed(most.into(), args.palette.into())),
+        (Some(Format::Png), Some(most)) if !args.engine.detach => Ok(Format::Indexed(most as usize, args.palette)),
         (Some(Format::Pfm), Some(_)) => {
             Err(InputError::new("--colors makes a table of colours, and PFM has none")
                 .help("leave it out, or write a PNG"))
@@ -138,7 +156,25 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
         ("--why", args.views.why),
         ("--enough", args.views.enough),
     ];
-    let untimed = spec.image.as_ref().is_some_and(|image| image.timing == Switch::Off);
+    let image = spec.image.clone().unwrap_or_default();
+    let whole = [
+        ("--refined", args.refined.is_some()),
+        ("--against", args.against.is_some()),
+        ("--show-rectangles", args.show_rectangles),
+    ];
+    if let Some((flag, _)) = whole.into_iter().find(|(_, typed)| *typed && args.engine.detach) {
+        let error = InputError::new(format!("{flag} needs the whole image, and with --detach it is joined later"));
+        return Err(error.help("leave out one of the two"));
+    }
+    if args.refined.is_some() && !image.adaptive {
+        let error = InputError::new("--refined is about adaptive sampling, and all pixels have the same samples");
+        return Err(error.help("leave it out, or ask for --adaptive"));
+    }
+    if args.show_rectangles && spec.screen_rectangles == ScreenRectangles::Off {
+        let error = InputError::new("--show-rectangles has none to show");
+        return Err(error.help("leave it out, or ask for --screen-rectangles"));
+    }
+    let untimed = image.timing == Switch::Off;
     match files.iter().find(|(_, typed)| *typed && untimed) {
         Some((flag, _)) => {
             Err(InputError::new(format!("{flag} {}", moot::WITHOUT_TIMING)).help("leave out one of the two"))
@@ -148,9 +184,10 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
 }
 
 /// The results that are asked for.
-fn named(args: &ImageArgs) -> [Option<&PathBuf>; 6] {
+fn named(args: &ImageArgs) -> [Option<&PathBuf>; 7] {
     [
         Some(&args.output),
+        args.refined.as_ref(),
         args.results.stats.as_ref(),
         args.tracing.hits.as_ref(),
         args.tracing.ops.as_ref(),
@@ -166,11 +203,13 @@ fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError>
         args.program.program.as_deref(),
         args.machine_file.machine.as_deref(),
         args.config.as_deref(),
+        args.against.as_deref(),
     ];
     outputs::check_distinct(&named(args), &inputs)?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
     Ok(Outputs {
         image: open(Some(&args.output))?,
+        refined: open(args.refined.as_ref())?,
         stats: open(stats)?,
         hits: open(hits)?,
         ops: open(ops)?,
@@ -221,7 +260,7 @@ fn render(
 }
 
 fn write_outputs(
-    format: Format,
+    (format, shows_rectangles): (Format, bool),
     setup: &Setup,
     (rendered, losses): (&Rendered, Option<&Losses>),
     found: &[Hit],
@@ -229,7 +268,14 @@ fn write_outputs(
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let (size, pixels) = (setup.spec.size, &rendered.pixels);
-    write_image(files.image, format, size, pixels, &mut written)?;
+    if shows_rectangles {
+        let polygons = setup.workload.polygons();
+        let rectangles = screen::rectangles(&setup.scene, polygons, size, setup.spec.screen_rectangles);
+        write_image(files.image, format, size, &image::outlined(pixels, size, &rectangles), &mut written)?;
+    } else {
+        write_image(files.image, format, size, pixels, &mut written)?;
+    }
+    outputs::finish(files.refined, &mut written, |file| image::write_mask(file, size, &rendered.refined))?;
     if let Some(timing) = &rendered.timing {
         let configuration = Configuration::new(setup);
         outputs::finish(files.stats, &mut written, |file| {
@@ -250,6 +296,8 @@ fn write_outputs(
             cell_names: &cell_names(&setup.workload),
             configuration: &configuration,
             image: Some(&png),
+            regions: None,
+            setup: Some(setup),
         };
         files.views.write(&seen, &mut written)?;
     }

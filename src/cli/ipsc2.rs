@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::io::Write;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::cancel::Cancel;
@@ -149,6 +150,8 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
         losses: None,
         configuration: &configuration,
         image: has_image.then_some(&png),
+        regions: told::region_map(setup, outcome),
+        setup: None,
     };
     files.views.write(&seen, &mut written)?;
     Ok(written)
@@ -156,38 +159,42 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
 
 /// What was typed, with `--on ipsc2` as the command of that machine. Its nodes as a row of cells, which `--mode broadcast` asks for, are an
 /// array like another.
-pub fn spelled_out(typed: Vec<OsString>) -> Vec<OsString> {
-    let value = |name: &str| {
-        let joined = format!("--{name}=");
-        typed.iter().enumerate().find_map(|(at, word)| {
-            let word = word.to_str()?;
-            match word.strip_prefix(&joined) {
-                Some(value) => Some((at..at + 1, value.to_owned())),
-                None if word == &joined[..joined.len() - 1] => {
-                    Some((at..at + 2, typed.get(at + 1)?.to_str()?.to_owned()))
-                }
-                None => None,
-            }
-        })
-    };
-    let Some((place, _)) = value("on").filter(|(_, machine)| machine == "ipsc2") else { return typed };
-    let is_array = value("mode").is_some_and(|(_, mode)| matches!(mode.as_str(), "broadcast" | "pipeline" | "hybrid"));
+pub fn spelled_out(mut typed: Vec<OsString>) -> Vec<OsString> {
+    let is_array = |(_, mode): (Range<usize>, String)| matches!(mode.as_str(), "broadcast" | "pipeline" | "hybrid");
+    let Some((place, _)) = flag(&typed, "on").filter(|(_, machine)| machine == "ipsc2") else { return typed };
+    if flag(&typed, "mode").is_some_and(is_array) {
+        return typed;
+    }
     let command = match typed.get(1).and_then(|word| word.to_str()) {
-        _ if is_array => return typed,
         Some("calibrate") => "calibrate-ipsc2",
         Some("image") => "ipsc2",
         // What was recorded of an array has ops, and is timed on a row of nodes.
         Some("replay") if typed.iter().any(|word| word.to_string_lossy().ends_with(".tasks")) => "ipsc2",
         Some(word) if word.starts_with('-') => {
-            let mut spelled = typed.clone();
-            spelled.drain(place);
-            spelled.insert(1, "ipsc2".into());
-            return spelled;
+            typed.drain(place);
+            // A run without a command names its scene by a flag.
+            if let Some((place, scene)) = flag(&typed, "scene") {
+                typed.splice(place, [OsString::from(scene)]);
+            }
+            typed.insert(1, "ipsc2".into());
+            return typed;
         }
         _ => return typed,
     };
-    let mut spelled = typed.clone();
-    spelled.drain(place);
-    spelled[1] = command.into();
-    spelled
+    typed[1] = command.into();
+    typed.drain(place);
+    typed
+}
+
+/// Where a flag is typed, and its value.
+fn flag(typed: &[OsString], name: &str) -> Option<(Range<usize>, String)> {
+    let flag = format!("--{name}");
+    typed.iter().enumerate().find_map(|(at, word)| {
+        let rest = word.to_str()?.strip_prefix(&flag)?;
+        match rest.strip_prefix('=') {
+            Some(value) => Some((at..at + 1, value.to_owned())),
+            None if rest.is_empty() => Some((at..at + 2, typed.get(at + 1)?.to_str()?.to_owned())),
+            None => None,
+        }
+    })
 }

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pcs_sim::machine::Ipsc2Options;
-use pcs_sim::run::{CubeMode, CubeOptions, CubeRunOptions, KnownTime, LightOptions, SceneOptions, ShapeOptions};
+use pcs_sim::run::{
+    CubeMode, CubeOptions, CubeRunOptions, KnownTime, LightOptions, RunSpec, SceneOptions, ShapeOptions,
+};
 
 use super::args::{Typed, ViewArgs};
 
@@ -12,8 +14,8 @@ use super::args::{Typed, ViewArgs};
 #[derive(Debug, Args)]
 pub struct Ipsc2Args {
     /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff. Or tasks that --tasks wrote, to be timed again
-    /// without their scene: .tasks.
-    #[arg(value_name = "SCENE", required_unless_present = "config")]
+    /// without their scene: .tasks [default: teapot].
+    #[arg(value_name = "SCENE")]
     pub scene: Option<String>,
     /// Repeat the image that a file describes: statistics, or their configuration. Flags beside it change that.
     #[arg(long, value_name = "FILE")]
@@ -52,16 +54,22 @@ pub struct Ipsc2Args {
 }
 
 impl Ipsc2Args {
+    /// The scene, as a run without a command takes it if none is named.
+    fn scene(&self) -> Option<String> {
+        let standard = || self.config.is_none().then(|| RunSpec::STANDARD_SCENE.to_owned());
+        self.scene.clone().or_else(standard)
+    }
+
     /// What is asked of the image.
     pub fn options(&self, typed: &Typed) -> CubeRunOptions {
         let mut options = CubeRunOptions {
-            scene: SceneOptions { scene: self.scene.clone() },
+            scene: SceneOptions { scene: self.scene() },
             shape: self.shape.clone(),
             light: self.light.clone(),
             cube: self.cube.clone(),
             machine: self.machine.clone(),
         };
-        options.retain(|name| typed.has(name));
+        options.retain(|name| name == "scene" || typed.has(name));
         options
     }
 }

@@ -53,7 +53,9 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
         observed: &observed,
         cell_names: &[],
         configuration: &Configuration::Replay(Box::new(replay.spec.clone())),
+        regions: None,
         image: None,
+        setup: None,
     };
     views.write(&seen, &mut written)?;
     print(&outputs::list(&written))

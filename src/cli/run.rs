@@ -174,6 +174,8 @@ fn write_views(
         cell_names,
         configuration,
         image: image.as_deref(),
+        regions: None,
+        setup: Some(setup),
     };
     views.write(&seen, written)
 }

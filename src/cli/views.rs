@@ -13,7 +13,7 @@ use pcs_sim::report::page::{self, Page};
 use pcs_sim::report::plot::{self, Caption};
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::trace::{Format, Trace};
-use pcs_sim::run::{OutputFile, OutputFolder, Watching};
+use pcs_sim::run::{OutputFile, OutputFolder, Setup, Watching};
 
 use super::args::ViewArgs;
 use super::plot::Files;
@@ -49,6 +49,10 @@ pub struct Seen<'a> {
     pub configuration: &'a Configuration,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
+    /// The regions of nodes, if they have any.
+    pub regions: Option<plot::RegionMap<'a>>,
+    /// What it was made of, if there is a scene.
+    pub setup: Option<&'a Setup>,
 }
 
 impl Views {
@@ -115,12 +119,23 @@ impl Views {
 
     /// Writes the views of a run.
     pub fn write(self, run: &Seen<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
-        let &Seen { caption, clock, stats, losses, cell_names, configuration, image, .. } = run;
+        let &Seen { caption, clock, stats, losses, cell_names, configuration, image, regions, setup, .. } = run;
         let (path, recording) = (run.observed.path.as_ref(), run.observed.recording.as_ref());
         if let Some(profile) = &run.observed.profile {
-            let page =
-                Page { caption, clock, stats, losses, profile, recording, path, cell_names, configuration, image };
-            let drawn = plot::Run { caption, clock, profile, recording, path, cell_names };
+            let page = Page {
+                caption,
+                clock,
+                stats,
+                losses,
+                profile,
+                recording,
+                path,
+                cell_names,
+                configuration,
+                image,
+                setup,
+            };
+            let drawn = plot::Run { caption, clock, profile, recording, path, cell_names, regions };
             let (pictures, html) = rayon::join(
                 || self.plot.as_ref().map(|_| plot::pictures(&drawn)).transpose(),
                 || self.page.as_ref().map(|_| page::html(&page)).transpose(),

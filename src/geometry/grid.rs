@@ -246,6 +246,22 @@ impl Grid {
         }
     }
 
+    /// Whether a ray meets the volume, if any polygons lie in it: if it meets none, [`Grid::walk`] visits no voxel.
+    pub fn meets(&self, ray: &Ray, strayed: f32) -> bool {
+        !self.lists.is_empty() && self.enter(ray, strayed).is_some()
+    }
+
+    /// The box that a ray must enter to be walked, if the ray is strayed by no more than so much.
+    pub fn entered(&self, strayed: f32) -> Bounds {
+        if self.lists.is_empty() {
+            return Bounds::EMPTY;
+        }
+        let low = [0, 1, 2].map(|axis| self.planes[axis][0]);
+        let high = [0, 1, 2].map(|axis| self.planes[axis][self.lattice.size[axis] as usize]);
+        let [low, high] = [low, high].map(|corner| Vec3::from_array(corner).as_dvec3());
+        Bounds { low, high }.grown(f64::from(strayed))
+    }
+
     /// Where a ray enters the volume grown by `margin`, or 0 if it starts inside; `None` if it misses it.
     fn enter(&self, ray: &Ray, margin: f32) -> Option<f32> {
         let (mut enters, mut leaves) = (0.0f32, ray.t_max);

@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::bounds::Bounds;
 use super::grid::Grid;
 
 /// The plane of cells of a grid.
@@ -84,6 +85,25 @@ impl CellPlane {
             at[axis] * self.cells[place] as usize / self.size[axis] as usize
         };
         along(0) + self.cells[0] as usize * along(1)
+    }
+}
+
+impl CellPlane {
+    /// The part of a grid's volume that a rectangle of cells has.
+    fn volume_of(&self, rectangle: &Rectangle, grid: &Grid) -> Bounds {
+        let all = grid.volume();
+        let mut part = all;
+        for (place, &axis) in self.axes.iter().enumerate() {
+            let voxels = u64::from(self.size[axis]);
+            let border = |cell: u32| (u64::from(cell) * voxels).div_ceil(u64::from(self.cells[place]));
+            let at = |voxel: u64| all.low[axis] + all.extent()[axis] * voxel as f64 / voxels as f64;
+            let (first, end) = (border(rectangle.low[place]), border(rectangle.high[place]));
+            part.low[axis] = at(first);
+            if end < voxels {
+                part.high[axis] = at(end);
+            }
+        }
+        part
     }
 }
 
@@ -168,6 +188,11 @@ impl Regions {
     /// The regions' rectangles of cells.
     pub fn rectangles(&self) -> &[Rectangle] {
         &self.rectangles
+    }
+
+    /// The part of the grid's volume that each has.
+    pub fn volumes(&self, grid: &Grid) -> Vec<Bounds> {
+        self.rectangles.iter().map(|rectangle| self.plane.volume_of(rectangle, grid)).collect()
     }
 
     /// How many there are.

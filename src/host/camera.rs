@@ -1,9 +1,9 @@
 //! Primary rays.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::Ray;
+use crate::geometry::{Eye, Ray};
 use crate::scene::Camera;
 
 /// Size of an image.
@@ -58,8 +58,7 @@ impl ImageSize {
 /// A camera with an image before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    eye: Vec3,
-    forward: DVec3,
+    eye: Eye,
     /// From the image's middle to its right edge, and to its upper edge.
     right: DVec3,
     up: DVec3,
@@ -69,20 +68,23 @@ pub struct View {
 impl View {
     /// What a camera sees in an image of that size.
     pub fn new(camera: &Camera, size: ImageSize) -> View {
-        let forward = (camera.at - camera.from).as_dvec3().normalize_or(DVec3::NEG_Z);
-        let right = forward.cross(camera.up.as_dvec3()).try_normalize().unwrap_or(forward.any_orthonormal_vector());
-        let up = right.cross(forward);
-        let half_height = ((camera.angle as f64).to_radians() / 2.0).tan();
-        let half_width = half_height * size.width as f64 / size.height as f64;
-        View { eye: camera.from, forward, right: right * half_width, up: up * half_height, size }
+        let eye = Eye::of(camera);
+        let half = half_extent(camera, size);
+        View { eye, right: eye.right * half.x, up: eye.up * half.y, size }
     }
 
     /// The ray through a point of the image, in pixels from the top left corner. Its direction has unit length.
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         let across = 2.0 * x / self.size.width as f64 - 1.0;
         let above = 1.0 - 2.0 * y / self.size.height as f64;
-        Ray::new(self.eye, (self.forward + self.right * across + self.up * above).normalize().as_vec3())
+        Ray::new(self.eye.at, (self.eye.forward + self.right * across + self.up * above).normalize().as_vec3())
     }
+}
+
+/// How far an image reaches to the right and upwards, in the plane at distance 1 before the eye.
+pub(super) fn half_extent(camera: &Camera, size: ImageSize) -> DVec2 {
+    let half_height = ((camera.angle as f64).to_radians() / 2.0).tan();
+    DVec2::new(half_height * size.width as f64 / size.height as f64, half_height)
 }
 
 /// One ray through the middle of each pixel, line by line from the top left. Directions have unit length.

@@ -7,5 +7,6 @@ pub mod order;
 pub mod policy;
 pub mod ray_file;
 pub mod sampling;
+pub mod screen;
 pub mod shading;
 pub mod surface;

@@ -72,6 +72,8 @@ pub struct Branch {
     pub kind: RayKind,
     /// Its distance from the root, which has 0.
     pub generation: u8,
+    /// For a shadow ray, the number of the light that it goes to.
+    pub light: u32,
     /// The share of the light it finds that reaches the pixel; for a shadow ray, what it adds if it meets nothing.
     pub weight: DVec3,
 }
@@ -79,12 +81,12 @@ pub struct Branch {
 impl Branch {
     /// The root of a tree.
     pub fn primary(ray: Ray) -> Branch {
-        Branch { ray, kind: RayKind::Primary, generation: 0, weight: DVec3::ONE }
+        Branch { ray, kind: RayKind::Primary, generation: 0, light: 0, weight: DVec3::ONE }
     }
 
     fn next(&self, kind: RayKind, origin: DVec3, direction: DVec3, weight: DVec3) -> Branch {
         let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
-        Branch { ray, kind, generation: self.generation.saturating_add(1), weight }
+        Branch { ray, kind, generation: self.generation.saturating_add(1), light: self.light, weight }
     }
 }
 
@@ -107,6 +109,11 @@ impl<'a> Shader<'a> {
         Shader { scene, polygons, lights, limits }
     }
 
+    /// The light of a ray from the eye that hits nothing.
+    pub fn background(&self) -> DVec3 {
+        self.scene.background.as_dvec3()
+    }
+
     /// What a ray's hit adds to the pixel at once. Hands the rays that the hit asks for to `send`.
     pub fn shade(&self, branch: &Branch, hit: &Hit, mut send: impl FnMut(Branch)) -> DVec3 {
         match (branch.kind, hit.is_hit()) {
@@ -118,8 +125,9 @@ impl<'a> Shader<'a> {
             }
             (_, true) => {
                 let surface = Surface::at(self.scene, self.polygons, &branch.ray, hit);
-                for light in &self.lights {
-                    self.shadow(branch, &surface, light).into_iter().for_each(&mut send);
+                for (number, light) in (0..).zip(&self.lights) {
+                    let shadow = self.shadow(branch, &surface, light);
+                    shadow.map(|shadow| Branch { light: number, ..shadow }).into_iter().for_each(&mut send);
                 }
                 if branch.generation < self.limits.depth {
                     self.reflected_and_refracted(branch, &surface, send);

@@ -17,7 +17,6 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 }
 
 /// Reads a file whole, whatever it holds.
-#[cfg(feature = "report")]
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     file::read(path, LARGEST_TEXT)
 }

@@ -188,6 +188,12 @@ impl Executable {
     pub fn cycles_at(&self, address: u32) -> u64 {
         self.steps.get(address as usize).map_or(0, |step| self.cycles_of(step.class))
     }
+
+    /// How many words an instruction reads before it computes, and how many it writes behind that. One that is passed on is read.
+    pub fn words_at(&self, address: u32) -> (usize, usize) {
+        let moves = self.moves.get(address as usize);
+        moves.map_or((0, 0), |moves| (moves.reads.iter().flatten().count(), usize::from(moves.writes.is_some())))
+    }
 }
 
 impl Step {

@@ -42,12 +42,28 @@ pub fn row(executable: &Executable, address: u32) -> String {
         None => return format!("{address:>7}  the program ends before\n"),
     };
     let word = program.code[address as usize];
-    let (line, source) = match program.lines.get(address as usize) {
-        Some(&place) => (place.line.to_string(), program.text_of(place).trim_end()),
-        None => (String::new(), ""),
-    };
+    let (line, source) = source(program, address);
+    let line = line.map_or(String::new(), |line| line.to_string());
     let row = format!("{address:>7}  {word:08x}  {cycles:>6}  {instruction:<22} {line:>5}  {source}");
     row.trim_end().to_owned() + "\n"
+}
+
+/// What an instruction is, and the line of source that it comes from: its number and its text.
+pub fn fields(executable: &Executable, address: u32) -> (String, Option<u32>, &str) {
+    let instruction = match executable.instructions.get(address as usize) {
+        Some(Ok(instruction)) => instruction.display_at(address).to_string(),
+        _ => "no instruction".to_owned(),
+    };
+    let (line, source) = source(executable.program(), address);
+    (instruction, line, source)
+}
+
+/// The line of source of an instruction.
+fn source(program: &Program, address: u32) -> (Option<u32>, &str) {
+    match program.lines.get(address as usize) {
+        Some(&place) => (Some(place.line), program.text_of(place).trim_end()),
+        None => (None, ""),
+    }
 }
 
 /// Source text that assembles to the same words.

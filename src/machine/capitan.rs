@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::events::Buses;
 use super::file::{TimeUnit, base_of, impossible, machine_parameters, rounded, time, within};
-use super::{Cycles, HostTimes, KernelTimes, Times};
+use super::{Cycles, HostTimes, KernelTimes};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
 use crate::measure::Clock;
@@ -169,15 +169,8 @@ impl CapitanFile {
     fn times(&self, notes: &mut Vec<String>) -> Result<KernelTimes, Fault> {
         let us = &self.times_us;
         let mut ns = |name, us: f64| time(name, us, (US, LONGEST), notes);
-        Ok(KernelTimes {
-            grid: Times { start: ns("grid_start", us.grid_start)?, each: ns("grid_voxel", us.grid_voxel)? },
-            slabs: Times { start: ns("slabs_start", us.slabs_start)?, each: ns("slabs_polygon", us.slabs_polygon)? },
-            intersection: Times {
-                start: ns("intersection_start", us.intersection_start)?,
-                each: ns("intersection_polygon", us.intersection_polygon)?,
-            },
-            host: HostTimes { ray: Cycles(0), hit: ns("shade_hit", us.shade_hit)? },
-        })
+        let kernels = us.kernels(&mut ns)?;
+        Ok(KernelTimes { host: HostTimes { hit: ns("shade_hit", us.shade_hit)?, ..HostTimes::default() }, ..kernels })
     }
 }
 

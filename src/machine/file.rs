@@ -11,7 +11,7 @@ use crate::quantities::Cycles;
 ///
 /// A field of the file that may be missing has its `#[serde(default)]`; those among `optional` may be `None`, those among `host`
 /// are 0 where they are missing. What only the file has stands among `beside`. The file has a `standard` one, and a way to `convert` it
-/// that fails if it is impossible.
+/// that fails if it is impossible. Among its times are Figure 7's six.
 ///
 /// A file that names a `base`, which is "standard" or another file, has only what differs from it.
 macro_rules! machine_parameters {
@@ -118,6 +118,31 @@ macro_rules! machine_parameters {
                 $(file.times_us.$time = changes.times_us.$time.unwrap_or(file.times_us.$time);)*
                 $(file.$beside = changes.$beside.unwrap_or(file.$beside);)*
                 Ok(Some(file))
+            }
+        }
+
+        impl $Times {
+            /// What the kernels take, of which `cycles` tells each, given its name and what the file says. The host's times are left at 0.
+            fn kernels(
+                &self,
+                mut cycles: impl FnMut(&'static str, f64) -> Result<$crate::quantities::Cycles, Fault>,
+            ) -> Result<$crate::machine::KernelTimes, Fault> {
+                use $crate::machine::{HostTimes, KernelTimes, Times};
+                Ok(KernelTimes {
+                    grid: Times {
+                        start: cycles("grid_start", self.grid_start)?,
+                        each: cycles("grid_voxel", self.grid_voxel)?,
+                    },
+                    slabs: Times {
+                        start: cycles("slabs_start", self.slabs_start)?,
+                        each: cycles("slabs_polygon", self.slabs_polygon)?,
+                    },
+                    intersection: Times {
+                        start: cycles("intersection_start", self.intersection_start)?,
+                        each: cycles("intersection_polygon", self.intersection_polygon)?,
+                    },
+                    host: HostTimes::default(),
+                })
             }
         }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::events::{Cube, WireTimes};
 use super::file::{TimeUnit, base_of, impossible, machine_parameters, rounded, time, within};
-use super::{Cycles, HostTimes, KernelTimes, Times};
+use super::{Cycles, HostTimes, KernelTimes};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
 use crate::measure::Clock;
@@ -249,17 +249,10 @@ impl Ipsc2File {
     fn times(&self, notes: &mut Vec<String>) -> Result<KernelTimes, Fault> {
         let us = &self.times_us;
         let mut cycles = |name, us: f64| time(name, us, (self.us(), LONGEST), notes);
+        let kernels = us.kernels(&mut cycles)?;
         Ok(KernelTimes {
-            grid: Times { start: cycles("grid_start", us.grid_start)?, each: cycles("grid_voxel", us.grid_voxel)? },
-            slabs: Times {
-                start: cycles("slabs_start", us.slabs_start)?,
-                each: cycles("slabs_polygon", us.slabs_polygon)?,
-            },
-            intersection: Times {
-                start: cycles("intersection_start", us.intersection_start)?,
-                each: cycles("intersection_polygon", us.intersection_polygon)?,
-            },
-            host: HostTimes { ray: Cycles(0), hit: cycles("shade_hit", us.shade_hit)? },
+            host: HostTimes { hit: cycles("shade_hit", us.shade_hit)?, ..HostTimes::default() },
+            ..kernels
         })
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::file::{base_of, impossible, machine_parameters, within};
-use super::{Cycles, FifoName, HostTimes, KernelTimes, MachineSpec, RateCounts, Times, Words};
+use super::{Cycles, FifoName, HostTimes, KernelTimes, MachineSpec, RateCounts, Words};
 use crate::error::InputError;
 use crate::input::fields::{self, Fault};
 use crate::isa::{Class, InstructionCycles};
@@ -39,6 +39,10 @@ machine_parameters! {
         y_fifo_words: u64, "N", Whole, "depth of each FIFO of Y (words)";
         /// Words that each FIFO of the Z channel holds.
         z_fifo_words: u64, "N", Whole, "depth of each FIFO of Z (words)";
+        /// What the host spends on a sample of the picture to tell, by rectangles, whether it can hit anything, in µs.
+        host_filter_us: f64, "US", Number, "host's time for testing a sample (µs)";
+        /// What the host spends on telling whether a ray meets a sub-volume, in µs.
+        host_mask_us: f64, "US", Number, "host's time for testing a sub-volume (µs)";
     }
     host {
         /// What the host spends on each ray before it sends it, in µs.
@@ -196,20 +200,13 @@ impl MachineFile {
             }
             Ok(cycles)
         };
-        Ok(KernelTimes {
-            grid: Times { start: convert("grid_start", us.grid_start)?, each: convert("grid_voxel", us.grid_voxel)? },
-            slabs: Times {
-                start: convert("slabs_start", us.slabs_start)?,
-                each: convert("slabs_polygon", us.slabs_polygon)?,
-            },
-            intersection: Times {
-                start: convert("intersection_start", us.intersection_start)?,
-                each: convert("intersection_polygon", us.intersection_polygon)?,
-            },
-            host: HostTimes {
-                ray: convert("host_ray_us", self.host_ray_us)?,
-                hit: convert("host_hit_us", self.host_hit_us)?,
-            },
-        })
+        let kernels = us.kernels(&mut convert)?;
+        let host = HostTimes {
+            ray: convert("host_ray_us", self.host_ray_us)?,
+            hit: convert("host_hit_us", self.host_hit_us)?,
+            filter: convert("host_filter_us", self.host_filter_us.unwrap_or(0.0))?,
+            mask: convert("host_mask_us", self.host_mask_us.unwrap_or(0.0))?,
+        };
+        Ok(KernelTimes { host, ..kernels })
     }
 }

@@ -18,6 +18,10 @@ pub struct HostTimes {
     pub ray: Cycles,
     /// On shading a hit.
     pub hit: Cycles,
+    /// On telling whether a sample of the picture can hit anything.
+    pub filter: Cycles,
+    /// On telling whether a ray meets a sub-volume.
+    pub mask: Cycles,
 }
 
 /// The times of all kernels, and the host's.

@@ -19,11 +19,11 @@ mod topology;
 mod waits;
 
 pub use clock::Clock;
-pub use moment::{Moment, StationMoment};
+pub use moment::{Moment, OpMoment, StationMoment};
 pub use observed::Observed;
 pub use path::{Cause, CriticalPath, PathPart, PathUnit};
 pub use profile::{FifoBin, FifoProfile, Latency, Profile};
-pub use recording::{FifoLevels, JobSpan, Recording, StationRecord, Stretch};
+pub use recording::{FifoLevels, JobSpan, OpSpan, Recording, StationRecord, Stretch, WordsOf};
 pub use snapshot::{At, Doing, Snapshot, What, When};
 pub use so_far::SoFar;
 pub use state::{State, StateId, StateKind, StateTimes, States, Toward};

@@ -1,7 +1,10 @@
 //! A machine at one cycle, as a recording has it.
 
-use super::recording::{FifoLevels, JobSpan, Recording, StationRecord, Stretch};
+use super::recording::{FifoLevels, JobSpan, OpSpan, Recording, StationRecord, Stretch};
+use super::state::StateKind;
+use super::topology::Actor;
 use crate::quantities::{Cycles, Words};
+use crate::seam::OpKind;
 
 /// What the whole machine was at in one cycle. Stations and FIFOs stand in the order of the recording's topology.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,7 +30,55 @@ pub struct StationMoment {
     pub job: Option<JobSpan>,
 }
 
+/// The op that a station, or the host, was at in one cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OpMoment {
+    /// The op, from its start to its end.
+    pub span: OpSpan,
+    /// What of it was done at the end of the cycle: cycles of work, or words moved.
+    pub done: u64,
+    /// How much there is to do; 0 of a wait for an answer.
+    pub of: u64,
+}
+
 impl Recording {
+    /// The op that somebody was at in cycle `at`; `None` outside the cycles of which ops are recorded, and behind the last.
+    pub fn op(&self, actor: Actor, at: Cycles) -> Option<OpMoment> {
+        let record = match actor {
+            Actor::Host => self.host.as_ref()?,
+            Actor::Station(station) => self.stations.get(station)?,
+        };
+        let known = self.window.start <= at && at < self.ops_until;
+        let span = last_until(&record.ops, at, |op| op.from).copied().filter(|op| known && at < op.until)?;
+        let count = u64::from(span.op.count());
+        if let Some(unit) = span.op.unit() {
+            let each = self.units.get(usize::from(unit.0)).map_or(Cycles(0), |unit| unit.cycles);
+            return Some(OpMoment { span, done: at.0 + 1 - span.from.0, of: count * each.0 });
+        }
+        if span.op.kind() == OpKind::Await {
+            return Some(OpMoment { span, done: 0, of: 0 });
+        }
+        let (from, until) = (span.from.max(self.window.start), at + Cycles(1));
+        let states = &record.states[record.states.partition_point(|stretch| stretch.until <= from)..];
+        let moved = states
+            .iter()
+            .take_while(|stretch| stretch.from < until)
+            .filter(|stretch| self.topology.states.is(stretch.state, StateKind::Moves));
+        let moved = moved.map(|stretch| stretch.until.min(until).0 - stretch.from.max(from).0).sum::<u64>();
+        Some(OpMoment { span, done: u64::from(span.before) + moved, of: count })
+    }
+
+    /// Whose words a FIFO held at the end of cycle `at`, the oldest first; `None` outside the window. The FIFO is told by its
+    /// place in the topology.
+    pub fn words(&self, fifo: usize, at: Cycles) -> Option<Vec<Option<u32>>> {
+        let held = self.fifos.get(fifo).filter(|_| self.window.contains(&at))?;
+        let inside_at_first = held.words.iter().map(|words| words.count).sum::<u64>() - held.writes.len() as u64;
+        let until = |times: &[Cycles]| times.partition_point(|&time| time <= at) as u64;
+        let (first, last) = (until(&held.reads), inside_at_first + until(&held.writes));
+        let all = held.words.iter().flat_map(|words| std::iter::repeat_n(words.job, words.count as usize));
+        Some(all.skip(first as usize).take((last - first) as usize).collect())
+    }
+
     /// The machine in cycle `at`; `None` outside the window.
     pub fn moment(&self, at: Cycles) -> Option<Moment> {
         if !self.window.contains(&at) {

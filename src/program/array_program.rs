@@ -1,6 +1,7 @@
 //! The description of an array program: groups of stages (§4.2, §5).
 
 use std::path::Path;
+use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
@@ -49,10 +50,36 @@ pub struct ArrayProgram {
     /// How many rays a cell reads and passes on ahead of the one that it begins. Beyond the paper, where it is 0.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub forward_ahead: u32,
+    /// How the host tells which sub-volumes a ray can meet, which it then says in RAY; cells of the others pass it on, and do no
+    /// more. `None` for the paper's way: all cells start on all rays. Beyond the paper.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub masks: Option<Masks>,
     /// Whether a cell reads the hit of the groups before its own before it begins, and looks for nothing behind that. Beyond the
     /// paper, whose cells read it when they have done their own work.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub bounded_walk: bool,
+}
+
+/// How the host tells which sub-volumes a ray can meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Masks {
+    /// By the sub-volumes' rectangles on the screen: of rays from the eye; any other may meet them all.
+    Rectangles,
+    /// By the sub-volumes' boxes.
+    Boxes,
+}
+
+impl FromStr for Masks {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Masks, String> {
+        match name {
+            "rectangles" => Ok(Masks::Rectangles),
+            "boxes" => Ok(Masks::Boxes),
+            _ => Err(format!("there are no masks by '{name}'; there are: rectangles, boxes")),
+        }
+    }
 }
 
 fn is_zero(number: &u32) -> bool {
@@ -113,6 +140,7 @@ impl ArrayProgram {
             mailbox: false,
             stop_words: None,
             forward_ahead: 0,
+            masks: None,
             bounded_walk: false,
         }
     }

@@ -164,7 +164,7 @@ impl Cut<'_> {
     /// What the cells of a program do for the sample, when the scene is cut into these boxes.
     fn work(&self, program: &ArrayProgram, boxes: &[Bounds]) -> Result<WorkSample, NotLaidOut> {
         let layout = Layout::in_boxes(self.surfaces.clone(), boxes, program.grid_coefficient, self.cancel)?;
-        let workload = Workload::of(Arc::new(layout), program, self.times);
+        let workload = Workload { screening: None, ..Workload::of(Arc::new(layout), program, self.times) };
         let mut work = WorkSample::new(boxes.len(), program.stages.len());
         let mut tracer = Tracer::new(&workload);
         for ray in self.sample {

@@ -3,6 +3,9 @@
 /// RAY, on X: id, origin x y z, direction x y z, t_max.
 pub const RAY_WORDS: u64 = 8;
 
+/// Sub-volumes that a word of a RAY with a mask tells of, a bit each, behind its other words.
+pub const MASK_BITS: u64 = 32;
+
 /// CANDIDATE, on Y: a polygon's index; END, behind the last one, is as long.
 pub const CANDIDATE_WORDS: u64 = 1;
 

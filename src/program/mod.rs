@@ -10,14 +10,15 @@ mod cut;
 pub mod farm;
 pub mod figure7;
 mod layout;
+mod masks;
 pub mod messages;
 mod stop_words;
 mod tracer;
 pub mod work;
 mod workload;
 
-pub use array_program::{ArrayProgram, Kernel, Stages};
+pub use array_program::{ArrayProgram, Kernel, Masks, Stages};
 pub use cut::sub_sample;
 pub use layout::{Layout, NotLaidOut, Surfaces};
-pub use tracer::{Counts, Tracer, send_ray};
+pub use tracer::{Counts, GroupVisit, Said, Test, Tracer, Visit, VoxelVisit};
 pub use workload::{CellMemory, Workload};

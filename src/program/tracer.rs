@@ -3,11 +3,15 @@
 //! `RayInGroup` has the six steps that a group of cells takes for a ray, in the order and with the numbers of docs/machine.md.
 //! The paper's P1, P2 and P3 (§4.2, figure 5) are `walk`, `slabs_test` and `intersection_test` in the third of them.
 
+mod visit;
+
 use std::ops::ControlFlow;
 
 use bitvec::vec::BitVec;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+
+pub use visit::{GroupVisit, Said, Test, Visit, VoxelVisit};
 
 use crate::geometry::partition::Weight;
 use crate::geometry::{Hit, Ray, RaySlabs};
@@ -17,11 +21,9 @@ use crate::seam::{Costs, OpBatch, OpKind, OpStream, Unit};
 
 use super::cells::ProgramTracer;
 use super::layout::{Group, Surfaces};
-use super::messages::{CANDIDATE_WORDS, HIT_WORDS, RAY_WORDS};
+use super::messages::{CANDIDATE_WORDS, HIT_WORDS};
 use super::stop_words::Stopping;
-use super::work::{
-    GRID_START, GRID_VOXEL, HOST_RAY, INTERSECTION_POLYGON, INTERSECTION_START, SLABS_POLYGON, SLABS_START,
-};
+use super::work::{GRID_START, GRID_VOXEL, INTERSECTION_POLYGON, INTERSECTION_START, SLABS_POLYGON, SLABS_START};
 use super::workload::Workload;
 
 /// How often the kernels did their work, over all cells.
@@ -95,10 +97,14 @@ struct Mailbox {
 impl<'a> Tracer<'a> {
     /// A tracer that has counted nothing yet.
     pub fn new(workload: &'a Workload) -> Tracer<'a> {
-        let polygons = if workload.program.mailbox { workload.polygons().len() } else { 0 };
-        let mailbox = Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() };
+        let mailbox = Mailbox::of(workload);
         let programs = workload.programs.as_ref().map(|cells| ProgramTracer::new(cells, workload.polygons().len()));
         Tracer { workload, mailbox, programs, counts: Counts::default(), fault: None }
+    }
+
+    /// What the rays are traced through.
+    pub fn workload(&self) -> &'a Workload {
+        self.workload
     }
 
     /// Instructions that cells with programs have executed.
@@ -109,7 +115,7 @@ impl<'a> Tracer<'a> {
     /// Traces ray number `id` of `count` rays that the host sends without waiting for hits: adds a line to the host's and
     /// to every cell's ops, and returns the first hit.
     pub fn trace(&mut self, id: u32, count: usize, ray: &Ray, batch: &mut OpBatch) -> Hit {
-        send_ray(&mut batch.host, id);
+        self.workload.send_ray(&mut batch.host, id, self.workload.mask_tests(ray));
         let ahead = self.workload.program.forward_ahead as u64;
         let known_before = if id == 0 { 0 } else { id as u64 + ahead };
         let passed_on = (id as u64 + 1 + ahead).min(count as u64).saturating_sub(known_before);
@@ -148,9 +154,11 @@ impl<'a> Tracer<'a> {
             if bounded && index > 0 {
                 in_group.read_earlier_hit();
             }
-            in_group.start_kernels();
-            in_group.take_candidates(group, &mut self.mailbox, &mut self.counts);
-            in_group.end_candidates();
+            if self.workload.admits(ray, index) {
+                in_group.start_kernels();
+                in_group.take_candidates(group, &mut self.mailbox, &mut self.counts);
+                in_group.end_candidates();
+            }
             if !bounded && index > 0 {
                 in_group.read_earlier_hit();
             }
@@ -197,13 +205,6 @@ impl<'a> Tracer<'a> {
 fn cycles(ops: &OpStream, costs: &Costs) -> Cycles {
     let work = ops.ops().iter().filter_map(|op| Some(Cycles(costs.of(op.unit()?).0 * op.count() as u64)));
     work.sum()
-}
-
-/// Ends the host's line with the ray: the host's work on it, then its words.
-pub fn send_ray(host: &mut OpStream, id: u32) {
-    host.push(OpKind::Work(HOST_RAY), 1);
-    host.push(OpKind::WriteX, RAY_WORDS);
-    host.end_line(id);
 }
 
 /// Which kernels have been entered, and their start paid, for a ray.
@@ -256,7 +257,7 @@ impl<'a> RayInGroup<'a> {
     /// one further on: several at first, none at the end.
     fn read_ray(&mut self, passed_on: u64) {
         if passed_on > 0 {
-            self.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, passed_on * RAY_WORDS));
+            self.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, passed_on * self.workload.ray_words()));
         }
     }
 
@@ -430,6 +431,12 @@ impl<'a> RayInGroup<'a> {
 }
 
 impl Mailbox {
+    /// An empty one, for the polygons of a workload that has mailboxes.
+    fn of(workload: &Workload) -> Mailbox {
+        let polygons = if workload.program.mailbox { workload.polygons().len() } else { 0 };
+        Mailbox { seen: BitVec::repeat(false, polygons), marked: Vec::new() }
+    }
+
     /// Marks a polygon; false if it was marked before.
     fn mark(&mut self, polygon: u32) -> bool {
         let new = !self.seen.replace(polygon as usize, true);

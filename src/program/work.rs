@@ -35,6 +35,11 @@ pub const HOST_RAY: Unit = Unit(6);
 /// What the host does to shade a hit.
 pub const HOST_HIT: Unit = Unit(7);
 
+/// What the host does to tell whether a sample of the picture can hit anything.
+pub const HOST_FILTER: Unit = Unit(8);
+/// What the host does to tell whether a ray meets a sub-volume.
+pub const HOST_MASK: Unit = Unit(9);
+
 /// The units of cells that take Figure 7's times and of the host: code, name, activity.
 const TIMED: [(&str, &str, Activity); FIRST_UNIT as usize] = [
     ("gs", "grid_start", GRID),
@@ -45,6 +50,8 @@ const TIMED: [(&str, &str, Activity); FIRST_UNIT as usize] = [
     ("np", "intersection_polygon", INTERSECTION),
     ("hr", "host_ray", OTHER),
     ("hh", "host_hit", OTHER),
+    ("hf", "host_filter", OTHER),
+    ("hm", "host_mask", OTHER),
 ];
 
 /// The activities' letters in activity traces.
@@ -54,18 +61,31 @@ const LETTERS: [char; KERNELS.len()] = ['g', 's', 'n', 'c'];
 const CLASS_CODES: [&str; Class::ALL.len()] =
     ["int", "mul", "div", "load", "stor", "fadd", "fmul", "fdiv", "fcmp", "bra"];
 
-/// The units of work of an array: those of Figure 7, and instructions too if the cells run programs.
+/// The units of work of an array: those of Figure 7, and instructions too if the cells run programs. Its host sends each ray to all
+/// cells.
 pub fn vocabulary(runs_programs: bool) -> Arc<Vocabulary> {
+    vocabulary_with(runs_programs, &[])
+}
+
+/// The same of a host that does more than send and shade: [`HOST_FILTER`], [`HOST_MASK`].
+pub fn vocabulary_with(runs_programs: bool, more: &[Unit]) -> Arc<Vocabulary> {
     let timed = TIMED.iter().map(|&(code, name, activity)| (code.to_owned(), name, activity));
     let instructions = LETTERS.iter().zip(0..).flat_map(|(letter, activity)| {
         let code = move |code: &str| format!("{letter}{code}");
         Class::ALL.iter().zip(CLASS_CODES).map(move |(class, add)| (code(add), class.name(), Activity(activity)))
     });
     let units = timed.chain(instructions.filter(|_| runs_programs));
-    let unit = |(code, name, activity): (String, &str, Activity)| UnitOfWork { code, name: name.to_owned(), activity };
+    let used =
+        |place: usize| ![HOST_FILTER, HOST_MASK].contains(&Unit(place as u8)) || more.contains(&Unit(place as u8));
+    let unit = |(place, (code, name, activity)): (usize, (String, &str, Activity))| UnitOfWork {
+        code,
+        name: name.to_owned(),
+        activity,
+        used: used(place),
+    };
     Arc::new(Vocabulary {
         activities: LETTERS.into_iter().zip(KERNELS.map(str::to_owned)).collect(),
-        units: units.map(unit).collect(),
+        units: units.enumerate().map(unit).collect(),
         answer_words: messages::HIT_WORDS,
     })
 }
@@ -91,6 +111,8 @@ pub fn price(name: &str, times: &KernelTimes, instructions: Option<&InstructionC
         "intersection_polygon" => Some(times.intersection.each),
         "host_ray" => Some(times.host.ray),
         "host_hit" => Some(times.host.hit),
+        "host_filter" => Some(times.host.filter),
+        "host_mask" => Some(times.host.mask),
         _ => instruction(),
     }
 }

@@ -3,16 +3,19 @@
 use std::sync::Arc;
 
 use crate::error::InputError;
-use crate::geometry::{Grid, Polygons, slabs};
+use crate::geometry::{Grid, Polygons, Ray, slabs};
+use crate::isa::Executable;
 use crate::machine::{FifoName, HostTimes, KernelTimes, MachineSpec};
 use crate::measure::Actor;
 use crate::quantities::Words;
-use crate::seam::{Channel, Costs, OpBatch};
+use crate::scene::Camera;
+use crate::seam::{Channel, Costs, OpBatch, OpKind, OpStream, Unit};
 
 use super::array_program::{ArrayProgram, Kernel, Stages};
-use super::cells::{CellOptions, CellPrograms};
+use super::cells::{CellOptions, CellPrograms, InstructionStep, ProgramTracer};
 use super::layout::Layout;
-use super::messages::RAY_WORDS;
+use super::masks::Screening;
+use super::messages::{MASK_BITS, RAY_WORDS};
 use super::stop_words::StopWords;
 use super::work;
 
@@ -29,6 +32,10 @@ pub struct Workload {
     pub(super) program: ArrayProgram,
     /// The cells' programs, if they run any instead of Figure 7's times.
     pub(super) programs: Option<CellPrograms>,
+    /// What tells the host which sub-volumes rays can meet, if it tells them.
+    pub(super) screening: Option<Screening>,
+    /// If the host tests samples before it sends their rays, how many for each ray of a run, its own the last of them.
+    pub(super) tested: Option<Arc<Vec<u32>>>,
 }
 
 /// What a cell's memory holds, in words.
@@ -64,7 +71,60 @@ impl Workload {
             stop_words: program.stop_words.map(|ahead| StopWords { ahead, last: program.stages.len() - 1 }),
             program: program.clone(),
             programs: None,
+            screening: program.masks.map(Screening::new),
+            tested: None,
         }
+        .priced()
+    }
+
+    /// The same for rays from a camera's eye: masks by rectangles are those that it sees. Without a camera they let all rays meet all
+    /// sub-volumes.
+    pub fn seen_by(self, camera: &Camera) -> Workload {
+        let screening = self.screening.map(|screening| screening.seen_by(camera, &self.layout));
+        Workload { screening, ..self }
+    }
+
+    /// The same for a host that tests samples before it sends their rays: so many for each ray of a run, its own the last of them. For
+    /// an image, whose host finds that out by itself, none.
+    pub fn with_samples_tested(self, tested: Arc<Vec<u32>>) -> Workload {
+        Workload { tested: Some(tested), ..self }.priced()
+    }
+
+    /// The same with the prices of what is done.
+    fn priced(self) -> Workload {
+        let host = [(self.tested.is_some(), work::HOST_FILTER), (self.screening.is_some(), work::HOST_MASK)];
+        let more: Vec<Unit> = host.into_iter().filter(|(is_done, _)| *is_done).map(|(_, unit)| unit).collect();
+        let instructions = self.programs.as_ref().map(|programs| programs.options.cycles);
+        let vocabulary = work::vocabulary_with(instructions.is_some(), &more);
+        Workload { costs: work::costs(&vocabulary, &self.times, instructions.as_ref()), ..self }
+    }
+
+    /// Words of a RAY.
+    pub(super) fn ray_words(&self) -> u64 {
+        RAY_WORDS + self.screening.as_ref().map_or(0, |_| (self.groups() as u64).div_ceil(MASK_BITS))
+    }
+
+    /// Against how many sub-volumes the host tests a ray, to tell it which it can meet.
+    pub fn mask_tests(&self, ray: &Ray) -> u64 {
+        self.screening.as_ref().map_or(0, |screening| screening.tests(ray, self.groups()))
+    }
+
+    /// Whether a ray can meet a group's sub-volume, as far as it is told.
+    pub(super) fn admits(&self, ray: &Ray, group: usize) -> bool {
+        self.screening.as_ref().is_none_or(|screening| screening.admits(ray, &self.layout, group))
+    }
+
+    /// Ends the host's line with ray number `id`: the host's work on it, then its words.
+    pub fn send_ray(&self, host: &mut OpStream, id: u32, mask_tests: u64) {
+        if let Some(&tested) = self.tested.as_ref().and_then(|tested| tested.get(id as usize)) {
+            host.push(OpKind::Work(work::HOST_FILTER), tested.into());
+        }
+        host.push(OpKind::Work(work::HOST_RAY), 1);
+        if mask_tests > 0 {
+            host.push(OpKind::Work(work::HOST_MASK), mask_tests);
+        }
+        host.push(OpKind::WriteX, self.ray_words());
+        host.end_line(id);
     }
 
     /// Lets the cells run programs instead of taking Figure 7's times: assembles them and loads every cell's memory.
@@ -72,19 +132,34 @@ impl Workload {
     /// Fails if a program has a mistake, or wants something of the loader that it does not have; or if the array program
     /// goes beyond the paper.
     pub fn with_programs(self, options: &CellOptions) -> Result<Workload, InputError> {
-        if self.stop_words.is_some() || self.program.forward_ahead > 0 {
-            let what = if self.stop_words.is_some() { "stop words" } else { "rays forwarded ahead" };
+        let beyond = [
+            (self.stop_words.is_some(), "stop words"),
+            (self.program.forward_ahead > 0, "rays forwarded ahead"),
+            (self.screening.is_some(), "masks"),
+        ];
+        if let Some((_, what)) = beyond.into_iter().find(|(is_asked, _)| *is_asked) {
             let error = InputError::new(format!("the cells' programs know nothing of {what}"));
             return Err(error.help("leave them out, or let the cells run timings"));
         }
         let programs = CellPrograms::new(&self.layout, &self.program, options)?;
-        let costs = work::costs(&work::vocabulary(true), &self.times, Some(&options.cycles));
-        Ok(Workload { programs: Some(programs), costs, ..self })
+        Ok(Workload { programs: Some(programs), ..self }.priced())
     }
 
     /// How the cells run programs, if they do.
     pub fn cell_options(&self) -> Option<&CellOptions> {
         self.programs.as_ref().map(|programs| &programs.options)
+    }
+
+    /// The program of a cell, if cells run programs.
+    pub fn executable(&self, cell: usize) -> Option<&Executable> {
+        self.programs.as_ref().filter(|_| cell < self.cells()).map(|programs| programs.executable(cell))
+    }
+
+    /// The instructions that a cell executes for ray number `id`, one after the other, as far as `most`. None at all if cells run no
+    /// programs.
+    pub fn instructions(&self, cell: usize, id: u32, ray: &Ray, most: usize) -> Vec<InstructionStep> {
+        let tracer = self.programs.as_ref().map(|programs| ProgramTracer::new(programs, self.polygons().len()));
+        tracer.map_or(Vec::new(), |mut tracer| tracer.steps(cell, id, ray, most))
     }
 
     /// What units of work cost on the machine that it was laid out for. The ops do not depend on it.
@@ -136,7 +211,7 @@ impl Workload {
             slabs: words(Kernel::Slabs, slabs::WORDS * group.members.len() as u64),
             polygons: words(Kernel::Intersection, self.polygons().memory_words(&group.members)),
             program: Words(0),
-            rays: Words(RAY_WORDS * self.program.forward_ahead as u64),
+            rays: Words(self.ray_words() * self.program.forward_ahead as u64),
         };
         if let Some(programs) = &self.programs {
             memory.program = Words(programs.words(cell).0 - memory.total().0);

@@ -1,21 +1,24 @@
 //! What people read of a run: what ran, on what machine, how fast, and where the time went.
 
+use std::path::Path;
+
 use super::bottleneck;
 use super::kinds::{self, RaysByKind};
 use super::losses::Losses;
 use super::moment;
 use super::plot::Caption;
 use super::prediction::{self, Row};
-use super::stats::{self, Configuration};
+use super::stats::{self, Configuration, Counted};
 use super::summary::{self, grouped};
 use super::why;
 use crate::error::InputError;
 use crate::host::color_table::{Color, ColorError, ColorTable, Palette};
 use crate::host::order::Order;
+use crate::host::shading::RayKind;
 use crate::machine::{Machine, MachineSpec};
 use crate::measure::{Actor, Clock, CriticalPath, Measured, Observed};
 use crate::program::{Kernel, Workload};
-use crate::run::{Forecast, Outcome, Rendered, Replay, RunSpec, Setup, Timing};
+use crate::run::{Forecast, KindCounts, Outcome, Rendered, Replay, RunSpec, Setup, Timing};
 use crate::scene::Scene;
 
 /// What runs, in one line: a run of primary rays.
@@ -91,10 +94,11 @@ pub fn head(setup: &Setup, outcome: &Outcome) -> String {
     let Setup { machine, prepared, workload, .. } = setup;
     let (spec, rays) = (&machine.spec, prepared.rays.len());
     let hits = outcome.counts.hits;
-    let mut lines = vec![
-        title(setup),
-        machine_line(spec),
-        summary::speed(&outcome.stats, spec.clock()),
+    let mut lines = vec![title(setup), machine_line(spec), summary::speed(&outcome.stats, spec.clock())];
+    if prepared.screen.is_some() {
+        lines.push(samples_line(prepared.count() as u64, rays as u64, hits));
+    }
+    lines.extend([
         format!(
             "{} rays hit ({:.1} %); {} voxels, {} slabs tests and {} intersection tests a ray",
             grouped(hits),
@@ -103,8 +107,8 @@ pub fn head(setup: &Setup, outcome: &Outcome) -> String {
             per_ray(outcome.counts.slab_tests, rays),
             per_ray(outcome.counts.intersection_tests, rays),
         ),
-    ];
-    lines.push(memory_line(workload) + "\n");
+        memory_line(workload) + "\n",
+    ]);
     summary::prose(&lines.join("\n"))
 }
 
@@ -157,9 +161,27 @@ pub fn moment_text(
     Ok(format!("{head}\n{}", moment::text(path, snapshot, actor, clock)))
 }
 
+/// Of how many samples rays were sent, and of how many of these hit.
+fn samples_line(samples: u64, sent: u64, hits: u64) -> String {
+    let share = 100.0 * sent as f64 / samples.max(1) as f64;
+    format!("{} samples, {} sent ({share:.1} %), of these {} hit", grouped(samples), grouped(sent), grouped(hits))
+}
+
+/// What an image's samples came to, if they were not all alike.
+fn sampling_lines(setup: &Setup, rendered: &Rendered) -> String {
+    let KindCounts { rays, hits, .. } = rendered.kinds[RayKind::Primary as usize];
+    let sent = setup.prepared.screen.is_some().then(|| samples_line(rendered.samples, rays, hits));
+    let refined = setup.image().adaptive.then(|| {
+        let (refined, pixels) = (rendered.refined.len(), rendered.pixels.len());
+        let share = 100.0 * refined as f64 / pixels.max(1) as f64;
+        format!("{} of {} pixels oversampled ({share:.1} %)", grouped(refined as u64), grouped(pixels as u64))
+    });
+    sent.into_iter().chain(refined).map(|line| format!("\n{line}")).collect()
+}
+
 /// What people read of a whole image.
 pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -> String {
-    let title = summary::prose(&image_title(setup, rendered));
+    let title = summary::prose(&(image_title(setup, rendered) + &sampling_lines(setup, rendered)));
     let Some(timing) = &rendered.timing else {
         return format!("{title}\n\n{}\n", kinds::kinds(&rendered.kinds, None));
     };
@@ -176,6 +198,15 @@ pub fn image_text(setup: &Setup, rendered: &Rendered, losses: Option<&Losses>) -
         format!("{}\n{why}", summary::prose(&verdict(stats, losses, spec.clock()))),
     ]
     .join("\n")
+}
+
+/// How far a picture is off from the one in a file, in one line.
+pub fn difference_line(error: &ColorError, truth: &Path) -> String {
+    let ColorError { mean_square, largest } = error;
+    summary::prose(&format!(
+        "off from {} by {largest:.1} of 255 at most, mean square {mean_square:.3} a pixel\n\n",
+        truth.display()
+    ))
 }
 
 /// How far a picture of few colours is off, in one line.
@@ -236,7 +267,12 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
 pub fn stats_json(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> serde_json::Result<String> {
     let configuration = Configuration::new(setup);
     let seen = (&outcome.stats, outcome.observed.path.as_ref());
-    stats::to_json(seen, setup.machine.spec.clock(), losses, Some(&outcome.counts), &configuration)
+    let counted = Counted {
+        counts: Some(&outcome.counts),
+        samples: setup.prepared.screen.as_ref().map(|_| setup.prepared.count() as u64),
+        ..Counted::default()
+    };
+    stats::to_json(seen, setup.machine.spec.clock(), losses, counted, &configuration)
 }
 
 /// The statistics of a whole image that was timed, as JSON.
@@ -249,7 +285,13 @@ pub fn image_stats_json(
     let configuration = Configuration::new(setup);
     let kinds = RaysByKind::new(&rendered.kinds, timing);
     let seen = (&timing.stats, timing.observed.path.as_ref());
-    stats::image_to_json(seen, setup.machine.spec.clock(), losses, (&rendered.counts, &kinds), &configuration)
+    let counted = Counted {
+        counts: Some(&rendered.counts),
+        kinds: Some(&kinds),
+        samples: setup.prepared.screen.as_ref().map(|_| rendered.samples),
+        refined_pixels: setup.image().adaptive.then_some(rendered.refined.len() as u64),
+    };
+    stats::to_json(seen, setup.machine.spec.clock(), losses, counted, &configuration)
 }
 
 /// The statistics of a replay, as JSON.
@@ -259,7 +301,7 @@ pub fn replay_stats_json(
     losses: Option<&Losses>,
 ) -> serde_json::Result<String> {
     let configuration = Configuration::Replay(Box::new(replay.spec.clone()));
-    stats::to_json(seen, replay.machine.spec.clock(), losses, None, &configuration)
+    stats::to_json(seen, replay.machine.spec.clock(), losses, Counted::default(), &configuration)
 }
 
 /// What limits the machine, and where it is worth a word, to what it loses its time.

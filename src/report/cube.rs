@@ -4,14 +4,14 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::bottleneck;
-use super::plot::Caption;
+use super::plot::{Caption, RegionMap};
 use super::stats::{Configuration, station};
 use super::summary::{self, Rows, grouped, percent, time};
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::measure::{Clock, StateTimes};
 use crate::program::cube::{MessageKind, Phases};
-use crate::run::{CubeMode, CubeOutcome, CubeScene, CubeSetup, CubeSpec, FlowKind};
+use crate::run::{CubeMode, CubeOutcome, CubeScene, CubeSetup, CubeSpec, Distribution, FlowKind, Grant, Grids};
 
 /// The time of all nodes, by what it went to: they add up to the nodes' number times the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,7 +41,8 @@ impl Losses {
         let of = |names: &[&str]| states.sum(&all, |state| names.contains(&state.name.as_str()));
         let work = of(&["grid", "slabs", "intersection", "shading", "pixels"]);
         Losses {
-            one_node: outcome.one_node,
+            // With grids of their own regions can have less work than one node.
+            one_node: outcome.one_node.min(work),
             regions: Cycles(work.0.saturating_sub(outcome.one_node.0)),
             messages: of(&["sending", "receiving"]),
             pages: of(&["lookup", "serving", "waiting page"]),
@@ -84,14 +85,24 @@ pub fn text(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
     let mut lines = vec![
         title(setup),
         machine_line(&setup.spec),
-        shares(setup),
+        shares(setup, outcome),
         phases(&outcome.phases, clock),
         summary::speed(&outcome.stats, clock),
         gain(outcome, clock),
     ];
     lines.extend(queues(setup, outcome));
     let parts = [losses(outcome), messages(outcome, clock), summary::cells(&outcome.stats, &[])];
-    format!("{}\n\n{}\n{}\n", lines.join("\n"), parts.join("\n"), sentence(setup, outcome))
+    let (head, verdict) = (summary::prose(&lines.join("\n")), summary::prose(&sentence(setup, outcome)));
+    format!("{head}\n\n{}\n{verdict}\n", parts.join("\n"))
+}
+
+/// The regions, if the nodes have any.
+pub fn region_map<'a>(setup: &'a CubeSetup, outcome: &'a CubeOutcome) -> Option<RegionMap<'a>> {
+    setup.spec.regions?;
+    let cut = &setup.scene.cut;
+    let cells = (cut.regions.plane().size(), cut.cells.as_slice());
+    let (rectangles, sent) = (cut.regions.rectangles(), outcome.seen.sent.as_slice());
+    Some(RegionMap { cells, rectangles, node_of: &outcome.node_of, sent })
 }
 
 /// What runs, and on what machine.
@@ -124,25 +135,33 @@ fn machine_line(spec: &CubeSpec) -> String {
 }
 
 /// How the work is shared, in one line.
-fn shares(setup: &CubeSetup) -> String {
+fn shares(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
     let CubeSetup { spec, scene, .. } = setup;
     let Some(regions) = &spec.regions else {
         let uses = scene.graph.pages.as_ref();
         let (pages, bytes) = uses.map_or((0, 0), |uses| (uses.pages, uses.page_bytes));
-        return format!("shared out: {} pages of {bytes} bytes; lines of pixels in turn", grouped(pages.into()));
+        let pixels = match setup.spec.distribution {
+            Distribution::Lines => "lines of pixels in turn",
+            Distribution::Tiles => "tiles of 8 x 8 pixels as nodes ask for them",
+        };
+        return format!("shared out: {} pages of {bytes} bytes; {pixels}", grouped(pages.into()));
     };
     let [across, down] = scene.cut.regions.plane().size();
     let flow = match regions.flow {
         FlowKind::Unlimited => "unlimited queues".to_owned(),
-        FlowKind::Block => format!("queues of {} rays that block", regions.queue_rays.unwrap_or(0)),
+        FlowKind::Block => format!("queues of {} rays that block", outcome.slots.unwrap_or(0)),
         FlowKind::Window => format!("{} pixels under way", regions.window.unwrap_or(0)),
-        FlowKind::Classes => format!("{} slots by rank", regions.queue_rays.unwrap_or(0)),
+        FlowKind::Classes => {
+            let how = if regions.grant == Grant::Handshake { ", asked for" } else { "" };
+            format!("{} slots by rank{how}", outcome.slots.unwrap_or(0))
+        }
     };
     format!(
-        "shared out: {} x {} cells by {} sampled pixels; mapping {}; {flow}; termination by {}",
+        "shared out: {} x {} cells by {} sampled pixels; {}mapping {}; {flow}; termination by {}",
         across,
         down,
         grouped(scene.cut.sampled as u64),
+        if regions.grids == Grids::Own { "grids of their own; " } else { "" },
         regions.mapping.name(),
         regions.termination.name(),
     )

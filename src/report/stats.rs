@@ -86,6 +86,10 @@ struct Report<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     counts: Option<CountsJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refined_pixels: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     rays_by_kind: Option<&'a RaysByKind>,
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -143,33 +147,25 @@ impl<'a> Fifo<'a> {
     }
 }
 
-/// The statistics of a run as indented JSON. A replay has no counts.
+/// What was counted on a run's rays. A replay has none of it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counted<'a> {
+    /// How often the kernels did their work.
+    pub counts: Option<&'a Counts>,
+    /// An image's rays by kind.
+    pub kinds: Option<&'a RaysByKind>,
+    /// How many samples were taken, where not all of them had a ray.
+    pub samples: Option<u64>,
+    /// Of how many pixels there were more samples, where adaptive sampling says which.
+    pub refined_pixels: Option<u64>,
+}
+
+/// The statistics of a run as indented JSON.
 pub fn to_json(
-    seen: (&Measured, Option<&CriticalPath>),
-    clock: Clock,
-    losses: Option<&Losses>,
-    counts: Option<&Counts>,
-    configuration: &Configuration,
-) -> serde_json::Result<String> {
-    json(seen, clock, losses, (counts, None), configuration)
-}
-
-/// The same for an image, with its rays by kind.
-pub fn image_to_json(
-    seen: (&Measured, Option<&CriticalPath>),
-    clock: Clock,
-    losses: Option<&Losses>,
-    (counts, kinds): (&Counts, &RaysByKind),
-    configuration: &Configuration,
-) -> serde_json::Result<String> {
-    json(seen, clock, losses, (Some(counts), Some(kinds)), configuration)
-}
-
-fn json(
     (run, path): (&Measured, Option<&CriticalPath>),
     clock: Clock,
     losses: Option<&Losses>,
-    (counts, rays_by_kind): (Option<&Counts>, Option<&RaysByKind>),
+    counted: Counted<'_>,
     configuration: &Configuration,
 ) -> serde_json::Result<String> {
     let seconds = clock.seconds(run.cycles);
@@ -181,13 +177,15 @@ fn json(
         rays_per_second: if seconds > 0.0 { run.jobs as f64 / seconds } else { 0.0 },
         cells: run.stations.iter().map(|times| station(run, times)).collect(),
         fifos: fifos.map(|(info, stats)| Fifo::new(info, stats, run)).collect(),
-        counts: counts.map(|counts| CountsJson {
+        counts: counted.counts.map(|counts| CountsJson {
             voxels: counts.voxels,
             slab_tests: counts.slab_tests,
             intersection_tests: counts.intersection_tests,
             hits: counts.hits,
         }),
-        rays_by_kind,
+        samples: counted.samples,
+        refined_pixels: counted.refined_pixels,
+        rays_by_kind: counted.kinds,
         bottleneck: bottleneck::sentence(run),
         losses,
         why: path.map(PathJson::new),

@@ -5,11 +5,12 @@
 //! 1. takes the hits that have come back by now, in order, and spends its time on each one that is shaded; then the rays
 //!    that the hit asks for may be sent;
 //! 2. sends one ray that may be sent, chosen by its [`Policy`], after spending its time on it; or waits for the next
-//!    hit, if there is no such ray or the limit on rays in flight is reached.
+//!    hit, if there is no such ray or the limit on rays in flight is reached. Where it tells by rectangles which samples can hit
+//!    anything, it spends its time on each before it begins it, and passes over those that cannot, one at a time.
 //!
 //! A sample that adaptive sampling adds may be begun once the hits that asked for it have come back, as early as that:
 //! while the last rays of the first pass are still under way. Samples are begun in order, and hits come back in the order
-//! of their rays, so that one number says which samples' first hits are known.
+//! of their rays, so that one number says which samples' first hits are known: all before the first one whose is still under way.
 //!
 //! Each ray is handed to the array by itself and its return worked out before the next choice, so that the host knows of
 //! just those hits that have come back on its clock. Its choices are written as ops (`a`, `c`, `w`): the trace that they
@@ -22,8 +23,8 @@ use crate::geometry::Hit;
 use crate::host::policy::{HostRules, Policy};
 use crate::host::shading::RayKind;
 use crate::machine::{Array, Cycles, HostTimes, Stuck};
-use crate::program::work::HOST_HIT;
-use crate::program::{Workload, send_ray};
+use crate::program::Workload;
+use crate::program::work::{HOST_FILTER, HOST_HIT};
 use crate::seam::{BatchError, OpBatch, OpKind, OpStream};
 
 /// A ray: its batch, counted from the start of the run, and its number in it.
@@ -42,9 +43,20 @@ struct Begun {
     trees_left: usize,
 }
 
+/// What the host does next.
+enum Next {
+    /// It sends a ray, with a hit that it had to wait for, if it had to.
+    Send(RayPlace, Option<u64>),
+    /// It passes over a sample that can hit nothing.
+    PassOver,
+}
+
 /// The host at work.
-pub(super) struct ClosedLoop {
+pub(super) struct ClosedLoop<'a> {
     array: Array,
+    workload: &'a Workload,
+    /// Whether it tests samples before it begins them.
+    tests_samples: bool,
     cells: usize,
     /// What the cells do before the first ray, until it is sent.
     opening: Option<OpBatch>,
@@ -65,19 +77,24 @@ pub(super) struct ClosedLoop {
     /// The next sample to begin: its batch, and its number in it.
     next: (usize, usize),
     open: usize,
-    /// How many samples' primary rays have come back, and the number of the last one's hit.
-    known: usize,
-    last_known: u64,
+    /// How many samples it has begun, those among them that it has passed over.
+    begun: usize,
+    /// The numbers of the samples whose primary rays are under way.
+    awaited: VecDeque<usize>,
+    /// The number of the last hit of a primary ray that has come back.
+    last_known: Option<u64>,
     /// For each kind, every ray's latency in cycles.
     pub latencies: ByKind<Vec<u64>>,
 }
 
-impl ClosedLoop {
-    /// The host of an array for a workload.
-    pub fn new(array: Array, workload: &Workload, rules: HostRules) -> ClosedLoop {
+impl<'a> ClosedLoop<'a> {
+    /// The host of an array for a workload, which may test samples before it begins them.
+    pub fn new(array: Array, workload: &'a Workload, rules: HostRules, tests_samples: bool) -> ClosedLoop<'a> {
         let cells = workload.cells();
         ClosedLoop {
             array: array.noting_departures(),
+            workload,
+            tests_samples,
             cells,
             opening: Some(workload.opening()),
             rules,
@@ -93,8 +110,9 @@ impl ClosedLoop {
             spare: Vec::new(),
             next: (0, 0),
             open: 0,
-            known: 0,
-            last_known: 0,
+            begun: 0,
+            awaited: VecDeque::new(),
+            last_known: None,
             latencies: Default::default(),
         }
     }
@@ -143,7 +161,8 @@ impl ClosedLoop {
         self.take_returned();
         let may_send = self.rules.in_flight.is_none_or(|most| (self.in_flight.len() as u64) < most);
         match may_send.then(|| self.choose()).flatten() {
-            Some((place, parent)) => self.send(place, parent, observe),
+            Some(Next::Send(place, parent)) => self.send(place, parent, observe),
+            Some(Next::PassOver) => Ok(()),
             None if self.open == 0 || self.wait() => Ok(()),
             None => Err(self.array.stuck().into()),
         }
@@ -159,8 +178,8 @@ impl ClosedLoop {
             let ray = begun.trees.rays[place.ray as usize];
             self.latencies[ray.kind as usize].extend(self.array.next_latency(returned).map(|latency| latency.0));
             if ray.kind == RayKind::Primary {
-                self.known += 1;
-                self.last_known = message;
+                self.awaited.pop_front();
+                self.last_known = Some(message);
             }
             begun.left[ray.tree as usize] -= 1;
             if begun.left[ray.tree as usize] == 0 {
@@ -183,17 +202,21 @@ impl ClosedLoop {
         }
     }
 
-    /// The ray to send next, with a hit that it had to wait for, if it had to.
-    fn choose(&mut self) -> Option<(RayPlace, Option<u64>)> {
+    /// How many samples from the first one on have primary rays that have come back, or none.
+    fn known(&self) -> usize {
+        self.awaited.front().copied().unwrap_or(self.begun)
+    }
+
+    fn choose(&mut self) -> Option<Next> {
         match self.rules.policy {
             Policy::SecondariesFirst => self.next_ready().or_else(|| self.begin_sample()),
             Policy::PrimariesFirst | Policy::ByGeneration => self.begin_sample().or_else(|| self.next_ready()),
         }
     }
 
-    fn next_ready(&mut self) -> Option<(RayPlace, Option<u64>)> {
+    fn next_ready(&mut self) -> Option<Next> {
         let (place, parent) = self.ready.iter_mut().find_map(VecDeque::pop_front)?;
-        Some((place, Some(parent)))
+        Some(Next::Send(place, Some(parent)))
     }
 
     /// The next sample that is known: its batch, and its number in it.
@@ -206,17 +229,28 @@ impl ClosedLoop {
         }
     }
 
-    fn begin_sample(&mut self) -> Option<(RayPlace, Option<u64>)> {
+    fn begin_sample(&mut self) -> Option<Next> {
         let (batch, tree) = self.next_sample().filter(|_| self.open < self.rules.open_samples)?;
         let trees = &self.batches[batch - self.dropped].trees;
         let decided_by = trees.decided_by[tree];
-        if self.known < decided_by {
+        if self.known() < decided_by {
             return None;
         }
-        let ray = trees.tree(tree).start;
+        let rays = trees.tree(tree);
         self.next = (batch, tree + 1);
+        if self.tests_samples {
+            self.ops.push(OpKind::Work(HOST_FILTER), 1);
+            self.clock += self.times.filter.0;
+        }
+        self.begun += 1;
+        if rays.is_empty() {
+            self.batches[batch - self.dropped].trees_left -= 1;
+            return Some(Next::PassOver);
+        }
+        self.awaited.push_back(self.begun - 1);
         self.open += 1;
-        Some((RayPlace { batch, ray }, (decided_by > 0).then_some(self.last_known)))
+        let parent = self.last_known.filter(|_| decided_by > 0);
+        Some(Next::Send(RayPlace { batch, ray: rays.start }, parent))
     }
 
     fn send<E: From<Stuck> + From<BatchError>>(
@@ -230,8 +264,8 @@ impl ClosedLoop {
         let trees = &self.batches[place.batch - self.dropped].trees;
         // What cannot be waited for any more costs nothing; it ties the ray to its parent under other machines too.
         parent.into_iter().for_each(|message| self.ops.push(OpKind::Await, message));
-        let id = self.sent as u32;
-        send_ray(&mut self.ops, id);
+        let (id, mask_tests) = (self.sent as u32, trees.rays[place.ray as usize].mask_tests);
+        self.workload.send_ray(&mut self.ops, id, mask_tests.into());
         batch.host.push_line(id, self.ops.line(0));
         self.ops.clear();
         for (cell, traced) in batch.cells.iter_mut().zip(&trees.traced.ops.cells) {

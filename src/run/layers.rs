@@ -14,7 +14,9 @@ use super::trace::{TracedBatch, trace};
 use super::{RunSpec, Workers, trees};
 use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
-use crate::geometry::{Edges, Hit, Partition, Ray};
+use crate::geometry::{Hit, Partition, Ray};
+use crate::host::order::Sequence;
+use crate::host::screen::{self, Screen, ScreenRectangles};
 use crate::host::shading::Shader;
 use crate::input::reading;
 use crate::machine::{Machine, Observed};
@@ -55,13 +57,13 @@ impl Keys {
     fn new(spec: &RunSpec, machine: &Machine) -> Keys {
         // All fields by name, so that a new one cannot be forgotten here.
         let RunSpec { version: _, scene, size_factor, resolution, size, rays, order, image, program, .. } = spec;
-        let RunSpec { edges, cells_run, cell_programs, instruction_limit, machine: _, .. } = spec;
+        let RunSpec { edges, cells_run, cell_programs, instruction_limit, screen_rectangles, machine: _, .. } = spec;
         let ArrayProgram { name: _, stages, groups, partition, numbering, grid_coefficient, .. } = program;
-        let ArrayProgram { mailbox, stop_words, forward_ahead, bounded_walk, .. } = program;
+        let ArrayProgram { mailbox, stop_words, forward_ahead, bounded_walk, masks, .. } = program;
         let Machine { spec: array, times, instructions, notes: _ } = machine;
 
         let scene = Key::of((scene, size_factor, resolution));
-        let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order, edges));
+        let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order, edges, screen_rectangles));
         let sample = || (times.grid.each, times.slabs, times.intersection, program.placement().slabs.is_some());
         let in_groups = || (times.grid.start, stages, mailbox, stop_words.is_some(), bounded_walk);
         let light = image.as_ref().filter(|_| program.cut_by_all_rays()).map(|image| image.limits());
@@ -78,7 +80,7 @@ impl Keys {
         // The host of an image sends what it sends next by what it has read until then.
         let clock = |timing| (timing == Switch::On).then_some((array, times, instructions));
         let image = image.as_ref().map(|image| (image, clock(image.timing)));
-        let cells = (stages, mailbox, stop_words, forward_ahead, bounded_walk);
+        let cells = (stages, mailbox, stop_words, forward_ahead, bounded_walk, masks);
         let traced = Key::of((&laid_out, cells, programs, image));
         let kernels = (times.grid, times.slabs, times.intersection);
         let costs = match cells_run {
@@ -113,20 +115,65 @@ impl PlannedRun {
 /// The second layer: a scene's rays, and its polygons as the array has them.
 #[derive(Debug)]
 pub struct Prepared {
-    /// The rays of the run, in the order in which they are sent; of an image, its primary rays.
+    /// The rays of the run that are sent, in the order in which they are; of an image, its primary rays.
     pub rays: Vec<Ray>,
     /// The polygons.
     pub surfaces: Arc<Surfaces>,
+    /// The pixels that can show anything, if the host tells by rectangles.
+    pub screen: Option<Screen>,
+    /// For each of the rays, how many samples the host has tested since it sent the one before.
+    tested: Arc<Vec<u32>>,
+    /// The numbers of the rays.
+    numbers: Sequence,
+    /// How many rays there are, with those that are not sent.
+    count: usize,
 }
 
 impl Prepared {
-    fn new(scene: &Scene, rays: Vec<Ray>, edges: Edges) -> Prepared {
-        let surfaces = Arc::new(Surfaces::with_edges(&scene.mesh, &rays, edges));
-        Prepared { rays, surfaces }
+    fn new(spec: &RunSpec, scene: &Scene, by_number: Vec<Ray>) -> Prepared {
+        let surfaces = Arc::new(Surfaces::with_edges(&scene.mesh, &by_number, spec.edges));
+        let (count, all) = (by_number.len(), spec.sequence(by_number.len()));
+        let screen = (spec.screen_rectangles != ScreenRectangles::Off).then(|| {
+            let rectangles = screen::rectangles(scene, surfaces.polygons(), spec.size, spec.screen_rectangles);
+            Screen::new(spec.size, &rectangles)
+        });
+        let Some(screen) = screen else {
+            let (rays, tested) = (all.arrange(by_number), Arc::default());
+            return Prepared { rays, surfaces, screen: None, tested, numbers: all, count };
+        };
+        let (mut rays, mut numbers, mut tested, mut since) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        for number in all.numbers() {
+            since += 1;
+            if screen.shows(number) {
+                rays.push(by_number[number]);
+                numbers.push(number as u32);
+                tested.push(std::mem::take(&mut since));
+            }
+        }
+        let (tested, numbers) = (Arc::new(tested), Sequence::of_numbers(numbers));
+        Prepared { rays, surfaces, screen: Some(screen), tested, numbers, count }
     }
 
     fn load(spec: &RunSpec, scene: &Scene) -> Result<Arc<Prepared>, InputError> {
-        spec.load_rays(scene, None).map(|rays| Arc::new(Prepared::new(scene, rays, spec.edges)))
+        spec.load_rays(scene).map(|rays| Arc::new(Prepared::new(spec, scene, rays)))
+    }
+
+    /// How many samples the host has tested for a ray that it sent, on average.
+    pub(super) fn samples_per_ray(&self) -> f64 {
+        self.tested.iter().map(|&samples| f64::from(samples)).sum::<f64>() / self.tested.len().max(1) as f64
+    }
+
+    /// How many rays there are, with those that are not sent.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// What there is of each ray that is sent, in the order in which they are, in the order of all rays' numbers: of pixels line by
+    /// line. Those that are not sent have `unsent`.
+    pub fn by_number<T: Copy>(&self, items: &[T], unsent: T) -> Vec<T> {
+        let mut found = vec![unsent; self.count];
+        self.numbers.numbers().zip(items).for_each(|(number, &item)| found[number] = item);
+        found
     }
 }
 
@@ -167,9 +214,8 @@ impl Layers {
     /// Takes rays that are at hand for those that a run names. Fails if its scene cannot be read.
     pub fn give_rays(&mut self, run: &PlannedRun, rays: Vec<Ray>) -> Result<(), InputError> {
         let scene = self.scene(run)?;
-        let rays = run.spec.load_rays(&scene, Some(rays))?;
         (self.laid_out, self.traced) = (None, None);
-        self.prepared = Some((run.keys.prepared.clone(), Ok(Arc::new(Prepared::new(&scene, rays, run.spec.edges)))));
+        self.prepared = Some((run.keys.prepared.clone(), Ok(Arc::new(Prepared::new(&run.spec, &scene, rays)))));
         Ok(())
     }
 
@@ -267,6 +313,16 @@ impl Layers {
     /// If files cannot be read, if the program does not go with the scene, and if it is told to stop.
     pub fn workload(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Workload, NotLaidOut> {
         let workload = Workload::of(self.laid_out(run, cancel)?, &run.spec.program, run.machine.times);
+        let (scene, prepared) = (self.scene(run)?, self.prepared(run)?);
+        let workload = workload.seen_by(&scene.camera);
+        let workload = match prepared.screen {
+            Some(_) => workload.with_samples_tested(if run.spec.image.is_some() {
+                Arc::default()
+            } else {
+                prepared.tested.clone()
+            }),
+            None => workload,
+        };
         match run.spec.cells_run {
             CellsRun::Programs => Ok(workload.with_programs(&run.spec.cell_options(&run.machine)?)?),
             CellsRun::Timings => Ok(workload),

@@ -19,6 +19,7 @@ mod recording_memory;
 mod render;
 mod replayed;
 mod setup;
+mod shown;
 mod shuffled;
 mod sizing;
 mod spec;
@@ -28,8 +29,9 @@ mod trees;
 mod workers;
 
 pub use cube::{
-    Calibrated, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut, First,
-    FlowKind, Known, KnownTime, Mapping, Percent, PixelOrder, PixelsOf, RegionSpec, Termination,
+    Calibrated, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut, Distribution,
+    First, FlowKind, Grant, Grids, Known, KnownTime, Mapping, Percent, PixelOrder, PixelsOf, QueueRays, RegionSpec,
+    Termination,
 };
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
 pub use in_step::InStep;
@@ -37,8 +39,8 @@ pub use kept::KeptOps;
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
 pub use modelled::{CountedLoads, Forecast, array_model};
 pub use options::{
-    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, On, OrderOptions, ProgramOptions,
-    RayOptions, RunOptions, SceneOptions, ShapeOptions, Switch,
+    CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, On, ProgramOptions, RayOptions,
+    RunOptions, SceneOptions, SendingOptions, ShapeOptions, Switch,
 };
 #[cfg(feature = "report")]
 pub(crate) use outputs::make_readable;

@@ -55,7 +55,10 @@ impl Layers {
     pub fn forecast(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Forecast, NotLaidOut> {
         let (prepared, program) = (self.prepared(run)?, &run.spec.program);
         let (surfaces, rays) = (&prepared.surfaces, &prepared.rays);
-        let array = array_model(program, &run.machine);
+        let mut array = array_model(program, &run.machine);
+        if prepared.screen.is_some() {
+            array.times.host_ray += run.machine.times.host.filter.0 as f64 * prepared.samples_per_ray();
+        }
         let sub_volumes = surfaces.sub_volumes(program, run.machine.times, &sub_sample(rays), cancel)?;
         let survey = Survey::new(surfaces.polygons(), &sub_volumes, rays);
         let too_large = |error| InputError::new(format!("{error}"));

@@ -10,6 +10,8 @@ use super::farm::{FarmRunOptions, FarmSpec};
 use super::options::{CellsRun, MachineFileOptions, RunOptions, Switch};
 use super::spec::{RunSpec, is_builtin};
 use crate::error::InputError;
+use crate::host::sampling::AdaptiveBy;
+use crate::host::screen::ScreenRectangles;
 use crate::machine::MachineOptions;
 use crate::program::ArrayProgram;
 use crate::program::farm::ItemKind;
@@ -21,7 +23,7 @@ pub const ALWAYS_REFUSED: [(&str, &[&str]); 6] = [
     ("replay", &["memory_words"]),
     ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk"]),
     ("size-fifos", &DEPTHS),
-    ("farm", &["adaptive", "why", "enough"]),
+    ("farm", &["adaptive", "enough"]),
     ("ipsc2", &["adaptive", "why", "enough"]),
 ];
 
@@ -31,6 +33,7 @@ pub fn check_run(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
     check_shading(typed)?;
     check_resolution(&spec.scene, spec.resolution)?;
     check_cells(typed, spec)?;
+    check_host(typed, spec)?;
     check_program(typed, &spec.program)
 }
 
@@ -47,13 +50,19 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
         let error = InputError::new("--adaptive has nothing to refine a pixel with: it has one sample in any case");
         return Err(error.help("say with --samples how many samples along a side a refined pixel has"));
     }
+    if image.adaptive_by != AdaptiveBy::Whitted {
+        let why = "is about colours, which are not what asks for samples here";
+        refuse(typed, &["threshold"], why, "leave it out, or ask for --adaptive-by whitted")?;
+    }
     if image.timing == Switch::Off {
         let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
-        let names = [&["order", "policy", "in_flight", "open_samples", "forward_ahead"], &LINKS[..], &DEPTHS, &HOST];
+        let names =
+            [&["order", "policy", "in_flight", "open_samples", "forward_ahead", "masks"], &LINKS[..], &DEPTHS, &HOST];
         refuse(typed, &names.concat(), why, help)?;
     }
     check_resolution(&spec.scene, spec.resolution)?;
     check_cells(typed, spec)?;
+    check_host(typed, spec)?;
     check_program(typed, &spec.program)
 }
 
@@ -63,6 +72,10 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
     if program.mailbox {
         let error = InputError::new("the cost model knows no mailbox: it is the paper's, which has none");
         return Err(error.help("leave --mailbox out, or take a program with mailbox: false"));
+    }
+    if program.masks.is_some() {
+        let error = InputError::new("the cost model knows no masks: in the paper all cells start on all rays");
+        return Err(error.help("take a program without them, or run this one to see what it does"));
     }
     if program.stop_words.is_some() || program.forward_ahead > 0 {
         let error =
@@ -80,6 +93,7 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
     check_rays(typed)?;
     check_shading(typed)?;
     check_resolution(&spec.scene, spec.resolution)?;
+    check_host(typed, spec)?;
     check_program(typed, program)
 }
 
@@ -140,7 +154,7 @@ pub fn check_farm(typed: &FarmRunOptions, spec: &FarmSpec) -> Result<(), InputEr
         None => Ok(()),
     };
     let adaptive = "asks what the neighbours of a pixel show, which other workers know";
-    refuse(&["adaptive"], adaptive, "ask for more --samples in all pixels, as workers can take these by themselves")?;
+    refuse(&ADAPTIVE, adaptive, "ask for more --samples in all pixels, as workers can take these by themselves")?;
     if spec.items != ItemKind::Tiles {
         refuse(&["tile"], "is about tiles, which the master does not hand out", "ask for --items tiles")?;
     }
@@ -162,14 +176,18 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
         None => Ok(()),
     };
     let adaptive = "asks what the neighbours of a pixel show, which other nodes know";
-    refuse(&["adaptive"], adaptive, "ask for more --samples in all pixels")?;
+    refuse(&ADAPTIVE, adaptive, "ask for more --samples in all pixels")?;
     check_resolution(&spec.scene, spec.resolution)?;
     let Some(regions) = &spec.regions else {
         let why = "is about regions and the rays between them, and these nodes share a memory";
         return refuse(&OF_REGIONS, why, "leave it out, or ask for --mode regions");
     };
     let why = "is about pages of a shared memory, and these nodes have a region each";
-    refuse(&["page_bytes", "lookup_us", "serve_us"], why, "leave it out, or ask for --mode shared-memory")?;
+    refuse(
+        &["page_bytes", "distribution", "lookup_us", "serve_us"],
+        why,
+        "leave it out, or ask for --mode shared-memory",
+    )?;
     if regions.flow != FlowKind::Window {
         refuse(&["window"], "is about pixels under way, which are not limited", "ask for --flow window")?;
     }
@@ -177,16 +195,22 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
         let why = "is about slots of queues, which are not limited";
         refuse(&["queue_rays"], why, "ask for --flow classes or block")?;
     }
+    if regions.flow != FlowKind::Classes {
+        let why = "is about slots by rank, of which other nodes must know whether they are free";
+        refuse(&["grant"], why, "ask for --flow classes")?;
+    }
     Ok(())
 }
 
 /// What only nodes look at that have regions.
-const OF_REGIONS: [&str; 12] = [
+const OF_REGIONS: [&str; 14] = [
     "sub_sample",
     "cell_grid",
+    "grids",
     "mapping",
     "flow",
     "queue_rays",
+    "grant",
     "window",
     "termination",
     "pixel_order",
@@ -208,6 +232,19 @@ fn check_cells(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
     }
     let names = ["cell_programs", "instruction_limit"];
     refuse(typed, &names, "is about programs of the cells, which run none", "ask for --cells-run programs")
+}
+
+/// Refuses the times of what the host does not do.
+fn check_host(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
+    if spec.screen_rectangles == ScreenRectangles::Off {
+        let why = "is about testing samples against rectangles, of which there are none";
+        refuse(typed, &["host_filter_us"], why, "leave it out, or ask for --screen-rectangles")?;
+    }
+    if spec.program.masks.is_none() {
+        let why = "is about masks, which rays have none of";
+        refuse(typed, &["host_mask_us"], why, "leave it out, or ask for --masks")?;
+    }
+    Ok(())
 }
 
 fn check_program(typed: &RunOptions, program: &ArrayProgram) -> Result<(), InputError> {
@@ -253,8 +290,11 @@ const DEPTHS: [&str; 4] = ["fifo_words", "x_fifo_words", "y_fifo_words", "z_fifo
 /// What joins the cells beside: all that computing does not depend on.
 const LINKS: [&str; 4] = ["word_bytes", "link_mb_s", "rate_counts", "latency_cycles"];
 
+/// What only adaptive sampling looks at.
+const ADAPTIVE: [&str; 3] = ["adaptive", "adaptive_by", "threshold"];
+
 /// The host's times.
-const HOST: [&str; 2] = ["host_ray_us", "host_hit_us"];
+const HOST: [&str; 4] = ["host_ray_us", "host_hit_us", "host_filter_us", "host_mask_us"];
 
 /// The kernels' times.
 const KERNELS: [&str; 6] =

@@ -10,8 +10,11 @@ use crate::geometry::{Edges, Numbering, Partition};
 use crate::host::camera::ImageSize;
 use crate::host::order::Order;
 use crate::host::policy::Policy;
+use crate::host::sampling::AdaptiveBy;
+use crate::host::screen::ScreenRectangles;
 use crate::machine::MachineOptions;
 use crate::parameters::{ParameterInfo, parameters};
+use crate::program::Masks;
 
 parameters! {
     /// The scene.
@@ -45,8 +48,11 @@ parameters! {
 }
 
 parameters! {
-    /// In which order the rays are sent.
-    pub struct OrderOptions under "Scene and rays" {
+    /// Which rays are sent, and in which order.
+    pub struct SendingOptions under "Scene and rays" {
+        /// Send no rays through pixels that can show nothing: those outside all rectangles, of the whole scene or of each object
+        /// (off, scene, objects) [default: off].
+        screen_rectangles: ScreenRectangles, "OF", Text, "screen rectangles";
         /// In which order the host sends the rays, or begins the pixels: raster, columns, tiles:N (squares of N x N pixels),
         /// hilbert, stride, shuffle:SEED [default: raster].
         order: Order, "ORDER", Text, "order of the rays";
@@ -85,6 +91,9 @@ parameters! {
         /// Let each cell read the hit of the groups to its left before it begins a ray, and look for nothing behind it.
         #[cfg_attr(feature = "cli", arg(action = clap::ArgAction::SetTrue))]
         bounded_walk: bool, "", Truth, "walk bounded by the hit from the left";
+        /// Let the host tell each ray which sub-volumes it can meet, whose cells alone start on it: by their rectangles on the screen,
+        /// for rays from the eye, or by their boxes (rectangles, boxes) [default: the program's; none in the standard ones].
+        masks: Masks, "BY", Text, "masks of the sub-volumes";
     }
 }
 
@@ -125,6 +134,12 @@ parameters! {
         /// One sample a pixel, and N x N only where a neighbour shows another object.
         #[cfg_attr(feature = "cli", arg(action = clap::ArgAction::SetTrue))]
         adaptive: bool, "", Truth, "samples only where they tell";
+        /// The same, and N x N where another object is shown (object), another smooth surface (surface), another surface, light or mirror
+        /// image around it or something smaller than a pixel (lao), or where colours differ (whitted) [default: object].
+        adaptive_by: AdaptiveBy, "WHAT", Text, "what asks for samples";
+        /// How far colours may differ, of 255 steps, for --adaptive-by whitted [default: 16].
+        #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u8)))]
+        threshold: u8, "N", Whole, "colours may differ by (of 255)";
         /// How often light may be reflected or refracted on its way to the eye.
         #[cfg_attr(feature = "cli", arg(default_value = "5"))]
         depth: u8, "N", Whole, "reflections and refractions at the most";
@@ -256,8 +271,8 @@ pub struct RunOptions {
     pub shape: ShapeOptions,
     /// The rays.
     pub rays: RayOptions,
-    /// Their order.
-    pub order: OrderOptions,
+    /// Which are sent, and their order.
+    pub sending: SendingOptions,
     /// The array program.
     pub program: ProgramOptions,
     /// How the cells work.
@@ -279,7 +294,7 @@ impl RunOptions {
             SceneOptions::PARAMETERS,
             ShapeOptions::PARAMETERS,
             RayOptions::PARAMETERS,
-            OrderOptions::PARAMETERS,
+            SendingOptions::PARAMETERS,
             ProgramOptions::PARAMETERS,
             CellsOptions::PARAMETERS,
             MachineFileOptions::PARAMETERS,
@@ -300,7 +315,7 @@ impl RunOptions {
         let known = self.scene.set(name, text)?
             || self.shape.set(name, text)?
             || self.rays.set(name, text)?
-            || self.order.set(name, text)?
+            || self.sending.set(name, text)?
             || self.program.set(name, text)?
             || self.cells.set(name, text)?
             || self.machine_file.set(name, text)?
@@ -315,7 +330,7 @@ impl RunOptions {
         self.scene.retain(&keep);
         self.shape.retain(&keep);
         self.rays.retain(&keep);
-        self.order.retain(&keep);
+        self.sending.retain(&keep);
         self.program.retain(&keep);
         self.cells.retain(&keep);
         self.machine_file.retain(&keep);
@@ -329,7 +344,7 @@ impl RunOptions {
         self.scene.has(name)
             || self.shape.has(name)
             || self.rays.has(name)
-            || self.order.has(name)
+            || self.sending.has(name)
             || self.program.has(name)
             || self.cells.has(name)
             || self.machine_file.has(name)

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::ahead;
 use super::closed_loop::ClosedLoop;
+use super::shown::Look;
 use super::timed::UNLIMITED;
 use super::trace::BATCH_LINES;
 use super::trees::{ByKind, Grower, KindCounts, TreeBatch};
@@ -15,7 +16,8 @@ use crate::geometry::Hit;
 use crate::host::camera::{ImageSize, View};
 use crate::host::order::Order;
 use crate::host::policy::HostRules;
-use crate::host::sampling::{Pass, Sampling};
+use crate::host::sampling::{Pass, Sampling, Shown};
+use crate::host::screen::Screen;
 use crate::host::shading::{Limits, Shader};
 use crate::machine::{Array, Cycles, MachineSpec, Observed, Unfinished};
 use crate::measure::Measured;
@@ -42,6 +44,8 @@ pub struct Picture<'a> {
     pub sampling: Sampling,
     /// Where the trees of rays end.
     pub limits: Limits,
+    /// The pixels that can show anything, if the host knows: through the others it sends no rays.
+    pub screen: Option<&'a Screen>,
 }
 
 /// What an observer sees of a run under way.
@@ -69,6 +73,10 @@ pub struct Rendered {
     pub counts: Counts,
     /// What the rays of each kind came to.
     pub kinds: ByKind<KindCounts>,
+    /// How many samples were taken: for those that can hit nothing no ray was sent, where the host knows.
+    pub samples: u64,
+    /// The pixels that adaptive sampling gave more samples, by their numbers, in rising order.
+    pub refined: Vec<u32>,
     /// The machine's part, if it was asked for.
     pub timing: Option<Timing>,
 }
@@ -134,23 +142,24 @@ pub fn render<E>(
     mut observe: impl FnMut(Seen<'_>) -> Result<(), E>,
 ) -> Result<Rendered, RunError<E>> {
     let order = timed.as_ref().map_or(Order::Raster, |timed| timed.rules.order);
-    let mut host = timed.map(|timed| timed.host(picture.workload)).transpose()?;
-    let mut canvas = Canvas::new(picture);
+    let mut host = timed.map(|timed| timed.host(picture)).transpose()?;
+    let look = &Look::new(picture);
+    let mut canvas = Canvas::new(picture, look);
     let mut seen = |seen: Seen<'_>| {
         workers.cancel.check()?;
         observe(seen).map_err(RunError::Observer)
     };
     let first = Pass::first(picture.size, picture.sampling, order);
-    canvas.take_pass(picture, &first, workers.threads, &mut host, &mut seen)?;
-    if picture.sampling.adaptive && picture.sampling.side > 1 {
-        let second = Pass::second(&first, picture.sampling, &canvas.objects);
-        canvas.take_pass(picture, &second, workers.threads, &mut host, &mut seen)?;
+    canvas.take_pass(&first, workers.threads, &mut host, &mut seen)?;
+    if let Some(second) = canvas.second_pass(&first) {
+        canvas.refined = second.pixel_numbers();
+        canvas.take_pass(&second, workers.threads, &mut host, &mut seen)?;
     }
     if let Some(host) = &mut host {
         host.drain(&mut |ops, hit| seen(Seen::Sent(ops, hit)))?;
     }
     let timing = host.map(finish).transpose()?;
-    Ok(Rendered { pixels: canvas.pixels, counts: canvas.counts, kinds: canvas.kinds, timing })
+    Ok(canvas.rendered(timing))
 }
 
 /// Makes some lines of an image, untimed. The pixels of all others are black.
@@ -169,78 +178,109 @@ pub fn render_lines<E>(
 ) -> Result<Rendered, RunError<E>> {
     let (width, count) = (picture.size.width as usize, picture.size.pixels());
     let own = lines.start as usize * width..(lines.end as usize * width).min(count);
-    let mut canvas = Canvas::new(picture);
+    let look = &Look::new(picture);
+    let mut canvas = Canvas::new(picture, look);
     let mut seen = |seen: Seen<'_>| {
         workers.cancel.check()?;
         observe(seen).map_err(RunError::Observer)
     };
     let all = Pass::first(picture.size, picture.sampling, Order::Raster);
     let first = all.clone().within(own.clone());
-    canvas.take_pass(picture, &first, workers.threads, &mut None, &mut seen)?;
-    if picture.sampling.adaptive && picture.sampling.side > 1 {
+    canvas.take_pass(&first, workers.threads, &mut None, &mut seen)?;
+    if look.is_some() {
         // What the lines above and below show decides on these; it is counted where they are made.
-        let mut beside = Canvas::new(picture);
+        let mut beside = Canvas::new(picture, look);
         for line in [own.start.saturating_sub(width)..own.start, own.end..(own.end + width).min(count)] {
             let pass = all.clone().within(line.clone());
-            beside.take_pass(picture, &pass, workers.threads, &mut None, &mut |_| {
+            beside.take_pass(&pass, workers.threads, &mut None, &mut |_| {
                 workers.cancel.check().map_err(RunError::from)
             })?;
-            canvas.objects[line.clone()].copy_from_slice(&beside.objects[line]);
+            canvas.shown.keys[line.clone()].copy_from_slice(&beside.shown.keys[line]);
         }
-        let second = Pass::second(&all, picture.sampling, &canvas.objects).within(own);
-        canvas.take_pass(picture, &second, workers.threads, &mut None, &mut seen)?;
     }
-    Ok(Rendered { pixels: canvas.pixels, counts: canvas.counts, kinds: canvas.kinds, timing: None })
+    if let Some(second) = canvas.second_pass(&all) {
+        let second = second.within(own);
+        canvas.refined = second.pixel_numbers();
+        canvas.take_pass(&second, workers.threads, &mut None, &mut seen)?;
+    }
+    Ok(canvas.rendered(None))
 }
 
 impl Timed<'_> {
-    fn host(self, workload: &Workload) -> Result<ClosedLoop, InputError> {
+    fn host<'a>(self, picture: &Picture<'a>) -> Result<ClosedLoop<'a>, InputError> {
+        let workload = picture.workload;
         workload.check(self.spec)?;
         workload.check_closed_loop()?;
         let array = self.watching.array(self.spec, workload.costs(), workload.cells(), UNLIMITED);
-        Ok(ClosedLoop::new(array, workload, self.rules))
+        Ok(ClosedLoop::new(array, workload, self.rules, picture.screen.is_some()))
     }
 }
 
-fn finish(mut host: ClosedLoop) -> Result<Timing, Unfinished> {
+fn finish(mut host: ClosedLoop<'_>) -> Result<Timing, Unfinished> {
     let latencies = std::mem::take(&mut host.latencies).map(KindLatencies::new);
     let (stats, observed) = host.into_array().finish_observed()?;
     Ok(Timing { stats, latencies, observed })
 }
 
 /// What is known of the image.
-struct Canvas {
+struct Canvas<'a> {
+    picture: &'a Picture<'a>,
+    look: Option<&'a Look>,
     pixels: Vec<Vec3>,
-    /// What each pixel shows, if adaptive sampling asks for it; `None` for the background.
-    objects: Vec<Option<Object>>,
+    /// What each pixel shows, if adaptive sampling asks for it.
+    shown: Shown,
+    refined: Vec<u32>,
+    samples: u64,
     counts: Counts,
     kinds: ByKind<KindCounts>,
 }
 
-impl Canvas {
-    fn new(picture: &Picture) -> Canvas {
-        let count = picture.size.pixels();
+impl<'a> Canvas<'a> {
+    fn new(picture: &'a Picture<'a>, look: &'a Option<Look>) -> Canvas<'a> {
         Canvas {
-            pixels: vec![Vec3::ZERO; count],
-            objects: vec![None; if picture.sampling.adaptive { count } else { 0 }],
+            picture,
+            look: look.as_ref(),
+            pixels: vec![Vec3::ZERO; picture.size.pixels()],
+            shown: look.as_ref().map(|look| look.blank(picture)).unwrap_or_default(),
+            refined: Vec::new(),
+            samples: 0,
             counts: Counts::default(),
             kinds: Default::default(),
         }
     }
 
+    /// The pass that adaptive sampling asks for behind the first one.
+    fn second_pass(&self, first: &Pass) -> Option<Pass> {
+        let Sampling { side, adaptive } = self.picture.sampling;
+        self.look.and(adaptive).map(|criterion| Pass::second(first, (criterion, side), &self.shown))
+    }
+
+    fn rendered(self, timing: Option<Timing>) -> Rendered {
+        let Canvas { pixels, counts, kinds, samples, refined, .. } = self;
+        Rendered { pixels, counts, kinds, samples, refined, timing }
+    }
+
     fn take_pass<E>(
         &mut self,
-        picture: &Picture,
         pass: &Pass,
         threads: usize,
-        host: &mut Option<ClosedLoop>,
+        host: &mut Option<ClosedLoop<'_>>,
         observe: &mut impl FnMut(Seen<'_>) -> Result<(), RunError<E>>,
     ) -> Result<(), RunError<E>> {
+        let picture = self.picture;
         let cells = picture.workload.cells();
         let shader = Shader::new(picture.scene, picture.workload.polygons(), picture.limits);
         let view = View::new(&picture.scene.camera, picture.size);
-        let worker =
-            || Grower { tracer: Tracer::new(picture.workload), costs: picture.workload.costs(), shader: &shader, view };
+        // What refined samples show, nobody asks for.
+        let look = self.look.filter(|_| pass.per_pixel() == 1);
+        let worker = || Grower {
+            tracer: Tracer::new(picture.workload),
+            costs: picture.workload.costs(),
+            shader: &shader,
+            view,
+            screen: picture.screen,
+            look,
+        };
         let per_batch = (BATCH_LINES / cells / RAYS_PER_TREE).clamp(*TREES_PER_BATCH.start(), *TREES_PER_BATCH.end());
         let samples = |index: usize| index * per_batch..pass.len().min((index + 1) * per_batch);
         let make =
@@ -251,12 +291,11 @@ impl Canvas {
             let range = samples(index);
             self.counts += batch.traced.counts;
             self.kinds.iter_mut().zip(batch.kinds).for_each(|(all, new)| *all += new);
-            for (tree, (sample, &color)) in range.clone().zip(&batch.colors).enumerate() {
+            self.samples += range.len() as u64;
+            for (sample, &color) in range.clone().zip(&batch.colors) {
                 self.take_sample(pass, sample, color, &mut sum);
-                if let Some(seen) = self.objects.get_mut(pass.pixel(sample)) {
-                    *seen = object(&picture.scene.mesh, batch.root_hit(tree));
-                }
             }
+            range.clone().zip(&batch.shown).for_each(|(sample, &key)| self.shown.keys[pass.pixel(sample)] = key);
             index += 1;
             let array = host.as_ref().map(ClosedLoop::array);
             observe(Seen::Samples { done: range.end, of: pass.len(), array })?;

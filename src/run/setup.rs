@@ -53,20 +53,23 @@ impl Setup {
         self.spec.image.clone().unwrap_or_default()
     }
 
-    /// What there is of each ray in the order in which the host sends them, in the order of the rays' numbers: of pixels line by line.
-    pub fn by_number<T: Copy>(&self, items: &[T]) -> Vec<T> {
-        self.spec.sequence(items.len()).by_number(items)
+    /// The hits of the rays in the order in which the host sends them, in the order of the rays' numbers: of pixels line by line. Rays
+    /// that were not sent hit nothing.
+    pub fn by_number(&self, hits: &[Hit]) -> Vec<Hit> {
+        self.prepared.by_number(hits, Hit::MISS)
     }
 
     /// The picture of the primary rays' hits: its pixels, line by line.
     pub fn preview(&self, hits: &[Hit]) -> Vec<Vec3> {
-        self.by_number(&image::preview(&self.scene, self.workload.polygons(), &self.prepared.rays, hits))
+        let seen = image::preview(&self.scene, self.workload.polygons(), &self.prepared.rays, hits);
+        self.prepared.by_number(&seen, self.scene.background)
     }
 
     /// What is to be seen of an image.
     pub fn picture(&self) -> Picture<'_> {
         let (image, size) = (self.image(), self.spec.size);
         let (sampling, limits) = (image.sampling(), image.limits());
-        Picture { scene: &self.scene, workload: &self.workload, size, sampling, limits }
+        let screen = self.prepared.screen.as_ref();
+        Picture { scene: &self.scene, workload: &self.workload, size, sampling, limits, screen }
     }
 }

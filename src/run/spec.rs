@@ -13,13 +13,14 @@ use crate::host::camera::{self, ImageSize};
 use crate::host::order::{Order, Sequence};
 use crate::host::policy::{HostRules, Policy};
 use crate::host::ray_file;
-use crate::host::sampling::Sampling;
+use crate::host::sampling::{AdaptiveBy, Criterion, Sampling};
+use crate::host::screen::ScreenRectangles;
 use crate::host::shading::Limits;
 use crate::input::fields;
 use crate::isa::Processor;
 use crate::machine::{Machine, MachineFile};
-use crate::program::ArrayProgram;
 use crate::program::cells::CellOptions;
+use crate::program::{ArrayProgram, Masks};
 use crate::scene::{ReadOptions, Scene, builtin};
 
 /// A run, described: enough to repeat it to the bit.
@@ -47,6 +48,9 @@ pub struct RunSpec {
     /// In which order the host sends the rays, or begins the pixels.
     #[serde(default, skip_serializing_if = "is_raster")]
     pub order: Order,
+    /// Of what there are rectangles, outside which the host sends no rays from the eye.
+    #[serde(default, skip_serializing_if = "is_off")]
+    pub screen_rectangles: ScreenRectangles,
     /// How a whole image is made; `None` for a run of primary rays.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageSpec>,
@@ -131,8 +135,14 @@ const FACTS: [&str; 3] = ["polygons", "memory", "solids"];
 pub struct ImageSpec {
     /// Samples along each side of a pixel.
     pub samples: u32,
-    /// Whether a pixel has them only where a neighbour shows another object.
+    /// Whether a pixel has them only where something asks for them.
     pub adaptive: bool,
+    /// What asks for them then.
+    #[serde(default, skip_serializing_if = "is_by_object")]
+    pub adaptive_by: AdaptiveBy,
+    /// How far colours may differ where these ask, in steps of 255; `None` for [`Criterion::THRESHOLD`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub threshold: Option<u8>,
     /// How often light may be reflected or refracted.
     pub depth: u8,
     /// The least share of a pixel for which a ray is followed.
@@ -160,6 +170,14 @@ fn is_raster(order: &Order) -> bool {
     *order == Order::Raster
 }
 
+fn is_off(rectangles: &ScreenRectangles) -> bool {
+    *rectangles == ScreenRectangles::Off
+}
+
+fn is_by_object(by: &AdaptiveBy) -> bool {
+    *by == AdaptiveBy::Object
+}
+
 pub(super) fn standard_size() -> ImageSize {
     ImageSize { width: 256, height: 256 }
 }
@@ -170,6 +188,8 @@ impl Default for ImageSpec {
         ImageSpec {
             samples: 1,
             adaptive: false,
+            adaptive_by: AdaptiveBy::default(),
+            threshold: None,
             depth: limits.depth,
             min_contribution: limits.contribution,
             timing: Switch::On,
@@ -181,6 +201,9 @@ impl Default for ImageSpec {
 }
 
 impl RunSpec {
+    /// The scene where none is named.
+    pub const STANDARD_SCENE: &str = "teapot";
+
     /// What a run of primary rays is that was asked for by `options`: they are laid over `base`, or over the defaults.
     ///
     /// Fails if a file cannot be read, or if the options make an impossible program or machine.
@@ -205,16 +228,24 @@ impl RunSpec {
         let rays = options.rays.rays.clone().or_else(|| base?.rays.clone().filter(|_| shape.size.is_none()));
         let edges = cells.edges.or(base.map(|base| base.edges)).unwrap_or_default();
         check_edges(edges, cells_run)?;
-        let order = options.order.order.or(base.map(|base| base.order)).unwrap_or_default();
+        let sending = &options.sending;
+        let order = sending.order.or(base.map(|base| base.order)).unwrap_or_default();
         check_order(order, rays.as_deref())?;
+        let screen_rectangles =
+            sending.screen_rectangles.or(base.map(|base| base.screen_rectangles)).unwrap_or_default();
+        check_screen((screen_rectangles, program.masks), rays.as_deref())?;
         Ok(RunSpec {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            scene: scene.clone().or(base.map(|base| base.scene.clone())).unwrap_or_else(|| "teapot".to_owned()),
+            scene: scene
+                .clone()
+                .or(base.map(|base| base.scene.clone()))
+                .unwrap_or_else(|| RunSpec::STANDARD_SCENE.to_owned()),
             size_factor: shape.size_factor.or(of_same_scene.and_then(|base| base.size_factor)),
             resolution: shape.resolution.or(of_same_scene.and_then(|base| base.resolution)),
             size,
             rays,
             order,
+            screen_rectangles,
             image: None,
             program,
             edges,
@@ -261,7 +292,9 @@ impl RunSpec {
         let (light, host) = (&options.light, &options.host);
         let image = ImageSpec {
             samples: light.samples.unwrap_or(below.samples),
-            adaptive: light.adaptive.unwrap_or(below.adaptive),
+            adaptive: light.adaptive.unwrap_or(below.adaptive) || light.adaptive_by.is_some(),
+            adaptive_by: light.adaptive_by.unwrap_or(below.adaptive_by),
+            threshold: light.threshold.or(below.threshold),
             depth: light.depth.unwrap_or(below.depth),
             min_contribution: light.min_contribution.unwrap_or(below.min_contribution),
             timing: host.timing.unwrap_or(below.timing),
@@ -289,6 +322,7 @@ impl RunSpec {
         self.program.check()?;
         check_edges(self.edges, self.cells_run)?;
         check_order(self.order, self.rays.as_deref())?;
+        check_screen((self.screen_rectangles, self.program.masks), self.rays.as_deref())?;
         self.image.as_ref().map_or(Ok(()), ImageSpec::check)?;
         Ok(self)
     }
@@ -298,14 +332,12 @@ impl RunSpec {
         load_scene(&self.scene, self.size_factor, self.resolution)
     }
 
-    /// The rays, those `given`, a file's or the camera's, in the order in which the host sends them.
-    pub fn load_rays(&self, scene: &Scene, given: Option<Vec<Ray>>) -> Result<Vec<Ray>, InputError> {
-        let rays = match (given, &self.rays) {
-            (Some(given), _) => given,
-            (None, Some(path)) => ray_file::read(path)?,
-            (None, None) => camera::primary_rays(&scene.camera, self.size),
-        };
-        Ok(self.sequence(rays.len()).arrange(rays))
+    /// The rays of its file or of the camera, by their numbers.
+    pub(super) fn load_rays(&self, scene: &Scene) -> Result<Vec<Ray>, InputError> {
+        match &self.rays {
+            Some(path) => ray_file::read(path),
+            None => Ok(camera::primary_rays(&scene.camera, self.size)),
+        }
     }
 
     /// The numbers of that many rays, in the order in which the host sends them. The number of a camera's ray is its pixel's, line
@@ -342,7 +374,13 @@ impl ImageSpec {
 
     /// How many samples a pixel has.
     pub fn sampling(&self) -> Sampling {
-        Sampling { side: self.samples, adaptive: self.adaptive }
+        let criterion = match self.adaptive_by {
+            AdaptiveBy::Object => Criterion::Object,
+            AdaptiveBy::Surface => Criterion::Surface,
+            AdaptiveBy::Lao => Criterion::Lao,
+            AdaptiveBy::Whitted => Criterion::Whitted { threshold: self.threshold.unwrap_or(Criterion::THRESHOLD) },
+        };
+        Sampling { side: self.samples, adaptive: self.adaptive.then_some(criterion) }
     }
 
     /// How far light is followed.
@@ -392,6 +430,26 @@ fn check_order(order: Order, rays: Option<&Path>) -> Result<(), InputError> {
     }
     let error = InputError::new(format!("{order} is an order of pixels, and the rays are a file's"));
     Err(error.help("rays of a file can be sent as they stand there (raster), by stride and by shuffle:SEED"))
+}
+
+/// Fails if there is to be a screen of rays that have none.
+fn check_screen((rectangles, masks): (ScreenRectangles, Option<Masks>), rays: Option<&Path>) -> Result<(), InputError> {
+    if rays.is_none() {
+        return Ok(());
+    }
+    let help = "leave them out, or let the rays be the camera's";
+    if rectangles != ScreenRectangles::Off {
+        let error = InputError::new("screen rectangles are seen from the camera's eye, and the rays are a file's");
+        return Err(error.help(help));
+    }
+    match masks {
+        Some(Masks::Rectangles) => {
+            let error =
+                InputError::new("masks by rectangles are for rays from the camera's eye, and these are a file's");
+            Err(error.help("masks by boxes are for any rays"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether a scene is the name of a built-in one, not that of a file.
@@ -449,6 +507,7 @@ pub fn array_program(options: &RunOptions, base: Option<&ArrayProgram>) -> Resul
     program.stop_words = options.stop_words.or(program.stop_words);
     program.forward_ahead = options.forward_ahead.unwrap_or(program.forward_ahead);
     program.bounded_walk |= options.bounded_walk.unwrap_or(false);
+    program.masks = options.masks.or(program.masks);
     program.check()?;
     Ok(program)
 }

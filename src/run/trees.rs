@@ -4,10 +4,12 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::TracedBatch;
+use super::shown::Look;
 use crate::cancel::{Cancel, Cancelled};
 use crate::geometry::{Hit, Ray};
 use crate::host::camera::View;
 use crate::host::sampling::Pass;
+use crate::host::screen::Screen;
 use crate::host::shading::{Branch, RayKind, Shader};
 use crate::program::{Tracer, Workload, work};
 use crate::seam::{Costs, OpStream};
@@ -39,12 +41,14 @@ impl std::ops::AddAssign for KindCounts {
 pub struct TreeBatch {
     /// All rays, tree by tree; in a tree, generation by generation, so that each one's children stand together.
     pub rays: Vec<TreeRay>,
-    /// Where the trees end among the rays.
+    /// Where the trees end among the rays. One of a sample that can hit nothing has none.
     pub ends: Vec<u32>,
     /// For each tree, how many samples from the first one on the host must know before it may begin this one.
     pub decided_by: Vec<usize>,
     /// Each tree's light.
     pub colors: Vec<DVec3>,
+    /// What each tree shows, if that is asked for.
+    pub shown: Vec<u64>,
     /// What the cells do for the rays; the host's ops are not known before the rays are sent.
     pub traced: TracedBatch,
     /// What was counted on the rays.
@@ -65,6 +69,8 @@ pub struct TreeRay {
     pub children: (u32, u32),
     /// The number of its tree in the batch.
     pub tree: u32,
+    /// Against how many sub-volumes the host tests it before it sends it.
+    pub mask_tests: u32,
 }
 
 /// Traces the trees of samples. Each thread has its own.
@@ -74,6 +80,10 @@ pub(super) struct Grower<'a> {
     pub costs: &'a Costs,
     pub shader: &'a Shader<'a>,
     pub view: View,
+    /// The pixels that can show anything, if that is known.
+    pub screen: Option<&'a Screen>,
+    /// What is told of the samples beside their light.
+    pub look: Option<&'a Look>,
 }
 
 impl Grower<'_> {
@@ -84,7 +94,16 @@ impl Grower<'_> {
         for sample in samples {
             let (x, y) = pass.position(sample);
             batch.decided_by.push(pass.decided_by(sample));
-            self.tree(Branch::primary(self.view.ray(x, y)), &mut batch);
+            let first = batch.rays.len();
+            match self.screen.is_none_or(|screen| screen.shows(pass.pixel(sample))) {
+                true => self.tree(Branch::primary(self.view.ray(x, y)), &mut batch),
+                false => batch.add_empty_tree(self.shader.background()),
+            }
+            if let Some(look) = self.look {
+                let (rays, hits) = (&batch.rays[first..], &batch.traced.hits[first..]);
+                let color = batch.colors.last().copied().unwrap_or_default();
+                batch.shown.push(look.key((rays, hits, &batch.branches, first), color));
+            }
         }
         batch.traced.counts = std::mem::take(&mut self.tracer.counts);
         batch.traced.fault = self.tracer.fault.take();
@@ -94,6 +113,7 @@ impl Grower<'_> {
     fn tree(&mut self, root: Branch, batch: &mut TreeBatch) {
         let TreeBatch { rays, ends, colors, traced, kinds, branches, .. } = batch;
         let (tree, first) = (ends.len() as u32, rays.len());
+        let workload = self.tracer.workload();
         let color = grow(
             self.shader,
             root,
@@ -113,6 +133,7 @@ impl Grower<'_> {
                     shaded: hit.is_hit() && branch.kind != RayKind::Shadow,
                     children: ((first + next) as u32, children.len() as u32),
                     tree,
+                    mask_tests: workload.mask_tests(&branch.ray) as u32,
                 });
             },
         );
@@ -184,12 +205,19 @@ impl TreeBatch {
         self.ends.clear();
         self.decided_by.clear();
         self.colors.clear();
+        self.shown.clear();
         self.kinds = Default::default();
     }
 
-    /// The hit of a tree's root.
+    /// The hit of a tree's root, of one that has rays.
     pub fn root_hit(&self, tree: usize) -> &Hit {
         &self.traced.hits[self.tree(tree).start as usize]
+    }
+
+    /// Adds a tree without rays, which has the background's light.
+    fn add_empty_tree(&mut self, background: DVec3) {
+        self.colors.push(background);
+        self.ends.push(self.rays.len() as u32);
     }
 
     /// The rays of a tree, as numbers in the batch.

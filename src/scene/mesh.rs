@@ -43,11 +43,18 @@ pub struct Face {
 }
 
 /// What one looks at as one thing: faces that belong together and are made of the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Object {
     /// How many objects begin before its end in the file.
     part: u32,
     material: u32,
+}
+
+impl Object {
+    /// A number that no other object of the same mesh has.
+    pub fn number(self) -> u64 {
+        u64::from(self.part) << 32 | u64::from(self.material)
+    }
 }
 
 impl Mesh {

@@ -6,12 +6,14 @@ pub mod convex;
 pub mod format;
 pub mod mesh;
 pub mod solid;
+mod surfaces;
 pub mod tessellate;
 
 pub use camera::Camera;
 pub use convex::split_concave;
 pub use format::{Arrays, ReadOptions, load, write_ply};
 pub use mesh::{Corner, Face, Mesh, Object};
+pub use surfaces::surfaces;
 
 use glam::Vec3;
 

@@ -17,6 +17,8 @@ pub struct UnitOfWork {
     pub name: String,
     /// What a station is busy with that does it.
     pub activity: Activity,
+    /// Whether the program has it: what it does without has a number, but no place in activity traces.
+    pub used: bool,
 }
 
 /// The units of work of a program, what they belong to, and how long the array's answers are.
@@ -44,6 +46,7 @@ impl Vocabulary {
             code: letter.to_string(),
             name: format!("{name}_cycle"),
             activity: Activity(place as u8),
+            used: true,
         };
         Vocabulary {
             activities: activities.iter().map(|&(letter, name)| (letter, name.to_owned())).collect(),

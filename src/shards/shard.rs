@@ -52,6 +52,12 @@ pub struct Lines {
     pub counts: Counts,
     /// What was counted by the kind of ray.
     pub kinds: ByKind<KindCounts>,
+    /// How many samples were taken.
+    #[serde(default)]
+    pub samples: u64,
+    /// The pixels that got more samples.
+    #[serde(default)]
+    pub refined: Vec<u32>,
     /// Pixels: red, green and blue in 32 bits each, little end first, as base64.
     pixels: String,
 }
@@ -166,11 +172,11 @@ fn lines_done(spec: &RunSpec, lines: Range<u32>, plan: &Plan, workers: &Workers)
     let run = PlannedRun::new(spec.clone())?;
     let setup = Setup::new(run, &mut Layers::default(), &workers.cancel)?;
     let picture = setup.picture();
-    let Rendered { pixels, counts, kinds, .. } =
+    let Rendered { pixels, counts, kinds, samples, refined, .. } =
         run::render_lines(&picture, lines.clone(), workers, |_| Ok::<_, Infallible>(()))?;
     let bytes: Vec<u8> =
         own(&pixels, &lines, spec).iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes).collect();
-    Ok(Lines { plan: plan.key.clone(), lines, counts, kinds, pixels: STANDARD.encode(bytes) })
+    Ok(Lines { plan: plan.key.clone(), lines, counts, kinds, samples, refined, pixels: STANDARD.encode(bytes) })
 }
 
 /// The pixels of some lines.

@@ -68,6 +68,7 @@ fn found_of(folder: &Folder, plan: &Plan, number: usize) -> Result<(usize, usize
 pub fn joined_image(folder: &Folder, plan: &Plan) -> Result<Option<Rendered>, InputError> {
     let (mut pixels, mut counts, mut kinds): (Vec<Vec3>, _, ByKind<KindCounts>) =
         (Vec::new(), Counts::default(), Default::default());
+    let (mut samples, mut refined) = (0, Vec::new());
     for number in 0..plan.shards {
         let Some(Found::Lines(lines)) = folder.found(number)?.filter(|_| found_of(folder, plan, number) == Ok((1, 1)))
         else {
@@ -76,7 +77,9 @@ pub fn joined_image(folder: &Folder, plan: &Plan) -> Result<Option<Rendered>, In
         let damaged = || InputError::in_file(&folder.results(number), "has no pixels: remove it and go on");
         pixels.extend(lines.pixels().ok_or_else(damaged)?);
         counts += lines.counts;
+        samples += lines.samples;
+        refined.extend(lines.refined);
         kinds.iter_mut().zip(lines.kinds).for_each(|(all, new)| *all += new);
     }
-    Ok(Some(Rendered { pixels, counts, kinds, timing: None }))
+    Ok(Some(Rendered { pixels, counts, kinds, samples, refined, timing: None }))
 }

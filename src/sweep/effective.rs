@@ -9,17 +9,22 @@ pub struct Effective<M> {
     pub column: Column<'static>,
     /// The parameters on which it depends beside the machine file and the clock.
     asked: &'static [&'static str],
+    /// Whether it is told where one of these is set, and not where just the clock or the machine file are.
+    seldom: bool,
     pub of: fn(&M) -> u64,
 }
 
 macro_rules! effective {
-    ($($name:literal of $asked:expr, $label:literal: $of:expr;)*) => {
-        [$(Effective { column: Column::new($name, Kind::Whole, $label), asked: &$asked, of: $of },)*]
+    ($($name:literal of $asked:expr, $label:literal: $of:expr;)* $(seldom $rare:literal of $of_rare:expr, $rare_label:literal: $rarely:expr;)*) => {
+        [
+            $(Effective { column: Column::new($name, Kind::Whole, $label), asked: &$asked, seldom: false, of: $of },)*
+            $(Effective { column: Column::new($rare, Kind::Whole, $rare_label), asked: &$of_rare, seldom: true, of: $rarely },)*
+        ]
     };
 }
 
 /// Those of an array.
-pub(super) const OF_ARRAYS: [Effective<Machine>; 9] = effective! {
+pub(super) const OF_ARRAYS: [Effective<Machine>; 11] = effective! {
     "link_cycles_per_word" of ["link_mb_s", "word_bytes"], "link, as simulated (cycles a word)":
         |machine| machine.spec.link_rate().cycles_per_word;
     "host_ray_cycles" of ["host_ray_us"], "host's time for sending a ray, as simulated (cycles)":
@@ -38,6 +43,10 @@ pub(super) const OF_ARRAYS: [Effective<Machine>; 9] = effective! {
         |machine| machine.times.intersection.start.0;
     "intersection_polygon_cycles" of ["intersection_polygon"], "intersection: test of a polygon, as simulated (cycles)":
         |machine| machine.times.intersection.each.0;
+    seldom "host_filter_cycles" of ["host_filter_us"], "host's time for testing a sample, as simulated (cycles)":
+        |machine| machine.times.host.filter.0;
+    seldom "host_mask_cycles" of ["host_mask_us"], "host's time for testing a sub-volume, as simulated (cycles)":
+        |machine| machine.times.host.mask.0;
 };
 
 /// Those of a farm. Its times are in ns, and seldom rounded.
@@ -68,7 +77,7 @@ impl<M> Effective<M> {
     pub fn is_asked(&self, parameters: &[Parameter]) -> bool {
         let depends = |parameter: &Parameter| {
             let name = parameter.column.name;
-            self.asked.contains(&name) || OF_ALL.contains(&name)
+            self.asked.contains(&name) || OF_ALL.contains(&name) && !self.seldom
         };
         parameters.iter().any(depends)
     }
@@ -86,7 +95,8 @@ pub(super) fn columns(of: Points, parameters: &[Parameter]) -> Vec<Column<'stati
 /// All columns that sweeps can have.
 pub(super) fn all() -> impl Iterator<Item = Column<'static>> {
     let of_arrays = OF_ARRAYS.into_iter().map(|effective| effective.column);
-    of_arrays.chain(OF_FARMS.into_iter().map(|effective| effective.column))
+    let of_farms = OF_FARMS.into_iter().map(|effective| effective.column);
+    of_arrays.chain(of_farms).chain(OF_CUBES.into_iter().map(|effective| effective.column))
 }
 
 /// The cells of these columns.

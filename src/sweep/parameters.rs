@@ -8,6 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
 use super::range::{MOST_VALUES, Range};
+use super::{cube_point, farm_point, point};
 use crate::error::InputError;
 use crate::parameters::{Kind as Form, ParameterInfo, named};
 use crate::report::table::{Column, Kind};
@@ -50,7 +51,7 @@ pub(super) const ON: ParameterInfo = ParameterInfo { name: "on", kind: Form::Tex
 
 impl Points {
     /// All kinds, those first that others are told apart from.
-    const ALL: [Points; 3] = [Points::Arrays, Points::Farms, Points::Cubes];
+    pub(super) const ALL: [Points; 3] = [Points::Arrays, Points::Farms, Points::Cubes];
 
     /// All that a sweep of such points can set, in the order of tables.
     fn parameters(self) -> Vec<&'static ParameterInfo> {
@@ -60,6 +61,21 @@ impl Points {
             Points::Farms => [&FARM].into_iter().chain(FarmRunOptions::parameters()).collect(),
             Points::Cubes => [&ON].into_iter().chain(CubeRunOptions::parameters()).collect(),
         }
+    }
+
+    /// What a table tells of such a point, behind its parameters and what the machine made of them.
+    pub(super) fn results(self) -> &'static [Column<'static>] {
+        match self {
+            Points::Arrays => &point::COLUMNS,
+            Points::Farms => &farm_point::COLUMNS,
+            Points::Cubes => &cube_point::COLUMNS,
+        }
+    }
+
+    /// What a column of such points' table is called, if there is one of that name.
+    pub(super) fn label(self, name: &str) -> Option<&'static str> {
+        let of_parameters = self.parameters().into_iter().find(|known| known.name == name).map(|known| known.label);
+        of_parameters.or_else(|| self.results().iter().find(|column| column.name == name).map(|column| column.label))
     }
 
     /// What such points are called.
@@ -107,9 +123,9 @@ static KNOWN: LazyLock<Vec<&'static ParameterInfo>> = LazyLock::new(|| {
     all
 });
 
-/// What the column of a parameter is called, if there is one of that name.
-pub(super) fn label(name: &str) -> Option<&'static str> {
-    KNOWN.iter().find(|known| known.name == name).map(|known| known.label)
+/// Whether there is a parameter of that name.
+pub(super) fn is_known(name: &str) -> bool {
+    KNOWN.iter().any(|known| known.name == name)
 }
 
 /// Their names.
@@ -158,11 +174,16 @@ impl SweepFile {
         let names: Vec<&str> = named.map(|(known, _)| known.name).collect();
         let modes = NAMES.iter().position(|name| *name == "mode").and_then(|place| given[place].clone());
         let points = Points::of(&names, &modes.unwrap_or_default())?;
-        let column = |known: &ParameterInfo| Column { name: known.name, kind: known.kind.into(), label: known.label };
         let mut take = |known: &ParameterInfo| given[NAMES.iter().position(|name| *name == known.name)?].take();
         let all = points.parameters().into_iter();
-        let parameters: Vec<Parameter> =
-            all.filter_map(|known| Some(Parameter { column: column(known), values: take(known)? })).collect();
+        let parameter = |known: &'static ParameterInfo| {
+            let values = take(known)?;
+            let has_words = known.kind == Form::WholeOrWord && values.iter().any(|value| value.parse::<u64>().is_err());
+            let kind = if has_words { Kind::Text } else { known.kind.into() };
+            let column = Column { name: known.name, kind, label: known.label };
+            Some(Parameter { column, values })
+        };
+        let parameters: Vec<Parameter> = all.filter_map(parameter).collect();
         let no_farm = |parameter: &Parameter| {
             parameter.column.name == FARM.name && parameter.values.iter().any(|value| value != "true")
         };
@@ -196,12 +217,12 @@ impl<'de> Deserialize<'de> for Name {
 }
 
 impl From<Form> for Kind {
-    /// What the cells of a table's column hold.
+    /// What the cells of a table's column hold, but for words in place of numbers.
     fn from(form: Form) -> Kind {
         match form {
             Form::Text | Form::Size => Kind::Text,
             Form::Truth => Kind::Truth,
-            Form::Whole => Kind::Whole,
+            Form::Whole | Form::WholeOrWord => Kind::Whole,
             Form::Number => Kind::Number,
         }
     }
@@ -211,7 +232,7 @@ impl Form {
     /// A whole number as a value.
     fn of_whole(self, value: u64) -> Option<String> {
         match self {
-            Form::Whole => i64::try_from(value).ok().map(|value| value.to_string()),
+            Form::Whole | Form::WholeOrWord => i64::try_from(value).ok().map(|value| value.to_string()),
             Form::Number => Some(value.to_string()),
             Form::Size => Some(format!("{value}x{value}")),
             Form::Text | Form::Truth => None,
@@ -222,7 +243,7 @@ impl Form {
     fn of_number(self, value: f64) -> Option<String> {
         match self {
             Form::Number => value.is_finite().then(|| value.to_string()),
-            Form::Whole | Form::Size if value.fract() == 0.0 && (0.0..9e15).contains(&value) => {
+            Form::Whole | Form::WholeOrWord | Form::Size if value.fract() == 0.0 && (0.0..9e15).contains(&value) => {
                 self.of_whole(value as u64)
             }
             _ => None,
@@ -249,6 +270,7 @@ impl<'de> Visitor<'de> for Form {
             Form::Whole => {
                 "a whole number, a list, or a range: (from: 1, to: 9, step: 2) or (from: 1, to: 64, times: 2)"
             }
+            Form::WholeOrWord => "a whole number or a word in quotes, a list of them, or a range",
             Form::Number => "a number, a list, or a range: (from: 1, to: 9, step: 2) or (from: 1, to: 64, times: 2)",
         })
     }
@@ -277,7 +299,7 @@ impl<'de> Visitor<'de> for Form {
 
     fn visit_str<E: Error>(self, value: &str) -> Result<Vec<String>, E> {
         match self {
-            Form::Text | Form::Size if !value.is_empty() => Ok(vec![value.to_owned()]),
+            Form::Text | Form::Size | Form::WholeOrWord if !value.is_empty() => Ok(vec![value.to_owned()]),
             _ => Err(E::invalid_type(Unexpected::Str(value), &self)),
         }
     }

@@ -6,6 +6,7 @@ use std::fmt::Display;
 
 use super::parameters::IMAGE;
 use crate::cancel::Cancel;
+use crate::host::screen::Screen;
 use crate::measure::{Measured, StateKind, StateTimes};
 use crate::program::{Counts, Workload};
 use crate::quantities::Cycles;
@@ -80,7 +81,9 @@ pub fn planned(values: impl Iterator<Item = (&'static str, String)>) -> Result<P
 pub fn run(point: &PlannedRun, layers: &mut Layers, workers: &Workers) -> Result<Outcome, String> {
     let workload = &layers.workload(point, &workers.cancel).map_err(reason)?;
     if let Some(image) = &point.spec.image {
-        return render(point, image, (&*layers.scene(point).map_err(reason)?, workload), workers);
+        let screen = layers.prepared(point).map_err(reason)?;
+        let scene = layers.scene(point).map_err(reason)?;
+        return render(point, image, (&scene, workload, screen.screen.as_ref()), workers);
     }
     let rays = &layers.prepared(point).map_err(reason)?.rays;
     let outcome = run::run(workload, &point.machine.spec, rays, workers, |_| Ok::<_, Infallible>(()));
@@ -92,11 +95,11 @@ pub fn run(point: &PlannedRun, layers: &mut Layers, workers: &Workers) -> Result
 fn render(
     point: &PlannedRun,
     image: &ImageSpec,
-    (scene, workload): (&Scene, &Workload),
+    (scene, workload, screen): (&Scene, &Workload, Option<&Screen>),
     workers: &Workers,
 ) -> Result<Outcome, String> {
     let (size, sampling, limits) = (point.spec.size, image.sampling(), image.limits());
-    let picture = Picture { scene, workload, size, sampling, limits };
+    let picture = Picture { scene, workload, size, sampling, limits, screen };
     let timed =
         Timed { spec: &point.machine.spec, rules: image.rules(point.spec.order), watching: Watching::default() };
     let rendered = run::render(&picture, Some(timed), workers, |_| Ok::<_, Infallible>(())).map_err(reason)?;

@@ -35,6 +35,44 @@ fn a_cube_by_hand() {
     assert!((0..6).all(|number| of(number) == [11, 10, 11]));
 }
 
+/// The same colours by the other ways. The fixed table of 3 has one bit, that of red: all are 0. The most frequent cube is the only one.
+#[test]
+fn other_tables_by_hand() {
+    let pixels: Vec<Color> = [([200, 0, 0], 5), ([8, 8, 8], 3), ([9, 9, 9], 1), ([0, 250, 0], 2)]
+        .into_iter()
+        .flat_map(|(color, count)| vec![color; count])
+        .collect();
+    let shown = |most: usize, palette: Palette| {
+        let table = ColorTable::new(&pixels, most, palette);
+        [0, 5, 8, 9].map(|at| table.colors[usize::from(table.pixels[at])])
+    };
+    assert_eq!(shown(4, Palette::Fixed), [[200, 0, 0], [8, 8, 8], [9, 9, 9], [0, 250, 0]], "no more than 4");
+    // Two bits are red's and green's first.
+    assert_eq!(shown(3, Palette::Fixed), [[128, 0, 0], [0; 3], [0; 3], [0; 3]]);
+    let red = [128, 0, 0];
+    assert_eq!(ColorTable::new(&pixels, 3, Palette::Fixed).colors, [[0; 3], red]);
+    // The two darks are in one cube of side 8, whose mean is nearer to [8, 8, 8]; of two entries the green goes to the darks.
+    assert_eq!(shown(3, Palette::Popularity), [[200, 0, 0], [8, 8, 8], [8, 8, 8], [0, 250, 0]]);
+    assert_eq!(shown(2, Palette::Popularity), [[200, 0, 0], [8, 8, 8], [8, 8, 8], [8, 8, 8]]);
+    assert_eq!(shown(3, Palette::Gervautz), [[200, 0, 0], [8, 8, 8], [8, 8, 8], [0, 250, 0]]);
+    // 8 and 9 differ in their lowest bits: they share a cube of side 2, and the brightest about its middle is [9, 9, 9].
+    assert_eq!(shown(3, Palette::PeanoLarge)[1], [9, 9, 9]);
+}
+
+/// What the thesis and its followers say of a picture as it is: the octree in Peano's order has the least mean error of these ways.
+#[test]
+fn the_octree_is_the_best_on_a_smooth_picture() {
+    let pixels: Vec<Color> = (0..64u32)
+        .flat_map(|line| {
+            (0..64u32).map(move |column| [(2 * line + column) as u8, (3 * column) as u8, (line * column / 20) as u8])
+        })
+        .collect();
+    let error = |palette| ColorTable::new(&pixels, 64, palette).error(&pixels).mean_square;
+    let [peano, large, fixed, popular] =
+        [Palette::Peano, Palette::PeanoLarge, Palette::Fixed, Palette::Popularity].map(error);
+    assert!(peano < large && large < fixed && peano < popular, "{peano} {large} {fixed} {popular}");
+}
+
 fn picture() -> impl Strategy<Value = Vec<Color>> {
     let near = (0u8..40, 0u8..40, 100u8..180).prop_map(|(r, v, b)| [r, v, b]);
     prop::collection::vec(prop_oneof![near, any::<[u8; 3]>()], 1..400)
@@ -44,7 +82,7 @@ proptest! {
     #[test]
     fn tables_keep_their_promises(pixels in picture(), most in 1usize..=64) {
         let distinct = pixels.iter().collect::<BTreeSet<_>>().len();
-        for palette in [Palette::Peano, Palette::MedianCut] {
+        for palette in Palette::ALL {
             let table = ColorTable::new(&pixels, most, palette);
             prop_assert!(table.colors.len() <= most && table.pixels.len() == pixels.len());
             let error = table.error(&pixels);
@@ -68,7 +106,7 @@ proptest! {
 fn images_have_as_many_colours_as_asked_for() {
     let folder = Folder::new();
     let mut said = String::new();
-    for palette in ["peano", "median-cut"] {
+    for palette in ["peano", "peano-large", "fixed", "popularity", "median-cut", "gervautz"] {
         let name = format!("{palette}.png");
         let text = folder
             .run(&format!("image room --size 48x32 --timing off --colors 24 --palette {palette} -o {name}"))
@@ -80,10 +118,27 @@ fn images_have_as_many_colours_as_asked_for() {
         let info = reader.info();
         assert_eq!(info.color_type, png::ColorType::Indexed);
         let colors = info.palette.as_ref().unwrap().len() / 3;
-        assert!(colors > 12 && colors <= 24, "{colors}");
+        assert!(colors > 6 && colors <= 24, "{palette}: {colors}");
     }
     insta::assert_snapshot!(said);
-    for flags in ["--colors 24 -o a.pfm", "--colors 0 -o a.png", "--colors 257 -o a.png", "--palette peano -o a.png"] {
+    // More than a PNG's table can have are written one by one.
+    folder
+        .run("image room --size 48x32 --timing off --samples 3 --colors 300 --palette peano-large -o many.png")
+        .success();
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path("many.png")).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    assert_eq!(reader.info().color_type, png::ColorType::Rgb);
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut bytes).unwrap();
+    let colors = bytes.chunks_exact(3).collect::<BTreeSet<_>>().len();
+    assert!(colors > 100 && colors <= 300, "{colors}");
+    for flags in [
+        "--colors 24 -o a.pfm",
+        "--colors 0 -o a.png",
+        "--colors 65537 -o a.png",
+        "--colors 8 --palette oil -o a.png",
+        "--palette peano -o a.png",
+    ] {
         assert_eq!(folder.run(&format!("image room --size 8x8 --timing off {flags}")).status, 2, "{flags}");
     }
 }

@@ -1,15 +1,21 @@
 //! Nodes of a hypercube by themselves: against nodes that tick every cycle, by hand, and whether they ever get stuck.
 
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+
 use pcs_sim::host::shading::RayKind;
 use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, WireTimes};
 use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
-use pcs_sim::measure::{Clock, Measured, Recording, StateId, StationRecord};
+use pcs_sim::measure::{Clock, Measured, Recording, StateId, StateTimes, StationRecord};
 use pcs_sim::program::cube::{
-    Ends, Flow, Leg, MessageKind, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph, highest_rank,
+    Dealt, Ends, Flow, Leg, MemoryNodes, MessageKind, PageUses, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph,
+    gray_order, highest_rank,
 };
+use pcs_sim::run::{CubeMode, CubeRunOptions, CubeSpec, Workers};
 use proptest::prelude::*;
 
 use crate::support::cube_ticking::{Stopped, Ticked, tick};
+use crate::support::{heap_events, memory_ticking};
 
 /// What a run came to, in the oracle's terms.
 fn ticked(nodes: usize, stats: &Measured, recording: &Recording, seen: &Seen) -> Ticked {
@@ -90,7 +96,7 @@ fn machine(nodes: usize, t: [u64; 20]) -> Ipsc2 {
             grid: times(10),
             slabs: times(12),
             intersection: times(14),
-            host: HostTimes { ray: Cycles(0), hit: Cycles(t[16]) },
+            host: HostTimes { hit: Cycles(t[16]), ..HostTimes::default() },
         },
         notes: Vec::new(),
     }
@@ -192,12 +198,13 @@ proptest! {
         times in times(),
         flow in flow(),
         is_token in any::<bool>(),
+        asks_for_slots in any::<bool>(),
         pixels_first in any::<bool>(),
     ) {
         let graph = graph(&numbers, nodes, trees);
         let machine = machine(nodes, times);
         let ends = if is_token && !matches!(flow, Flow::Window(_)) { Ends::Token } else { Ends::Credit };
-        let rules = Rules { flow: enough(flow, &graph), ends, pixels_first };
+        let rules = Rules { flow: enough(flow, &graph), ends, asks_for_slots, pixels_first };
         let owners: Vec<u16> = (0..trees).map(|tree| match numbers[tree] % 3 {
             0 => (tree % nodes) as u16,
             _ => graph.start_of(graph.trees[tree]),
@@ -218,6 +225,9 @@ proptest! {
                 }
                 prop_assert_eq!(Ok(found), expected);
                 conserves(&machine, &graph, &stats, &seen)?;
+                if let Flow::Block(slots) | Flow::Classes(slots) = rules.flow {
+                    prop_assert!(seen.nodes.iter().all(|node| node.most_slots <= slots));
+                }
             }
             Err(_) => prop_assert_eq!(expected, Err(Stopped::Stuck)),
         }
@@ -230,6 +240,7 @@ proptest! {
         trees in 1usize..40,
         numbers in prop::collection::vec(any::<u32>(), 400),
         times in times(),
+        asks_for_slots in any::<bool>(),
     ) {
         let mut maker = Maker {
             numbers: numbers.iter().cycle(),
@@ -239,11 +250,179 @@ proptest! {
         (0..trees).for_each(|_| maker.tree(40));
         let graph = maker.graph;
         let owners: Vec<u16> = graph.trees.iter().map(|&ray| graph.start_of(ray)).collect();
-        let rules = Rules { flow: Flow::Classes(highest_rank(&graph) + 1), ends: Ends::Credit, pixels_first: true };
+        let rules = Rules { flow: Flow::Classes(highest_rank(&graph) + 1), ends: Ends::Credit, asks_for_slots, pixels_first: true };
         let ended = run(&machine(nodes, times), &graph, &owners, rules);
         prop_assert!(ended.is_ok(), "{}", ended.unwrap_err());
         let most = ended.unwrap().1.nodes.iter().map(|node| node.most_slots).max();
         prop_assert!(most <= Some(highest_rank(&graph) + 1));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// With a shared memory, too, whether each node has its pixels or asks for them, and however few pages a cache holds.
+    #[test]
+    fn nodes_with_a_shared_memory_do_what_ticking_each_cycle_does(
+        nodes in 1usize..9,
+        trees in 1usize..12,
+        numbers in prop::collection::vec(any::<u32>(), 200),
+        times in times(),
+        pages in 1u32..20,
+        room in 1u64..20,
+        tile in prop::option::of(1usize..4),
+    ) {
+        let mut maker = Maker {
+            numbers: numbers.iter().cycle(),
+            nodes: 1,
+            graph: TaskGraph { regions: 1, ..TaskGraph::default() },
+        };
+        (0..trees).for_each(|_| maker.tree(60 / trees));
+        let mut uses = PageUses { pages, page_bytes: 64, ..PageUses::default() };
+        for _ in 0..maker.graph.rays.len() {
+            let mut read: Vec<u32> = (0..maker.below(5)).map(|_| maker.below(pages)).collect();
+            read.sort_unstable();
+            read.dedup();
+            let by = maker.below(5) as usize % read.len().max(1);
+            read.rotate_left(by);
+            uses.uses.extend(read.into_iter().map(|page| (page, 1 + page % 3)));
+            uses.ends.push(uses.uses.len() as u32);
+        }
+        let graph = TaskGraph { pages: Some(uses), ..maker.graph };
+        let mut machine = machine(nodes, times);
+        machine.memory_bytes = 64 * (u64::from(pages).div_ceil(nodes as u64) + room);
+        let all: Vec<u32> = (0..trees as u32).collect();
+        let dealt = match tile {
+            Some(trees) => Dealt::AsAsked(all.chunks(trees).map(<[u32]>::to_vec).collect()),
+            None => Dealt::Before((0..nodes).map(|node| all.iter().copied().skip(node).step_by(nodes).collect()).collect()),
+        };
+        let (expected, fetched) = memory_ticking::tick(&machine, &graph, dealt.clone());
+        let mut memory = MemoryNodes::new(&machine, &graph, dealt).unwrap();
+        let (topology, states) = (memory.topology(), MemoryNodes::SENDING_AND_IDLE);
+        let events = Events::with_helpers(topology, memory.helpers(), machine.cube(), states);
+        let mut events = events.recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
+        while !memory.is_over() && events.step(&mut |task, now, taken| memory.next(task, now, taken)) {}
+        let (stats, observed) = events.stop(|task| memory.rests(task));
+        let found = ticked(nodes, &stats, &observed.recording.unwrap(), &memory.seen);
+        prop_assert_eq!(found, expected);
+        prop_assert_eq!(memory.seen.nodes.iter().map(|node| node.pages).collect::<Vec<_>>(), fetched);
+        prop_assert_eq!(memory.seen.nodes.iter().map(|node| node.pixels).sum::<usize>(), trees);
+        for station in &stats.stations {
+            prop_assert_eq!(station.total(), stats.cycles);
+        }
+    }
+}
+
+/// What a real image's nodes came to: the end, each task's cycles in each state, and the links'.
+type Came = (u64, Vec<BTreeMap<u8, u64>>, Vec<u64>);
+
+/// The same of the engine's run, in the other scheduler's terms.
+fn came(stats: &Measured) -> Came {
+    let states = stats.topology.states.all();
+    let spent = |times: &StateTimes| {
+        let all = states.iter().map(|state| (state.id.0, times.of(state.id).0));
+        all.filter(|(_, cycles)| *cycles > 0).collect()
+    };
+    let links = stats.links.iter().map(|link| link.busy.0).collect();
+    (stats.cycles.0, stats.stations.iter().map(spent).collect(), links)
+}
+
+/// On a real scene, another scheduler, which has all that is to happen in one heap, comes to the same.
+#[test]
+fn another_scheduler_comes_to_the_same() {
+    let scene_of = |mode: CubeMode| {
+        let mut options = CubeRunOptions::default();
+        options.scene.scene = Some("gears".to_owned());
+        options.shape.size = Some("24x24".parse().unwrap());
+        options.cube.mode = Some(mode);
+        options.machine.nodes = Some(13);
+        let spec = CubeSpec::new(&options, None).unwrap();
+        let scene = spec.lay_out(false, &Workers::on_all_cores(), |_| Ok::<_, Infallible>(())).unwrap();
+        (spec.machine.build().unwrap(), scene.graph)
+    };
+    let (machine, graph) = scene_of(CubeMode::Regions);
+    let node_of = gray_order(machine.nodes);
+    let owners: Vec<u16> = graph.trees.iter().map(|&ray| node_of[usize::from(graph.start_of(ray))]).collect();
+    let order: Vec<u32> = (0..graph.trees.len() as u32).collect();
+    let slots = highest_rank(&graph) + 1;
+    for (flow, ends, asks_for_slots) in [
+        (Flow::Classes(slots), Ends::Credit, false),
+        (Flow::Classes(2 * slots), Ends::Token, true),
+        (Flow::Unlimited, Ends::Token, false),
+        (Flow::Window(4), Ends::Credit, false),
+        (Flow::Block(4096), Ends::Credit, false),
+    ] {
+        let rules = Rules { flow, ends, asks_for_slots, pixels_first: false };
+        let nodes = || RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules);
+        let mut own = nodes();
+        let mut events = Events::new(own.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
+        while !own.is_over() && events.step(&mut |task, now, taken| own.next(task, now, taken)) {}
+        assert!(own.is_over(), "{flow:?}");
+        let (stats, _) = events.stop(|task| own.rests(task));
+        let mut other = nodes();
+        let ended = heap_events::run(
+            (&machine, machine.nodes + 1),
+            &mut other,
+            RegionNodes::next,
+            RegionNodes::is_over,
+            RegionNodes::rests,
+            RegionNodes::SENDING_AND_IDLE,
+        );
+        assert_eq!(came(&stats), (ended.cycles, ended.spent, ended.links), "{flow:?}");
+        assert_eq!(own.seen, other.seen, "{flow:?}");
+    }
+    let (machine, graph) = scene_of(CubeMode::SharedMemory);
+    let all: Vec<u32> = (0..graph.trees.len() as u32).collect();
+    let nodes =
+        || MemoryNodes::new(&machine, &graph, Dealt::AsAsked(all.chunks(10).map(<[u32]>::to_vec).collect())).unwrap();
+    let mut own = nodes();
+    let states = MemoryNodes::SENDING_AND_IDLE;
+    let mut events = Events::with_helpers(own.topology(), own.helpers(), machine.cube(), states);
+    while !own.is_over() && events.step(&mut |task, now, taken| own.next(task, now, taken)) {}
+    let (stats, _) = events.stop(|task| own.rests(task));
+    let mut other = nodes();
+    let tasks = machine.nodes + 1 + other.helpers();
+    let (next, is_over, rests) = (MemoryNodes::next, MemoryNodes::is_over, MemoryNodes::rests);
+    let mut ended = heap_events::run((&machine, tasks), &mut other, next, is_over, rests, states);
+    ended.spent.truncate(machine.nodes + 1);
+    assert_eq!(came(&stats), (ended.cycles, ended.spent, ended.links));
+    assert_eq!(own.seen, other.seen);
+}
+
+proptest! {
+    /// Whatever messages take, the token never says too early that all is over, and begins at the most two more rounds once it is.
+    #[test]
+    fn the_token_is_never_early_and_at_most_two_rounds_late(
+        nodes in 2usize..9,
+        trees in 1usize..12,
+        numbers in prop::collection::vec(any::<u32>(), 200),
+        times in times(),
+        wires in prop::array::uniform6(0u64..3000),
+        pixels_first in any::<bool>(),
+    ) {
+        let graph = graph(&numbers, nodes, trees);
+        let mut machine = machine(nodes, times);
+        machine.costs.pixel += Cycles(1);
+        let [short, long, hop, byte, short_work, long_work] = wires;
+        (machine.wires.short, machine.wires.long, machine.wires.hop) = (Cycles(short), Cycles(long), Cycles(hop));
+        machine.wires.byte_millicycles = byte;
+        (machine.messages.short, machine.messages.long) = (Cycles(short_work % 40), Cycles(long_work % 40));
+        let owners: Vec<u16> = (0..trees).map(|tree| (numbers[tree] as usize % nodes) as u16).collect();
+        let node_of: Vec<u16> = (0..nodes as u16).collect();
+        let order: Vec<u32> = (0..trees as u32).collect();
+        let rules = Rules { ends: Ends::Token, pixels_first, ..UNLIMITED };
+        let mut run = RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules);
+        let mut events = Events::new(run.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
+        let mut begun = None;
+        while !run.is_over() && events.step(&mut |task, now, taken| run.next(task, now, taken)) {
+            if run.seen.true_end > Cycles(0) {
+                begun = begun.or(Some(run.seen.probes));
+            } else {
+                prop_assert_eq!(run.seen.told_at, Cycles(0), "too early");
+            }
+        }
+        prop_assert!(run.is_over() && run.seen.true_end <= run.seen.told_at);
+        prop_assert!(run.seen.probes - begun.unwrap() <= 2, "{} rounds", run.seen.probes - begun.unwrap());
     }
 }
 
@@ -299,11 +478,12 @@ fn there_and_back() -> TaskGraph {
         rays: vec![ray(0, (1, 1), 0, RayKind::Primary, true), ray(2, (2, 0), 1, RayKind::Shadow, false)],
         legs: vec![leg(0, 2, 0, 0), leg(1, 1, 1, 1), leg(1, 1, 0, 0), leg(0, 1, 0, 0)],
         trees: vec![0],
-        pages: None,
+        ..TaskGraph::default()
     }
 }
 
-const UNLIMITED: Rules = Rules { flow: Flow::Unlimited, ends: Ends::Credit, pixels_first: false };
+const UNLIMITED: Rules =
+    Rules { flow: Flow::Unlimited, ends: Ends::Credit, asks_for_slots: false, pixels_first: false };
 
 /// By hand, from the standard file's numbers in cycles of 62.5 ns: a pixel 3200; the grid 4002 and 1040 a voxel, slabs 1201 and 1734,
 /// intersection 133 and 4002, shading 83984; a short message 2560 at either end, 480 under way and 5.76 a byte.
@@ -341,7 +521,8 @@ fn a_ray_goes_there_and_its_shadow_ray_comes_back() {
 fn a_token_goes_round_once() {
     let ray =
         RayTask { first_leg: 0, children: (1, 0), tree: 0, hop: 0, turns: 0, kind: RayKind::Primary, shaded: false };
-    let graph = TaskGraph { regions: 4, rays: vec![ray], legs: vec![leg(0, 1, 0, 0)], trees: vec![0], pages: None };
+    let graph =
+        TaskGraph { regions: 4, rays: vec![ray], legs: vec![leg(0, 1, 0, 0)], trees: vec![0], ..TaskGraph::default() };
     let (_, seen) = run(&standard(4), &graph, &[0], Rules { ends: Ends::Token, ..UNLIMITED }).unwrap();
     let done = 3200 + 4002 + 1040;
     assert_eq!((seen.true_end.0, seen.told_at.0), (done, done + 4 * (2560 + 480 + 93 + 2560)));
@@ -402,7 +583,7 @@ fn with_a_slot_less_classes_get_stuck() {
         rays: vec![ray(0, 0), ray(2, 1)],
         legs: vec![leg(0, 1, 0, 0), leg(1, 1, 0, 0), leg(1, 1, 0, 0), leg(0, 1, 0, 0)],
         trees: vec![0, 1],
-        pages: None,
+        ..TaskGraph::default()
     };
     assert_eq!(highest_rank(&graph), 1);
     let rules = |slots| Rules { flow: Flow::Classes(slots), ..UNLIMITED };

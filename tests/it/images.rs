@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 use pcs_sim::geometry::{Polygons, Ray, brute_force};
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::policy::{HostRules, Policy};
-use pcs_sim::host::sampling::Sampling;
+use pcs_sim::host::sampling::{Criterion, Sampling};
 use pcs_sim::host::shading::{Branch, Limits, RayKind, Shader, reflect, refract};
 use pcs_sim::machine::{Cycles, KernelTimes, MachineFile, MachineSpec, Words};
 use pcs_sim::program::{Counts, Workload};
@@ -32,11 +32,11 @@ fn workload(scene: &Scene, program: &str, groups: usize, times: KernelTimes) -> 
 
 fn picture<'a>(scene: &'a Scene, workload: &'a Workload, width: u32, sampling: Sampling) -> Picture<'a> {
     let size = ImageSize { width, height: width * 3 / 4 };
-    Picture { scene, workload, size, sampling, limits: Limits::default() }
+    Picture { scene, workload, size, sampling, limits: Limits::default(), screen: None }
 }
 
 fn plain(side: u32) -> Sampling {
-    Sampling { side, adaptive: false }
+    Sampling { side, adaptive: None }
 }
 
 fn untimed(picture: &Picture, threads: usize) -> Rendered {
@@ -102,7 +102,7 @@ fn equal_an_independent_tracer_in_double_precision() {
 #[test]
 fn do_not_depend_on_mode_cells_threads_policy_or_timing() {
     let scene = glass();
-    for sampling in [plain(2), Sampling { side: 3, adaptive: true }] {
+    for sampling in [plain(2), Sampling { side: 3, adaptive: Some(Criterion::Object) }] {
         let pipeline = workload(&scene, "pipeline", 1, crate::support::machine().times);
         let reference = untimed(&picture(&scene, &pipeline, 40, sampling), 1);
         for (program, groups) in [("pipeline", 1), ("broadcast", 1), ("broadcast", 5), ("hybrid", 3), ("hybrid-3", 2)] {
@@ -127,7 +127,7 @@ fn timing_in_a_closed_loop_is_what_ticking_its_ops_gives() {
     for (program, groups) in [("pipeline", 1), ("broadcast", 3), ("hybrid", 2)] {
         for times in [crate::support::machine().times, slow_host()] {
             let workload = workload(&scene, program, groups, times);
-            let refined = (Policy::ByGeneration, Sampling { side: 2, adaptive: true });
+            let refined = (Policy::ByGeneration, Sampling { side: 2, adaptive: Some(Criterion::Object) });
             for (policy, sampling) in POLICIES.map(|policy| (policy, plain(1))).into_iter().chain([refined]) {
                 let picture = picture(&scene, &workload, 6, sampling);
                 for (in_flight, open_samples) in [(None, 1024), (Some(2), 3)] {
@@ -166,7 +166,7 @@ fn a_ray_is_sent_after_its_parents_hit_and_never_more_than_may_be_in_flight() {
 fn refined_samples_wait_for_what_asks_for_them_and_for_no_more() {
     let scene = glass();
     let workload = workload(&scene, "pipeline", 1, crate::support::machine().times);
-    let picture = picture(&scene, &workload, 40, Sampling { side: 2, adaptive: true });
+    let picture = picture(&scene, &workload, 40, Sampling { side: 2, adaptive: Some(Criterion::Object) });
     let pixels = picture.size.pixels();
     for (policy, open_samples) in [(Policy::SecondariesFirst, 64), (Policy::PrimariesFirst, 10_000)] {
         let rules = HostRules { policy, open_samples, ..HostRules::default() };
@@ -357,7 +357,9 @@ fn the_command_writes_the_same_picture_with_and_without_timing() {
 fn an_image_is_its_lines_wherever_it_is_cut() {
     let scene = glass();
     let workload = workload(&scene, "broadcast", 3, crate::support::machine().times);
-    for (sampling, threads) in [(plain(1), 1), (plain(3), 2), (Sampling { side: 4, adaptive: true }, 2)] {
+    for (sampling, threads) in
+        [(plain(1), 1), (plain(3), 2), (Sampling { side: 4, adaptive: Some(Criterion::Object) }, 2)]
+    {
         let picture = picture(&scene, &workload, 20, sampling);
         let whole = untimed(&picture, 1);
         for cuts in [&[0, 15][..], &[0, 1, 2, 9, 15], &[0, 7, 14, 15]] {

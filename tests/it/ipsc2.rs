@@ -1,5 +1,7 @@
 //! Images on the iPSC/2, made as a user makes them.
 
+use std::collections::HashMap;
+
 use pcs_sim::run::{CubeMode, CubeRunOptions, CubeSpec, Watching, Workers};
 use serde_json::Value;
 
@@ -27,6 +29,8 @@ fn the_image_is_that_of_an_array() {
             "--nodes 13 --flow window --window 2 --pixels shared",
             "--nodes 8 --termination token --first pixels --sub-sample 25%",
             "--nodes 6 --mode shared-memory --page-bytes 256",
+            "--nodes 5 --mode shared-memory --distribution tiles",
+            "--nodes 16 --grids own --queue-rays memory --grant handshake",
         ] {
             folder.run(&format!("image {scene} --on ipsc2 --node-kbyte 99999 {flags} -o cube.pfm --force")).success();
             assert!(std::fs::read(folder.path("cube.pfm")).unwrap() == array, "{scene} {flags}");
@@ -243,4 +247,72 @@ fn the_table_of_1990_is_met() {
             assert!((efficiency - 82.6).abs() < 2.0, "{efficiency}");
         }
     }
+}
+
+/// A table of the report, by columns.
+fn report(name: &str) -> Vec<HashMap<String, String>> {
+    let path = format!("{}/reports/ipsc2/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    reader.deserialize().map(Result::unwrap).collect()
+}
+
+fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap()
+}
+
+/// What the authors say of their ray tracer with regions (RR-0992 §4.1, Ray Tracing News 2(1)), as bands around our curve.
+#[test]
+fn what_the_authors_say_holds_of_regions() {
+    let speed = report("speed");
+    let of = |flow: &str| speed.iter().filter(|row| row["flow"] == flow).collect::<Vec<_>>();
+    for row in of("classes") {
+        let (nodes, efficiency) = (number(row, "nodes") as u32, number(row, "efficiency"));
+        // "With 30-40 processors 50 % efficiency."
+        assert!(!(30..=40).contains(&nodes) || (0.43..0.57).contains(&efficiency), "{nodes}: {efficiency}");
+        // "Each processor computes for 70 % of the total time."
+        let works = number(row, "computing") + number(row, "messages");
+        assert!(!(16..=32).contains(&nodes) || (0.62..0.78).contains(&works), "{nodes}: {works}");
+    }
+    for flow in ["classes", "unlimited"] {
+        // More nodes are less efficient; what slots by rank lose to waiting is not the same for each number of them.
+        let most = if flow == "classes" { 0.02 } else { 0.0 };
+        let rows = of(flow);
+        for few in rows.iter().filter(|row| number(row, "nodes") >= 2.0) {
+            let twice = rows.iter().find(|row| number(row, "nodes") == 2.0 * number(few, "nodes"));
+            let (less, more) = (number(few, "efficiency"), twice.map_or(0.0, |row| number(row, "efficiency")));
+            assert!(more <= less + most, "{flow}, {} nodes: {less}, then {more}", few["nodes"]);
+        }
+        // Computation grows with the nodes, as each region has to be entered, and so does communication.
+        let grows =
+            |what: fn(&HashMap<String, String>) -> f64| rows.windows(2).all(|pair| what(pair[0]) < what(pair[1]));
+        assert!(grows(|row| number(row, "computing") / number(row, "one_node")), "{flow}");
+        assert!(grows(|row| number(row, "ray_messages")), "{flow}");
+    }
+    // "1.5 % of the pixels is enough."
+    let sample = report("sample");
+    let seconds = |share: f64| {
+        let row = sample.iter().find(|row| row["flow"] == "unlimited" && number(row, "sub_sample") == share);
+        number(row.unwrap(), "seconds")
+    };
+    assert!((seconds(1.5) / seconds(25.0) - 1.0).abs() < 0.05);
+    assert!(seconds(0.1) / seconds(25.0) > 1.15);
+}
+
+/// The report's tables are what is simulated: a point of Figure 3 comes out as it stands there.
+#[test]
+fn a_point_of_figure_3_is_as_in_the_report() {
+    let mut options = CubeRunOptions::default();
+    options.scene.scene = Some("reports/teapot/teapot.ron".to_owned());
+    options.shape.size = Some("512x512".parse().unwrap());
+    let spec = CubeSpec::new(&options, None).unwrap();
+    let workers = Workers::on_all_cores();
+    let scene = spec.lay_out(false, &workers, |_| Ok::<_, std::convert::Infallible>(())).unwrap();
+    let machine = spec.machine.build().unwrap();
+    let outcome = spec.run(&scene, &machine, &Watching::default(), &workers.cancel).unwrap();
+    let row = report("speed").into_iter().find(|row| row["flow"] == "classes" && row["nodes"] == "32").unwrap();
+    assert_eq!(row["cycles"], outcome.stats.cycles.0.to_string());
+    assert_eq!(
+        number(&row, "ray_messages"),
+        outcome.seen.sent.iter().sum::<u64>() as f64 / scene.graph.rays.len() as f64
+    );
 }

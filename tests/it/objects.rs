@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use pcs_sim::host::camera::ImageSize;
-use pcs_sim::host::sampling::Sampling;
+use pcs_sim::host::sampling::{Criterion, Sampling};
 use pcs_sim::host::shading::Limits;
 use pcs_sim::program::Workload;
 use pcs_sim::run::{self, Picture, Rendered, Workers};
@@ -96,7 +96,7 @@ fn render(scene: &Scene, sampling: Sampling) -> (Rendered, u64) {
         Workload::new(&scene.mesh, &crate::support::program("pipeline", 1), crate::support::machine().times, &[])
             .unwrap();
     let size = ImageSize { width: SIDE, height: SIDE };
-    let picture = Picture { scene, workload: &workload, size, sampling, limits: Limits::default() };
+    let picture = Picture { scene, workload: &workload, size, sampling, limits: Limits::default(), screen: None };
     let rendered = run::render(&picture, None, &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap();
     let primary = rendered.kinds[0].rays;
     (rendered, primary)
@@ -117,8 +117,8 @@ fn walls(second: &str) -> Scene {
 
 #[test]
 fn a_silhouette_before_the_same_material_is_refined() {
-    let full = Sampling { side: 3, adaptive: false };
-    let adaptive = Sampling { side: 3, adaptive: true };
+    let full = Sampling { side: 3, adaptive: None };
+    let adaptive = Sampling { side: 3, adaptive: Some(Criterion::Object) };
     let difference = |scene: &Scene| {
         let ((all, _), (few, rays)) = (render(scene, full), render(scene, adaptive));
         let pairs = all.pixels.iter().zip(&few.pixels);
@@ -139,8 +139,8 @@ fn a_silhouette_before_the_same_material_is_refined() {
 #[test]
 fn outlines_of_balls_before_balls_are_refined() {
     let scene = builtin::generate("balls", Some(2), Some(12)).unwrap();
-    let (full, _) = render(&scene, Sampling { side: 4, adaptive: false });
-    let (few, rays) = render(&scene, Sampling { side: 4, adaptive: true });
+    let (full, _) = render(&scene, Sampling { side: 4, adaptive: None });
+    let (few, rays) = render(&scene, Sampling { side: 4, adaptive: Some(Criterion::Object) });
     let refined = full.pixels.iter().zip(&few.pixels).filter(|(a, b)| a == b).count();
     let extra = (rays - u64::from(SIDE * SIDE)) / 16;
     assert!(

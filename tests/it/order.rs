@@ -10,7 +10,7 @@ use pcs_sim::geometry::{Ray, brute_force};
 use pcs_sim::host::camera::{ImageSize, primary_rays};
 use pcs_sim::host::order::Order;
 use pcs_sim::host::policy::{HostRules, Policy};
-use pcs_sim::host::sampling::Sampling;
+use pcs_sim::host::sampling::{Criterion, Sampling};
 use pcs_sim::host::shading::Limits;
 use pcs_sim::machine::MachineSpec;
 use pcs_sim::program::Workload;
@@ -162,7 +162,8 @@ fn sweeps_have_it_as_a_parameter() {
 fn image(order: Order, sampling: Sampling) -> (Rendered, Vec<[u32; 4]>) {
     let scene = builtin::generate("balls", Some(1), Some(8)).unwrap();
     let workload = Workload::new(&scene.mesh, &program("broadcast", 3), crate::support::machine().times, &[]).unwrap();
-    let picture = Picture { scene: &scene, workload: &workload, size: SIZE, sampling, limits: Limits::default() };
+    let picture =
+        Picture { scene: &scene, workload: &workload, size: SIZE, sampling, limits: Limits::default(), screen: None };
     let rules = HostRules { order, policy: Policy::PrimariesFirst, open_samples: 1 << 20, ..HostRules::default() };
     let timed = Timed { spec: &MachineSpec::default(), rules, watching: Watching::default() };
     let mut hits = Vec::new();
@@ -177,8 +178,9 @@ fn image(order: Order, sampling: Sampling) -> (Rendered, Vec<[u32; 4]>) {
 
 #[test]
 fn images_stay_and_their_pixels_are_begun_in_that_order() {
-    let one = Sampling { side: 1, adaptive: false };
-    for sampling in [one, Sampling { side: 2, adaptive: false }, Sampling { side: 3, adaptive: true }] {
+    let one = Sampling { side: 1, adaptive: None };
+    for sampling in [one, Sampling { side: 2, adaptive: None }, Sampling { side: 3, adaptive: Some(Criterion::Object) }]
+    {
         let (raster, _) = image(Order::Raster, sampling);
         for order in ORDERS {
             let (ordered, _) = image(order, sampling);

@@ -7,9 +7,9 @@ use crate::support::ticking::{self, History, Ticked};
 use pcs_sim::machine::line::{IDLE, MOVING, waiting};
 use pcs_sim::machine::{Array, Cycles, MachineSpec, Unfinished, Words};
 use pcs_sim::measure::{
-    Actor, FifoInfo, JobSpan, Measured, Moment, Recording, StateId, StationMoment, StationRecord, Stretch,
+    Actor, FifoInfo, JobSpan, Measured, Moment, OpMoment, Recording, StateId, StationMoment, StationRecord, Stretch,
 };
-use pcs_sim::seam::{Channel, Costs, OpBatch, OpKind, OpStream};
+use pcs_sim::seam::{Channel, Costs, Op, OpBatch, OpKind, OpStream};
 use proptest::prelude::*;
 
 /// The whole run, and more.
@@ -90,21 +90,97 @@ fn clipped(visits: &[JobSpan], window: &Range<Cycles>) -> Vec<JobSpan> {
     visits.iter().map(clip).filter(|visit| visit.from < visit.until).collect()
 }
 
+/// The ops of a stream, each with the job that it is for.
+fn ops_of<'a>(streams: impl Iterator<Item = &'a OpStream>) -> Vec<(Op, Option<u32>)> {
+    let of = |stream: &'a OpStream| {
+        let job = move |place| stream.locate(place).map(|(job, _)| job);
+        stream.ops().iter().enumerate().map(move |(place, op)| (*op, job(place)))
+    };
+    streams.flat_map(of).collect()
+}
+
+/// What a station is at in each cycle is what the model has it at.
+fn assert_ops(
+    (recording, actor, costs): (&Recording, Actor, &Costs),
+    ops: &[(Op, Option<u32>)],
+    at: &[usize],
+    moves: impl Fn(usize) -> bool,
+) {
+    for cycle in recording.window.start.0..recording.window.end.0 {
+        let told = recording.op(actor, Cycles(cycle));
+        let here = at[cycle as usize];
+        let Some(&(op, job)) = ops.get(here).filter(|_| cycle < recording.ops_until.0) else {
+            assert_eq!(told, None, "{actor} in cycle {cycle}");
+            continue;
+        };
+        let of_it = at.partition_point(|&other| other < here)..at.partition_point(|&other| other <= here);
+        let OpMoment { span, done, of } = told.unwrap_or_else(|| panic!("{actor} has no op in cycle {cycle}"));
+        assert_eq!((span.op, span.job, span.from.0), (op, job, of_it.start as u64), "{actor} in cycle {cycle}");
+        assert_eq!(span.until.0, (of_it.end as u64).min(recording.ops_until.0), "{actor} in cycle {cycle}");
+        let (passed, count) = (of_it.start..cycle as usize + 1, u64::from(op.count()));
+        let expected = match op.kind() {
+            OpKind::Await => (0, 0),
+            OpKind::Work(unit) => (passed.len() as u64, count * costs.of(unit).0),
+            _ => (passed.filter(|&cycle| moves(cycle)).count() as u64, count),
+        };
+        assert_eq!((done, of), expected, "{actor} in cycle {cycle}");
+    }
+}
+
+/// The stream that writes to a FIFO, and the link and the channel that it is at.
+type Writer = (usize, usize, fn(&OpBatch, usize) -> &OpStream);
+
+fn writer_of(info: &FifoInfo) -> Writer {
+    let channel = Channel::ALL.into_iter().find(|channel| channel.to_string() == info.group).unwrap();
+    let (link, stream): (usize, fn(&OpBatch, usize) -> &OpStream) = match info.from {
+        Actor::Host => (0, |batch, _| &batch.host),
+        Actor::Station(cell) if channel == Channel::Z => (cell, |batch, link| &batch.cells[link]),
+        Actor::Station(cell) => (cell + 1, |batch, link| &batch.cells[link - 1]),
+    };
+    (link, channel as usize, stream)
+}
+
+/// The jobs of the words that a FIFO holds at the end of each cycle.
+fn assert_words(recording: &Recording, fifo: usize, batches: &[OpBatch], history: &History) {
+    let info = &recording.topology.fifos[fifo];
+    let (link, channel, stream) = writer_of(info);
+    let is_last = info.from == Actor::Station(batches[0].cells.len() - 1);
+    let ops = ops_of(batches.iter().map(|batch| stream(batch, link)));
+    let written = ops.iter().filter(|(op, _)| op.kind().writes().is_some_and(|c| c as usize == channel));
+    let written = written.filter(|(op, _)| !(is_last && op.kind() == OpKind::PassX));
+    let jobs: Vec<_> = written.flat_map(|(op, job)| std::iter::repeat_n(*job, op.count() as usize)).collect();
+    let [writes, reads] = history.words.get(&(link, channel)).cloned().unwrap_or_default();
+    for cycle in recording.window.start.0..recording.window.end.0 {
+        let until = |times: &[u64]| times.partition_point(|&time| time <= cycle);
+        let inside = &jobs[until(&reads)..until(&writes)];
+        assert_eq!(recording.words(fifo, Cycles(cycle)).unwrap(), inside, "{} in cycle {cycle}", info.name);
+    }
+}
+
+/// What each station does and what each FIFO holds, in every cycle, is what the model has.
+fn assert_steps(recording: &Recording, costs: &Costs, batches: &[OpBatch], history: &History) {
+    for cell in 0..recording.stations.len() {
+        let ops = ops_of(batches.iter().map(|batch| &batch.cells[cell]));
+        let moves = |cycle: usize| history.states[cell][cycle] == MOVING;
+        assert_ops((recording, Actor::Station(cell), costs), &ops, &history.at[cell], moves);
+    }
+    let ops = ops_of(batches.iter().map(|batch| &batch.host));
+    let sends = |cycle: usize| history.sent.binary_search(&(cycle as u64)).is_ok();
+    assert_ops((recording, Actor::Host, costs), &ops, &history.host_at, sends);
+    (0..recording.fifos.len()).for_each(|fifo| assert_words(recording, fifo, batches, history));
+}
+
 /// The jobs whose words passed through a FIFO, as the model has them: from their first word's write to their last one's read.
 fn naive_passages(batches: &[OpBatch], info: &FifoInfo, history: &History) -> Vec<JobSpan> {
-    let channel = Channel::ALL.into_iter().find(|channel| channel.to_string() == info.group).unwrap();
     let last = batches[0].cells.len() - 1;
-    let (link, stream): (usize, fn(&OpBatch, usize) -> &OpStream) = match (info.from, info.to) {
-        (Actor::Host, _) => (0, |batch, _| &batch.host),
-        (Actor::Station(cell), _) if channel == Channel::Z => (cell, |batch, link| &batch.cells[link]),
-        (Actor::Station(cell), _) => (cell + 1, |batch, link| &batch.cells[link - 1]),
-    };
+    let (link, channel, stream) = writer_of(info);
     let is_last = info.from == Actor::Station(last);
-    let [writes, reads] = history.words.get(&(link, channel as usize)).cloned().unwrap_or_default();
+    let [writes, reads] = history.words.get(&(link, channel)).cloned().unwrap_or_default();
     let (mut passages, mut first) = (Vec::new(), 0);
     for (job, ops) in batches.iter().flat_map(|batch| stream(batch, link).lines()) {
         let written = ops.iter().filter(|op| !(is_last && op.kind() == OpKind::PassX));
-        let words: u32 = written.filter(|op| op.kind().writes() == Some(channel)).map(|op| op.count()).sum();
+        let words: u32 =
+            written.filter(|op| op.kind().writes().is_some_and(|c| c as usize == channel)).map(|op| op.count()).sum();
         let end = first + words as usize;
         if let Some(&from) = writes.get(first).filter(|_| words > 0) {
             let until = reads.get(end - 1).map_or(u64::MAX, |read| read + 1);
@@ -213,6 +289,10 @@ fn events(recording: &Recording) -> usize {
     activities + recording.answers.len()
 }
 
+fn ops(recording: &Recording) -> usize {
+    recording.host.iter().chain(&recording.stations).map(|station| station.ops.len()).sum()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3_000, ..ProptestConfig::default() })]
 
@@ -236,14 +316,16 @@ proptest! {
         let window = Cycles(from)..Cycles(from + 1 + (length * stats.cycles.0 as f64) as u64);
         let (_, part) = record(machine, &batches, window.clone(), usize::MAX / 2).unwrap();
         let inside = window.start.min(stats.cycles)..window.end.min(stats.cycles);
-        prop_assert_eq!((&part.window, part.cut), (&inside, false));
+        prop_assert_eq!((&part.window, part.cut, part.ops_until), (&inside, false, inside.end));
         assert_exact(&part, &batches, &history);
+        assert_steps(&part, &costs, &batches, &history);
         assert_moments(&part, &batches, &history);
 
         let (_, short) = record(machine, &batches, window.clone(), most_events).unwrap();
         prop_assert_eq!(short.cut, short.window != part.window);
-        prop_assert!(events(&short) <= most_events);
+        prop_assert!(events(&short) <= most_events && ops(&short) <= most_events);
         assert_exact(&short, &batches, &history);
+        assert_steps(&short, &costs, &batches, &history);
         assert_moments(&short, &batches, &history);
         // Where it was cut depends on nothing but what happened.
         let other = batches_of(cells, &rays, 1 + per_batch % 5);

@@ -1,10 +1,10 @@
 //! Plots and pages of a run, as files and in a browser.
 
-use std::process::Command;
-
+use crate::support::browser::{Browser, Page};
 use crate::support::command::Folder;
 use pcs_sim::machine::{Array, Cycles, MachineSpec};
 use pcs_sim::report::plot::{self, Caption, Run};
+use serde_json::{Value, json};
 
 const ALL: std::ops::Range<Cycles> = Cycles(0)..Cycles(u64::MAX);
 
@@ -52,23 +52,23 @@ fn a_replay_has_the_same_views_as_its_run() {
     let figures = |name: &str| {
         let page = folder.read(name);
         let start = page.find("\"bins\"").unwrap();
-        let data = &page[start..start + page[start..].find("</script>").unwrap()];
+        // Only of a scene is it known what single rays come to.
+        let data = &page[start..start + page[start..].find("\"looks\"").unwrap()];
         let (before, after) = (data.find("\"cells\"").unwrap(), data.find("\"fifos\"").unwrap());
         format!("{}{}", &data[..before], &data[after..])
     };
     assert_eq!(figures("run.html"), figures("replay.html"));
 }
 
-/// What a page does once it is open: turns the wheel over one chart, at first without Ctrl, tells on which stretch each of them
-/// then stands, whether anything is wider than the window or cut off, and which colours its overviews have that no legend
-/// tells; it moves in a chart by keys, and hides a cell's charts by a click.
-const USE: &str = "<script>
-setTimeout(() => {
+/// Turns the wheel over one chart of a page, at first without Ctrl, and moves in it by keys. Tells whether the page scrolls then,
+/// whether anything is wider than the window or cut off, which colours its overviews have that no legend tells, how many
+/// charts stand on the stretch that one was zoomed to, and which window the page then names.
+const USE: &str = "(async () => {
+  const pause = () => new Promise((done) => setTimeout(done, 50));
   const { over } = charts[0].chart, { left, top, width } = over.getBoundingClientRect();
-  const told = document.body.dataset;
   const turned = { deltaY: -1, clientX: left + width / 2, clientY: top + 5, bubbles: true, cancelable: true };
-  told.scrolls = over.dispatchEvent(new WheelEvent('wheel', turned));
-  told.stays = view.max - view.min === run.end;
+  const scrolls = over.dispatchEvent(new WheelEvent('wheel', turned));
+  const stays = view.max - view.min === run.end;
   const known = [...document.querySelectorAll('.legend i')].map((square) => getComputedStyle(square).backgroundColor);
   const ours = new Set([...known, 'rgb(255, 255, 255)']);
   const foreign = new Set();
@@ -79,38 +79,37 @@ setTimeout(() => {
       if (!ours.has(color)) foreign.add(`${color} in ${place.getAttribute('aria-label')}`);
     }
   }
-  told.foreign = [...foreign].slice(0, 9).join('; ');
   const drawing = document.querySelector('#array svg'), around = document.getElementById('array');
-  told.whole = around.scrollHeight <= around.clientHeight && drawing.getBoundingClientRect().height <= around.clientHeight;
+  const whole = around.scrollHeight <= around.clientHeight && drawing.getBoundingClientRect().height <= around.clientHeight;
   over.dispatchEvent(new WheelEvent('wheel', { ...turned, ctrlKey: true }));
-  setTimeout(() => {
-    told.window = document.getElementById('window').textContent;
-    const near = (a, b) => Math.abs(a - b) < 0.01 * run.end;
-    told.zoomed = charts.filter(({ chart: { scales: { x } } }) => near(x.min, run.end / 8) && near(x.max, run.end * 7 / 8)).length;
-    told.fits = document.documentElement.scrollWidth <= innerWidth;
-    charts[0].place.focus();
-    const press = (key) => charts[0].place.dispatchEvent(new KeyboardEvent('keydown', { key, cancelable: true }));
-    press('d');
-    told.moved = near(view.min, run.end / 4) || near(view.min, run.end * 5 / 16);
-    press('0');
-    told.back = view.min === 0 && view.max === run.end;
-    document.querySelector('.station.selected').dispatchEvent(new MouseEvent('click'));
-  }, 200);
-}, 200);
-</script>";
+  await pause();
+  const shown = document.getElementById('window').textContent;
+  const near = (a, b) => Math.abs(a - b) < 0.01 * run.end;
+  const zoomed = charts.filter(({ chart: { scales: { x } } }) => near(x.min, run.end / 8) && near(x.max, run.end * 7 / 8)).length;
+  const fits = document.documentElement.scrollWidth <= innerWidth;
+  charts[0].place.focus();
+  const press = (key) => charts[0].place.dispatchEvent(new KeyboardEvent('keydown', { key, cancelable: true }));
+  press('d');
+  const moved = near(view.min, run.end / 4) || near(view.min, run.end * 5 / 16);
+  press('0');
+  const back = view.min === 0 && view.max === run.end;
+  document.querySelector('.station.selected').dispatchEvent(new MouseEvent('click'));
+  await pause();
+  return { scrolls, stays, whole, window: shown, zoomed, fits, moved, back, foreign: [...foreign].slice(0, 9), charts: charts.length };
+})()";
 
 #[test]
 fn a_page_opens_in_a_browser_and_its_charts_move_together() {
-    let Some(browser) = browser() else { return };
+    let Some(browser) = Browser::start() else { return };
     let folder = Folder::new();
     // Four cells, the rays done and those on their way, eight FIFOs.
     folder.run(&format!("{RUN} --page few.html")).success();
-    let few = opened(browser, &folder, "few", "1280,800");
-    assert!(few.contains("data-scrolls=\"true\"") && few.contains("data-stays=\"true\""), "the wheel scrolls the page");
-    assert!(few.contains("data-zoomed=\"14\""), "all charts stand on the stretch that one was zoomed to");
-    assert!(few.contains("data-moved=\"true\"") && few.contains("data-back=\"true\""), "keys move along the run");
-    assert!(few.contains("data-charts=\"12\""), "a click has hidden a cell and its FIFO");
-    let shown = few.split("data-window=\"").nth(1).unwrap().split('"').next().unwrap();
+    let few = used(&browser, &folder, "few", (1280, 800));
+    assert!(few["scrolls"] == true && few["stays"] == true, "the wheel scrolls the page");
+    assert_eq!(few["zoomed"], 14, "all charts stand on the stretch that one was zoomed to");
+    assert!(few["moved"] == true && few["back"] == true, "keys move along the run");
+    assert_eq!(few["charts"], 12, "a click has hidden a cell and its FIFO");
+    let shown = few["window"].as_str().unwrap();
     folder.run(&format!("{RUN} {shown} --page part.html")).success();
     let part = folder.read("part.html");
     let (from, until) = shown.trim_start_matches("--trace-window ").split_once("..").unwrap();
@@ -118,66 +117,65 @@ fn a_page_opens_in_a_browser_and_its_charts_move_together() {
         part.contains(&format!("\"window\":{{\"from\":{from},\"until\":{until},")),
         "{shown} is what the page says"
     );
+    let few = folder.read("few.html");
     assert!(few.contains("cell 3") && few.contains("data:image/png"), "the array and the picture are there");
-    for (cells, window) in [(40, "1280,800"), (130, "900,800"), (256, "1920,1080")] {
+    for (cells, window) in [(40, (1280, 800)), (130, (900, 800)), (256, (1920, 1080))] {
         let run = format!("--mode broadcast --cells {cells} --scene teapot --size 8x6 --page many.html --force");
         folder.run(&run).success();
-        let many = opened(browser, &folder, "many", window);
-        assert!(many.contains("data-fits=\"true\""), "nothing is wider than a window of {window}");
-        assert!(many.contains("data-whole=\"true\""), "the array is not cut off");
-        let foreign = many.split("data-foreign=\"").nth(1).unwrap().split('"').next().unwrap();
-        assert_eq!(foreign, "", "{cells} cells have no colour that the legend lacks");
-        assert!(many.contains("all FIFOs on Y") && many.contains("class=\"station"), "{window}");
+        let many = used(&browser, &folder, "many", window);
+        assert_eq!(many["fits"], true, "nothing is wider than a window of {window:?}");
+        assert_eq!(many["whole"], true, "the array is not cut off");
+        assert_eq!(many["foreign"], json!([]), "{cells} cells have no colour that the legend lacks");
     }
 }
 
 #[test]
 fn a_farms_page_opens_in_a_browser() {
-    let Some(browser) = browser() else { return };
+    let Some(browser) = Browser::start() else { return };
     let folder = Folder::new();
     // Five tasks and the segments; and 22 tasks, of which four are shown beside the picture of all.
     folder.run("farm rectangles --size 20x15 --tasks 3 --page few.html").success();
-    let few = opened(browser, &folder, "few", "1280,800");
-    assert!(few.contains("data-zoomed=\"6\"") && few.contains("data-charts=\"5\""), "charts move, and can be hidden");
+    let few = used(&browser, &folder, "few", (1280, 800));
+    assert!(few["zoomed"] == 6 && few["charts"] == 5, "charts move, and can be hidden");
     folder.run("farm rectangles --size 20x15 --tasks 20 --processors 21 --page many.html").success();
-    for window in ["1280,800", "900,800"] {
-        let many = opened(browser, &folder, "many", window);
-        assert!(many.contains("data-zoomed=\"6\"") && many.contains("data-fits=\"true\""), "{window}");
+    for window in [(1280, 800), (900, 800)] {
+        let many = used(&browser, &folder, "many", window);
+        assert!(many["zoomed"] == 6 && many["fits"] == true, "{window:?}");
     }
 }
 
 /// The moments that a page tells of: of some cells at some times.
-const ASK: &str = "<script>
-const asked = [];
-for (const station of [0, 1, 3]) {
-  for (const share of [0.02, 0.11, 0.3, 0.57, 0.9]) {
-    const cycle = Math.floor(share * run.cycles);
-    asked.push(`ask ${station} ${cycle}`, ...chainOf(station, cycle).map(sentenceOf));
+const ASK: &str = "(() => {
+  const asked = [];
+  for (const station of [0, 1, 3]) {
+    for (const share of [0.02, 0.11, 0.3, 0.57, 0.9]) {
+      const cycle = Math.floor(share * run.cycles);
+      asked.push([station, cycle, chainOf(station, cycle).map(sentenceOf)]);
+    }
   }
-}
-document.body.append(element('pre', { id: 'asked' }, asked.join(String.fromCharCode(10))));
-</script>";
+  return asked;
+})()";
 
 /// The page and `why` tell the same of a moment, but that the page knows states where `why` knows units of work.
 #[test]
 fn a_page_tells_who_waits_for_whom_as_why_does() {
-    let Some(browser) = browser() else { return };
+    let Some(browser) = Browser::start() else { return };
     let folder = Folder::new();
     let run = "--mode hybrid --cells 4 --scene room --size 12x10 --fifo-words 8";
     folder.run(&format!("{run} --page a.html")).success();
-    let page = opened_with(browser, &folder, "a", "1280,800", ASK);
-    let asked = page.split("<pre id=\"asked\">").nth(1).unwrap().split("</pre>").next().unwrap();
+    let page = opened(&browser, &folder, "a", (1280, 800));
     let mut waits = 0;
-    for block in asked.split("ask ").skip(1) {
-        let mut lines = block.trim_end().lines();
-        let (cell, cycle) = lines.next().unwrap().split_once(' ').unwrap();
+    for asked in page.eval(ASK).as_array().unwrap() {
+        let (cell, cycle) = (&asked[0], &asked[1]);
         let why = folder.run(&format!("why {run} --cell {cell} --at {cycle}")).success().replace("\n  ", " ");
         let told: Vec<String> = why.lines().skip_while(|line| !line.starts_with("cycle ")).skip(1).map(plain).collect();
-        let told_by_page: Vec<String> = lines.map(plain).collect();
+        let told_by_page: Vec<String> =
+            asked[2].as_array().unwrap().iter().map(|line| plain(line.as_str().unwrap())).collect();
         assert_eq!(told_by_page, told, "cell {cell} in cycle {cycle}");
         waits += told.iter().filter(|line| line.contains("is full") || line.contains("is empty")).count();
     }
     assert!(waits >= 6, "only {waits} waits");
+    page.assert_quiet();
 }
 
 /// A line on what somebody does, without what only one of the two knows: what exactly a cell works on, or moves.
@@ -197,45 +195,23 @@ fn plain(line: &str) -> String {
     }
 }
 
-/// A browser, if there is one.
-fn browser() -> Option<&'static str> {
-    let browsers = ["chromium", "chromium-browser", "google-chrome"];
-    let is_there =
-        |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
-    let found = browsers.into_iter().find(is_there);
-    if found.is_none() {
-        eprintln!("skipped: there is no browser among {browsers:?}");
-    }
-    found
-}
-
-/// What is in a page after it was opened in a window of that size, and used.
-fn opened(browser: &str, folder: &Folder, name: &str, window: &str) -> String {
-    opened_with(browser, folder, name, window, USE)
-}
-
-/// What is in it after a script has run in it.
-fn opened_with(browser: &str, folder: &Folder, name: &str, window: &str, script: &str) -> String {
+/// A page that asks the network for nothing, in a window of that size.
+fn opened<'a>(browser: &'a Browser, folder: &Folder, name: &str, size: (u32, u32)) -> Page<'a> {
     let page = folder.read(&format!("{name}.html"));
     assert!(page.matches("http://").count() == page.matches("http://www.w3.org").count());
     assert!(
         !page.contains("src=\"http") && !page.contains("<link rel=\"stylesheet\""),
         "it asks the network for nothing"
     );
-    folder.file("used.html", page.replace("</body>", &format!("{script}</body>")));
-    let profile = tempfile::tempdir().unwrap();
-    let output = Command::new(browser)
-        .args("--headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking".split(' '))
-        .args("--disable-component-update --disable-sync --enable-logging=stderr --virtual-time-budget=3000".split(' '))
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg(format!("--window-size={window}"))
-        .arg("--dump-dom")
-        .arg(format!("file://{}", folder.path("used.html").display()))
-        .output()
-        .unwrap();
-    let log = String::from_utf8_lossy(&output.stderr);
-    assert!(!log.contains("CONSOLE"), "{log}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    browser.open_file(&folder.path(&format!("{name}.html")), size)
+}
+
+/// What is seen of a page that is used.
+fn used(browser: &Browser, folder: &Folder, name: &str, size: (u32, u32)) -> Value {
+    let page = opened(browser, folder, name, size);
+    let seen = page.eval(USE);
+    page.assert_quiet();
+    seen
 }
 
 /// Runs of one ray and of rays that hit nothing have all views too.
@@ -263,7 +239,15 @@ fn a_run_of_no_cycles_can_be_drawn() {
         let caption = Caption { title: "nothing".to_owned(), partition: None, machine: "none".to_owned() };
         let profile = &observed.profile.unwrap();
         let recording = observed.recording.as_ref();
-        let run = Run { caption: &caption, clock: spec.clock(), profile, recording, path: None, cell_names: &[] };
+        let run = Run {
+            caption: &caption,
+            clock: spec.clock(),
+            profile,
+            recording,
+            path: None,
+            cell_names: &[],
+            regions: None,
+        };
         assert!(plot::pictures(&run).unwrap().len() >= 6);
     }
 }

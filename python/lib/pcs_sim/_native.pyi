@@ -18,7 +18,7 @@ from ._parameters import (
     ModelParameters,
     RunParameters,
 )
-from ._types import CellState, Counts, Doing, Timelines, Wait
+from ._types import CellState, Counts, Doing, FewColors, Timelines, Wait
 
 _Path = str | PathLike[str]
 _Point = tuple[float, float, float]
@@ -197,6 +197,11 @@ class Run:
 
         None if the rays are no camera's.
         """
+    def few_colors(self, colors: int, palette: str | None = None) -> FewColors:
+        """The picture in so many `colors` at the most, from 1 to 65536.
+
+        They are chosen by a `palette`: peano (the default), peano-large, fixed, popularity, median-cut or gervautz.
+        """
     @property
     def timelines(self) -> Timelines:
         """The run over time."""
@@ -224,6 +229,8 @@ class Run:
         stats: _Path | None = None,
         hits: _Path | None = None,
         image: _Path | None = None,
+        colors: int | None = None,
+        palette: str | None = None,
         page: _Path | None = None,
         plot: _Path | None = None,
         trace: _Path | None = None,
@@ -231,6 +238,8 @@ class Run:
         force: bool = False,
     ) -> list[Path]:
         """Writes results as the command does, and gives the files that it wrote.
+
+        `colors` writes the picture in so many at the most, chosen by a `palette`, as `few_colors` has it.
 
         Statistics, hits, the picture, the page, a folder of plots, a trace for viewers (.pftrace, .vcd, .fst) of the
         cycles from `trace_window[0]` to before `trace_window[1]`. Files that exist are replaced only with `force`.
@@ -429,6 +438,7 @@ def farm(
     scene: _Path | None = None,
     *,
     config: _Path | Mapping[str, Any] | Run | None = None,
+    why: bool = False,
     threads: int | None = None,
     progress: bool | None = None,
     **parameters: Unpack[FarmParameters],
@@ -436,7 +446,7 @@ def farm(
     """Runs a farm: a master and workers that share an image, on CAPITAN.
 
     Takes the parameters of farms, by the names of the flags of `pcs-sim farm`; `tasks` is a number of workers (`sweep`
-    makes tables of many). `config` is a farm to be repeated.
+    makes tables of many). `config` is a farm to be repeated. `why` adds the critical path to what is seen and saved.
     """
 
 def ipsc2(
@@ -540,7 +550,7 @@ def sweep(
 def parameters() -> Table:
     """The parameters.
 
-    `name`, `kind` (text, size, truth, whole, number), what it is (`label`, with its unit), for each call whether it
+    `name`, `kind` (text, size, truth, whole, whole or word, number), what it is (`label`, with its unit), for each call whether it
     takes it (`run`, `image`, `replay`, `model`, `farm`, `ipsc2`), and whether it is one of a `machine`.
     """
 

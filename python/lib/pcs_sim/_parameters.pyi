@@ -41,6 +41,12 @@ class MachineChanges(TypedDict, total=False):
     z_fifo_words: int | None
     """Depth of each FIFO of Z (words)."""
 
+    host_filter_us: float | None
+    """Host's time for testing a sample (µs)."""
+
+    host_mask_us: float | None
+    """Host's time for testing a sub-volume (µs)."""
+
     host_ray_us: float | None
     """Host's time for sending a ray (µs)."""
 
@@ -89,6 +95,9 @@ class RunParameters(MachineParameters, total=False):
     rays: str | PathLike[str] | ArrayLike | None
     """Rays."""
 
+    screen_rectangles: str | None
+    """Screen rectangles."""
+
     order: str | None
     """Order of the rays."""
 
@@ -124,6 +133,9 @@ class RunParameters(MachineParameters, total=False):
 
     bounded_walk: bool | None
     """Walk bounded by the hit from the left."""
+
+    masks: str | None
+    """Masks of the sub-volumes."""
 
     edges: str | None
     """Edges of polygons."""
@@ -149,6 +161,9 @@ class ImageParameters(MachineParameters, total=False):
     size: str | int | tuple[int, int] | None
     """Size of the image (pixels)."""
 
+    screen_rectangles: str | None
+    """Screen rectangles."""
+
     order: str | None
     """Order of the rays."""
 
@@ -185,6 +200,9 @@ class ImageParameters(MachineParameters, total=False):
     bounded_walk: bool | None
     """Walk bounded by the hit from the left."""
 
+    masks: str | None
+    """Masks of the sub-volumes."""
+
     edges: str | None
     """Edges of polygons."""
 
@@ -202,6 +220,12 @@ class ImageParameters(MachineParameters, total=False):
 
     adaptive: bool | None
     """Samples only where they tell."""
+
+    adaptive_by: str | None
+    """What asks for samples."""
+
+    threshold: int | None
+    """Colours may differ by (of 255)."""
 
     depth: int | None
     """Reflections and refractions at the most."""
@@ -236,6 +260,9 @@ class ModelParameters(MachineParameters, total=False):
     rays: str | PathLike[str] | ArrayLike | None
     """Rays."""
 
+    screen_rectangles: str | None
+    """Screen rectangles."""
+
     order: str | None
     """Order of the rays."""
 
@@ -271,6 +298,9 @@ class ModelParameters(MachineParameters, total=False):
 
     bounded_walk: bool | None
     """Walk bounded by the hit from the left."""
+
+    masks: str | None
+    """Masks of the sub-volumes."""
 
 class FarmParameters(TypedDict, total=False):
     """Parameters of a farm."""
@@ -313,6 +343,12 @@ class FarmParameters(TypedDict, total=False):
 
     adaptive: bool | None
     """Samples only where they tell."""
+
+    adaptive_by: str | None
+    """What asks for samples."""
+
+    threshold: int | None
+    """Colours may differ by (of 255)."""
 
     depth: int | None
     """Reflections and refractions at the most."""
@@ -425,6 +461,12 @@ class CubeParameters(TypedDict, total=False):
     adaptive: bool | None
     """Samples only where they tell."""
 
+    adaptive_by: str | None
+    """What asks for samples."""
+
+    threshold: int | None
+    """Colours may differ by (of 255)."""
+
     depth: int | None
     """Reflections and refractions at the most."""
 
@@ -440,14 +482,20 @@ class CubeParameters(TypedDict, total=False):
     cell_grid: int | None
     """Cells along a side."""
 
+    grids: str | None
+    """Grids."""
+
     mapping: str | None
     """Mapping."""
 
     flow: str | None
     """Flow control."""
 
-    queue_rays: int | None
+    queue_rays: int | str | None
     """Slots of a node (rays)."""
+
+    grant: str | None
+    """Granting of slots."""
 
     window: int | None
     """Pixels under way on a node."""
@@ -463,6 +511,9 @@ class CubeParameters(TypedDict, total=False):
 
     pixels: str | None
     """Who begins a pixel."""
+
+    distribution: str | None
+    """Distribution of the pixels."""
 
     page_bytes: int | None
     """Page of the shared memory (bytes)."""

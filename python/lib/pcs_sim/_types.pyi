@@ -31,6 +31,20 @@ class Wait(_For):
     text: str
     """All of it, as a sentence."""
 
+class FewColors(TypedDict):
+    """A picture of few colours, and how far they are off, in steps of 255."""
+
+    colors: NDArray[np.uint8]
+    """The table: n x 3, red, green and blue as a screen has them."""
+    pixels: NDArray[np.uint16]
+    """The place in it of each pixel's colour: height x width."""
+    mean_square: float
+    """The mean of the squares of a pixel's distance from its colour."""
+    largest: float
+    """The largest distance."""
+    bound: float | None
+    """The most that any colour can be off, of an octree."""
+
 class Counts(TypedDict):
     """How often the kernels did their work."""
 

@@ -138,6 +138,7 @@ impl Again {
                 cell_names: &self.cell_names,
                 configuration: &self.configuration,
                 image: None,
+                setup: None,
             })
         })
     }

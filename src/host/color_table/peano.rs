@@ -1,8 +1,9 @@
-//! The octree of colours whose cubes stand in Peano's order: the first method of the thesis, for tables of few colours.
+//! The octree of colours whose cubes stand in Peano's order: the first method of the thesis, for tables of few colours, and the second, for
+//! tables of thousands.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Chosen, Color, Counts, mean};
+use super::{Chosen, Color, Counts, entries, means};
 
 /// A colour's place in Peano's order: its bits in turn, the highest first, red before green before blue. The colours of a cube of side
 /// 2^n share what is left of their keys without the last 3 n bits.
@@ -20,8 +21,8 @@ pub(super) fn color(key: u32) -> Color {
 ///
 /// Leaves are cubes of the lowest level whose parents are no more than the table has room for. While there is room for more than
 /// the parents, the most frequent leaf gets an entry of its own, of equals the brighter one; each parent gets one for what is left of its
-/// leaves.
-pub(super) fn choose(counts: &Counts, most: usize) -> (u32, Chosen) {
+/// leaves. It shows the mean of its pixels, or, where sums would take too much memory, the brightest colour about the middle of its cube.
+pub(super) fn choose(counts: &Counts, most: usize, has_means: bool) -> (u32, Chosen) {
     let cubes = |level: u32| counts.keys().map(|key| key >> (3 * level)).collect::<BTreeSet<u32>>().len();
     let level = (0..8).find(|&level| cubes(level + 1) <= most).unwrap_or(7);
     let leaf = |key: &u32| key >> (3 * level);
@@ -33,9 +34,17 @@ pub(super) fn choose(counts: &Counts, most: usize) -> (u32, Chosen) {
     for (key, &count) in counts {
         members.entry(entry(key)).or_default().insert(*key, count);
     }
-    let colors = members.values().map(|colors| mean(colors.iter())).collect();
-    let places = members.values().zip(0..=255).flat_map(|(colors, place)| colors.keys().map(move |&key| (key, place)));
-    (level, (colors, places.collect()))
+    if has_means {
+        return (level, means(members.values()));
+    }
+    let shown = |&(cube, is_leaf): &(u32, bool)| middle(cube, if is_leaf { level } else { level + 1 });
+    (level, (members.keys().map(shown).collect(), entries(members.values())))
+}
+
+/// Of the eight colours about the middle of a cube the brightest: its highest bit but one is set in each part. A cube of level 0 is a colour.
+fn middle(cube: u32, level: u32) -> Color {
+    let first = cube << (3 * level);
+    color(if level == 0 { first } else { first | 7 << (3 * (level - 1)) })
 }
 
 /// The leaves that get an entry of their own.

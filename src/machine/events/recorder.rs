@@ -105,6 +105,8 @@ impl Recorder {
             window: Cycles(from)..Cycles(self.window.end.clamp(from, cycles.0)),
             cycles,
             cut: self.cut,
+            units: Vec::new(),
+            ops_until: Cycles(from),
             host: None,
             answers: Vec::new(),
             stations: self.tracks.into_iter().map(|track| track.record).collect(),
@@ -116,7 +118,7 @@ impl Recorder {
 impl Track {
     /// Drops all that lies at a time or later.
     fn end_at(&mut self, end: u64) {
-        let StationRecord { states, jobs } = &mut self.record;
+        let StationRecord { states, jobs, .. } = &mut self.record;
         states.truncate(states.partition_point(|stretch| stretch.from.0 < end));
         jobs.truncate(jobs.partition_point(|span| span.from.0 < end));
         states.last_mut().into_iter().for_each(|last| last.until = last.until.min(Cycles(end)));

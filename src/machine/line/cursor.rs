@@ -77,6 +77,7 @@ impl Cursor {
             }
             let Some(&op) = ops.get(now.done) else { break Halt::OutOfOps };
             let left = if resume > 0 { resume } else { op.count() as u64 };
+            ledger.watcher.began(now.done, now.clock);
             if let Err(why) = step(&mut now, op, left, ledger) {
                 break why;
             }
@@ -94,6 +95,7 @@ impl Cursor {
         let (mut clock, mut done) = (self.clock, self.done);
         while let Some((unit, count)) = ops.get(done).and_then(|op| Some((op.unit()?, op.count() as u64))) {
             let (cost, state) = ledger.prices.of(unit);
+            ledger.watcher.began(done, clock);
             // Time itself has an end, too: where cycles no longer fit into 64 bits.
             let Some(until) = clock.checked_add(count * cost).filter(|until| *until <= self.limit) else {
                 ledger.spend(state, clock, self.limit - clock);

@@ -138,7 +138,10 @@ impl Observers {
         let profile = |probe: Probe| probe.finish(topology, past.links, clocks().skip(1), cycles);
         Observed {
             profile: self.probe.map(profile),
-            recording: self.recorder.map(|recorder| recorder.finish(topology, past.links, clocks(), cycles)),
+            recording: self.recorder.map(|recorder| {
+                let named = (topology, past.prices.units(vocabulary));
+                recorder.finish(named, past.links, clocks(), cycles)
+            }),
             path,
             looked_at,
             snapshot,

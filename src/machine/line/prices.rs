@@ -1,7 +1,8 @@
 //! What a unit of work is to a cell: cycles, and a state.
 
 use super::states::working;
-use crate::measure::StateId;
+use crate::measure::{PathUnit, StateId};
+use crate::quantities::Cycles;
 use crate::seam::{Costs, Unit, Vocabulary};
 
 /// The machine's costs, laid out to be looked up at each op.
@@ -21,5 +22,15 @@ impl Prices {
     #[inline(always)]
     pub fn of(&self, unit: Unit) -> (u64, StateId) {
         self.0[unit.0 as usize % Vocabulary::MOST_UNITS]
+    }
+
+    /// All units of a vocabulary, by their places.
+    pub fn units(&self, vocabulary: &Vocabulary) -> Vec<PathUnit> {
+        let units = vocabulary.units.iter().zip(0..);
+        let priced = units.map(|(unit, place)| {
+            let (cycles, state) = self.of(Unit(place));
+            PathUnit { name: unit.name.clone(), state, cycles: Cycles(cycles) }
+        });
+        priced.collect()
     }
 }

@@ -9,6 +9,10 @@ pub(super) trait Watcher {
     /// The cell spent `cycles` cycles, from cycle `from` on, in one state.
     fn spent(&mut self, state: StateId, from: u64, cycles: u64);
 
+    /// The cell comes to an op, by its place in the batch, in that cycle; or goes on with it.
+    #[inline(always)]
+    fn began(&mut self, _op: usize, _cycle: u64) {}
+
     /// The cell waited for at least a cycle, in a state that it spent.
     #[inline(always)]
     fn held(&mut self, _: Held) {}
@@ -28,6 +32,13 @@ impl<W: Watcher> Watcher for Option<W> {
     }
 
     #[inline(always)]
+    fn began(&mut self, op: usize, cycle: u64) {
+        if let Some(watcher) = self {
+            watcher.began(op, cycle);
+        }
+    }
+
+    #[inline(always)]
     fn held(&mut self, held: Held) {
         if let Some(watcher) = self {
             watcher.held(held);
@@ -41,6 +52,12 @@ impl<A: Watcher, B: Watcher> Watcher for (A, B) {
     fn spent(&mut self, state: StateId, from: u64, cycles: u64) {
         self.0.spent(state, from, cycles);
         self.1.spent(state, from, cycles);
+    }
+
+    #[inline(always)]
+    fn began(&mut self, op: usize, cycle: u64) {
+        self.0.began(op, cycle);
+        self.1.began(op, cycle);
     }
 
     #[inline(always)]

@@ -10,7 +10,7 @@ mod tracer;
 use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
-use crate::isa::{Executable, InstructionCycles, Program, assemble};
+use crate::isa::{Executable, InstructionCycles, Program, Register, assemble};
 use crate::quantities::Words;
 
 use super::array_program::{ArrayProgram, Kernel};
@@ -28,6 +28,15 @@ pub struct CellOptions {
     pub folder: Option<PathBuf>,
     /// The most instructions that a cell may execute for one ray.
     pub instruction_limit: u64,
+}
+
+/// An instruction that a cell has executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstructionStep {
+    /// Where it stands.
+    pub address: u32,
+    /// The register that holds something else since, and what; none if all hold what they did.
+    pub changed: Option<(Register, u32)>,
 }
 
 /// The programs of all cells, loaded.
@@ -88,6 +97,11 @@ impl CellPrograms {
         };
         let cells = (0..groups * stages).map(load).collect::<Result<_, InputError>>()?;
         Ok(CellPrograms { executables, cells, options: options.clone() })
+    }
+
+    /// What a cell runs.
+    pub fn executable(&self, cell: usize) -> &Executable {
+        &self.executables[self.cells[cell].executable]
     }
 
     /// Words that a cell's program, data and part of the scene take.

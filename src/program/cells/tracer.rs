@@ -1,12 +1,12 @@
 //! What the cells do for a ray when they run programs.
 
 use crate::geometry::{Hit, Ray};
-use crate::isa::{Fault, FaultKind, Processor, Queues, Stop};
+use crate::isa::{Fault, FaultKind, Processor, Queues, Register, Stop};
 use crate::program::Counts;
 use crate::program::messages::HIT_WORDS;
 use crate::seam::{OpKind, OpStream};
 
-use super::CellPrograms;
+use super::{CellPrograms, InstructionStep};
 
 /// Runs the cells' programs on rays. Each thread has its own.
 #[derive(Debug)]
@@ -73,6 +73,36 @@ impl<'a> ProgramTracer<'a> {
         })
     }
 
+    /// What a cell that has seen no ray yet executes for one, as far as `most` instructions: those of the cells before it are run
+    /// through. Ends where a program fails.
+    pub fn steps(&mut self, cell: usize, id: u32, ray: &Ray, most: usize) -> Vec<InstructionStep> {
+        let (mut ops, mut counts) = (OpStream::default(), Counts::default());
+        self.queues.restart(&ray_words(id, ray));
+        for before in 0..cell {
+            ops.clear();
+            if self.run(before, &mut ops, &mut counts).is_err() {
+                return Vec::new();
+            }
+            self.queues.hand_on();
+        }
+        let Some(processor) = self.cells.get_mut(cell) else { return Vec::new() };
+        let mut steps = Vec::new();
+        while steps.len() < most {
+            ops.clear();
+            let (address, before) = (processor.address(), registers(processor));
+            let stop = processor.step(&mut self.queues, &mut ops);
+            if matches!(stop, Err(_) | Ok(Some(Stop::Waiting(_)))) {
+                break;
+            }
+            let changed = registers(processor).into_iter().zip(before).find(|(after, before)| after != before);
+            steps.push(InstructionStep { address, changed: changed.map(|(after, _)| after) });
+            if stop.is_ok_and(|stop| stop.is_some()) {
+                break;
+            }
+        }
+        steps
+    }
+
     /// Runs one cell on the words that have come to it.
     fn run(&mut self, index: usize, ops: &mut OpStream, counts: &mut Counts) -> Result<(), Fault> {
         let cell = &mut self.cells[index];
@@ -112,6 +142,11 @@ impl<'a> ProgramTracer<'a> {
         let [t, alpha, beta] = [t, alpha, beta].map(f32::from_bits);
         Ok(Hit { t, polygon, alpha, beta })
     }
+}
+
+/// All registers, and what they hold.
+fn registers(cell: &Processor<'_>) -> Vec<(Register, u32)> {
+    Register::all().map(|register| (register, cell.register(register))).collect()
 }
 
 /// The words of a RAY message.

@@ -1,5 +1,8 @@
 //! The task graph of an image: what each ray makes the nodes do, recorded without a clock.
 
+use std::hint::black_box;
+
+use super::regions::Visit;
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::machine::KernelTimes;
@@ -16,6 +19,9 @@ pub struct TaskGraph {
     pub legs: Vec<Leg>,
     /// The first ray of each tree. Trees have the numbers of their samples, pixel by pixel.
     pub trees: Vec<u32>,
+    /// What each ray takes where all of the scene is one region, as one leg, if that is not what its legs add up to, as regions have
+    /// grids of their own; else empty.
+    pub in_one: Vec<Leg>,
     /// What each ray reads of a shared memory, if that was recorded.
     pub pages: Option<PageUses>,
 }
@@ -139,6 +145,13 @@ impl TaskGraph {
         self.trees[tree]..self.trees.get(tree + 1).copied().unwrap_or(self.rays.len() as u32)
     }
 
+    /// Reads what will be asked of a visit, so that it is in the processor's cache by then. A large graph lies far away, and nodes
+    /// come to its rays in no order that the processor could foresee.
+    #[inline]
+    pub(super) fn touch(&self, visit: Visit) {
+        black_box((self.legs[visit.leg as usize].voxels, self.rays[visit.ray as usize].first_leg));
+    }
+
     /// The region in which a ray starts.
     #[inline]
     pub fn start_of(&self, ray: u32) -> u16 {
@@ -157,7 +170,8 @@ impl TaskGraph {
 
     /// What a ray takes where all of the scene is one region.
     pub fn time_in_one(&self, ray: u32, times: &KernelTimes) -> WorkTimes {
-        let whole = self.legs_of(ray).iter().fold(Leg::default(), Leg::joined);
+        let added_up = || self.legs_of(ray).iter().fold(Leg::default(), Leg::joined);
+        let whole = self.in_one.get(ray as usize).copied().unwrap_or_else(added_up);
         let shading = if self.rays[ray as usize].shaded { times.host.hit } else { Cycles(0) };
         WorkTimes { shading, ..whole.time(times) }
     }
@@ -194,6 +208,9 @@ impl TaskGraph {
             if asked[rays.start as usize] != 0 || rays.skip(1).any(|ray| asked[ray as usize] != 1) {
                 return Err("a ray is asked for by none, or by several".to_owned());
             }
+        }
+        if !self.in_one.is_empty() && self.in_one.len() != self.rays.len() {
+            return Err("its rays' whole ways do not fit".to_owned());
         }
         let Some(uses) = &self.pages else { return Ok(()) };
         let ends = uses.ends.iter().try_fold(0, |before, &end| (end >= before).then_some(end));

@@ -1,14 +1,15 @@
 //! What nodes do that have the scene together, in a shared memory that is only read (Ray Tracing News 3(1)).
 //!
-//! Page p is at home on node p mod N. A node has pixels of its own and traces their trees, ray by ray; no ray is sent. Before a ray it reads
+//! Page p is at home on node p mod N. A node has pixels of its own, or asks the host for a tile of them whenever it has none left, and traces
+//! their trees, ray by ray; no ray is sent. Before a ray it reads
 //! the ray's pages: one at home for nothing, one of another node in its cache for a look-up each time, else it asks the home for
 //! it and waits. The home is interrupted: a helper of it serves the page, and what that took the node makes good before its next ray,
 //! unless it was waiting itself.
 
 use super::graph::{PageUses, TaskGraph};
 use super::lru::Lru;
-use super::messages::{MessageKind, PACKET_PIXELS, PAGE_HEAD_BYTES, TOKEN_BYTES, packet_bytes};
-use super::regions::{NodeSeen, Seen};
+use super::messages::{MessageKind, PACKET_PIXELS, PAGE_HEAD_BYTES, TOKEN_BYTES, WORD_BYTES, packet_bytes};
+use super::seen::{NodeSeen, Seen};
 use super::states::{
     GRID, IDLE, INTERSECTION, LOOKUP, PIXELS, RECEIVING, SENDING, SERVING, SHADING, SLABS, WAITING, WAITING_PAGE,
     topology,
@@ -26,6 +27,19 @@ pub enum PageNote {
     Page,
     /// So many pixels that are done.
     Pixels(u32),
+    /// That node has no pixels left.
+    Asks(u16),
+    /// It may have that tile, if there is one left.
+    Tile(Option<u32>),
+}
+
+/// Who traces which pixels.
+#[derive(Clone, Debug)]
+pub enum Dealt {
+    /// Each node has trees of its own, in its order.
+    Before(Vec<Vec<u32>>),
+    /// The host has tiles of trees, which it gives to whoever asks.
+    AsAsked(Vec<Vec<u32>>),
 }
 
 /// Nodes at work.
@@ -36,11 +50,24 @@ pub struct MemoryNodes<'a> {
     uses: &'a PageUses,
     cube: Cube,
     nodes: Vec<Node>,
-    host_waits: usize,
-    host_takes: u32,
-    over: bool,
+    host: Host,
+    /// Nodes that have not ended.
+    at_work: usize,
     /// What is counted.
     pub seen: Seen,
+}
+
+#[derive(Clone, Debug)]
+struct Host {
+    /// Trees that it has not got, and the nodes that it has not told that there is nothing left to do.
+    waits: usize,
+    untold: usize,
+    /// The tiles that it gives away; so many it has given.
+    tiles: Vec<Vec<u32>>,
+    given: usize,
+    /// What it has taken.
+    takes: Option<PageNote>,
+    has_ended: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -69,6 +96,10 @@ struct Node {
 enum Next {
     /// Begins a pixel.
     Begins,
+    /// Has asked the host for pixels, and waits for them.
+    AwaitsTile,
+    /// Has been given a tile, or told that there is none left.
+    GetsTile(Option<u32>),
     /// Goes on to the next ray.
     Ray,
     /// Begins the ray itself.
@@ -90,26 +121,28 @@ enum Next {
 }
 
 impl<'a> MemoryNodes<'a> {
-    /// Nodes at the start, each with the pixels that `owners` tells, in their order. `None` if it was not recorded what the rays read.
-    pub fn new(machine: &'a Ipsc2, graph: &'a TaskGraph, (owners, order): (&[u16], &[u32])) -> Option<MemoryNodes<'a>> {
+    /// Nodes at the start, with their pixels. `None` if it was not recorded what the rays read.
+    pub fn new(machine: &'a Ipsc2, graph: &'a TaskGraph, dealt: Dealt) -> Option<MemoryNodes<'a>> {
         let uses = graph.pages.as_ref()?;
         let count = machine.nodes;
         let at_home = u64::from(uses.pages).div_ceil(count as u64) * u64::from(uses.page_bytes);
         let room = machine.memory_bytes.saturating_sub(at_home) / u64::from(uses.page_bytes.max(1));
         let cache = Lru::new(uses.pages, room.min(u64::from(uses.pages)) as usize);
-        let mut nodes = vec![Node::new(cache); count];
-        order.iter().for_each(|&tree| nodes[usize::from(owners[tree as usize])].pixels.push(tree));
-        let pixels = |node: &Node| NodeSeen { pixels: node.pixels.len(), ..NodeSeen::default() };
-        let seen = Seen { nodes: nodes.iter().map(pixels).collect(), sent: vec![0; count * count], ..Seen::default() };
+        let (own, tiles, untold) = match dealt {
+            Dealt::Before(own) => (own, Vec::new(), 0),
+            Dealt::AsAsked(tiles) => (vec![Vec::new(); count], tiles, count),
+        };
+        let pixels = |pixels: &Vec<u32>| NodeSeen { pixels: pixels.len(), ..NodeSeen::default() };
+        let seen = Seen { nodes: own.iter().map(pixels).collect(), sent: vec![0; count * count], ..Seen::default() };
+        let waits = graph.trees.len();
         Some(MemoryNodes {
             machine,
             graph,
             uses,
             cube: machine.cube(),
-            nodes,
-            host_waits: graph.trees.len(),
-            host_takes: 0,
-            over: graph.trees.is_empty(),
+            nodes: own.into_iter().map(|pixels| Node::new(pixels, cache.clone())).collect(),
+            host: Host { waits, untold, tiles, given: 0, takes: None, has_ended: false },
+            at_work: count,
             seen,
         })
     }
@@ -127,9 +160,9 @@ impl<'a> MemoryNodes<'a> {
         self.nodes.len()
     }
 
-    /// Whether the host has all pixels.
+    /// Whether the host has all pixels, and all nodes know.
     pub fn is_over(&self) -> bool {
-        self.over
+        self.host.has_ended && self.at_work == 0
     }
 
     /// Since when a task has had nothing to do.
@@ -141,25 +174,49 @@ impl<'a> MemoryNodes<'a> {
     pub fn next(&mut self, task: usize, now: Cycles, taken: Option<PageNote>) -> Act<PageNote> {
         let host = self.nodes.len();
         match task {
-            task if task < host => self.node(task, now),
+            task if task < host => self.node(task, now, taken),
             task if task == host => self.host(now, taken),
             helper => self.serve(helper - host - 1, taken),
         }
     }
 
+    /// The host takes pixels and gives tiles away until it has all and has told so whoever asks.
     fn host(&mut self, now: Cycles, taken: Option<PageNote>) -> Act<PageNote> {
-        if let Some(PageNote::Pixels(count)) = taken {
-            self.host_takes = count;
-            let time = self.took(MessageKind::Calculation, packet_bytes(count));
-            return Act::Spend(RECEIVING, time);
+        if let Some(note) = taken {
+            self.host.takes = taken;
+            let (kind, bytes) = match note {
+                PageNote::Pixels(count) => (MessageKind::Calculation, packet_bytes(count)),
+                _ => (MessageKind::Information, TOKEN_BYTES),
+            };
+            return Act::Spend(RECEIVING, self.took(kind, bytes));
         }
-        self.host_waits -= std::mem::take(&mut self.host_takes) as usize;
-        if self.host_waits > 0 {
+        match self.host.takes.take() {
+            Some(PageNote::Asks(node)) => return self.give_tile(node),
+            Some(PageNote::Pixels(count)) => {
+                self.host.waits -= count as usize;
+                if self.host.waits == 0 {
+                    self.seen.told_at = now;
+                }
+            }
+            _ => {}
+        }
+        if self.host.waits > 0 || self.host.untold > 0 {
             return Act::Receive(Sender::Anyone, WAITING);
         }
-        self.over = true;
-        self.seen.told_at = now;
+        self.host.has_ended = true;
         Act::End
+    }
+
+    fn give_tile(&mut self, node: u16) -> Act<PageNote> {
+        let host = &mut self.host;
+        let tile = (host.given < host.tiles.len()).then_some(host.given as u32);
+        match tile {
+            Some(_) => host.given += 1,
+            None => host.untold -= 1,
+        }
+        let time = self.machine.messages.of(WORD_BYTES);
+        let ends = (self.nodes.len(), node.into());
+        self.send(ends, (MessageKind::Information, WORD_BYTES), time, PageNote::Tile(tile))
     }
 
     /// A node's helper serves who wants a page of it.
@@ -178,16 +235,30 @@ impl<'a> MemoryNodes<'a> {
         self.send((node, asker.into()), (MessageKind::RealObject, bytes), Cycles(0), PageNote::Page)
     }
 
-    fn node(&mut self, task: usize, now: Cycles) -> Act<PageNote> {
+    fn node(&mut self, task: usize, now: Cycles, taken: Option<PageNote>) -> Act<PageNote> {
         let machine = self.machine;
+        if let Some(PageNote::Tile(tile)) = taken {
+            self.nodes[task].next = Next::GetsTile(tile);
+            return Act::Spend(RECEIVING, self.took(MessageKind::Information, WORD_BYTES));
+        }
         let node = &mut self.nodes[task];
         match node.next {
             Next::Begins => {
-                let Some(&tree) = node.pixels.get(node.begun) else { return self.end(task, now) };
+                let Some(&tree) = node.pixels.get(node.begun) else { return self.ask_or_end(task, now) };
                 node.begun += 1;
                 node.rays = self.graph.tree(tree as usize);
                 node.next = Next::Ray;
                 Act::Spend(PIXELS, machine.costs.pixel)
+            }
+            Next::AwaitsTile => Act::Receive(Sender::Anyone, WAITING),
+            Next::GetsTile(None) => self.end(task, now),
+            Next::GetsTile(Some(tile)) => {
+                node.pixels = std::mem::take(&mut self.host.tiles[tile as usize]);
+                node.begun = 0;
+                node.waits = false;
+                node.next = Next::Begins;
+                self.seen.nodes[task].pixels += node.pixels.len();
+                self.node(task, now, None)
             }
             Next::Ray if node.rays.is_empty() => self.end_pixel(task, now),
             Next::Ray => {
@@ -269,7 +340,7 @@ impl<'a> MemoryNodes<'a> {
         node.next = Next::Begins;
         node.packet += 1;
         if node.packet < PACKET_PIXELS && node.begun < node.pixels.len() {
-            return self.node(task, now);
+            return self.node(task, now, None);
         }
         let count = std::mem::take(&mut node.packet);
         let (host, bytes) = (self.nodes.len(), packet_bytes(count));
@@ -277,7 +348,20 @@ impl<'a> MemoryNodes<'a> {
         self.send((task, host), (MessageKind::Calculation, bytes), time, PageNote::Pixels(count))
     }
 
+    /// A node that has no pixels left asks the host for more, if that has them all.
+    fn ask_or_end(&mut self, task: usize, now: Cycles) -> Act<PageNote> {
+        if self.host.untold == 0 {
+            return self.end(task, now);
+        }
+        let node = &mut self.nodes[task];
+        node.next = Next::AwaitsTile;
+        node.waits = true;
+        let (host, time) = (self.nodes.len(), self.machine.messages.of(TOKEN_BYTES));
+        self.send((task, host), (MessageKind::Information, TOKEN_BYTES), time, PageNote::Asks(task as u16))
+    }
+
     fn end(&mut self, task: usize, now: Cycles) -> Act<PageNote> {
+        self.at_work -= 1;
         let node = &mut self.nodes[task];
         node.next = Next::Ends;
         node.waits = true;
@@ -292,28 +376,22 @@ impl<'a> MemoryNodes<'a> {
         time: Cycles,
         content: PageNote,
     ) -> Act<PageNote> {
-        let counts = &mut self.seen.messages[kind as usize];
-        counts.sent += 1;
-        counts.bytes += bytes;
-        counts.hops += self.cube.hops(from, to);
-        counts.processor += time;
+        self.seen.messages[kind as usize].send(bytes, self.cube.hops(from, to), time);
         Act::Send(Message { delivery: Delivery::Post(to), time, bytes, content })
     }
 
     fn took(&mut self, kind: MessageKind, bytes: u64) -> Cycles {
         let time = self.machine.messages.of(bytes);
-        let counts = &mut self.seen.messages[kind as usize];
-        counts.taken += 1;
-        counts.processor += time;
+        self.seen.messages[kind as usize].take(time);
         time
     }
 }
 
 impl Node {
-    fn new(cache: Lru) -> Node {
+    fn new(pixels: Vec<u32>, cache: Lru) -> Node {
         Node {
             next: Next::Begins,
-            pixels: Vec::new(),
+            pixels,
             begun: 0,
             packet: 0,
             cache,

@@ -46,6 +46,22 @@ pub struct MessageCounts {
     pub processor: Cycles,
 }
 
+impl MessageCounts {
+    /// One is sent over so many links, on which its sender spends some time.
+    pub(super) fn send(&mut self, bytes: u64, hops: u64, time: Cycles) {
+        self.sent += 1;
+        self.bytes += bytes;
+        self.hops += hops;
+        self.processor += time;
+    }
+
+    /// One is taken, on which that takes some time.
+    pub(super) fn take(&mut self, time: Cycles) {
+        self.taken += 1;
+        self.processor += time;
+    }
+}
+
 /// The messages of each kind, in the order of [`MessageKind::ALL`].
 pub type Messages = [MessageCounts; MessageKind::ALL.len()];
 

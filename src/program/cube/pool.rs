@@ -53,6 +53,8 @@ pub struct Slots {
     pub free: u32,
     /// Nodes that wait to send to it, in the order in which they came, under blocking.
     pub waiting: VecDeque<u16>,
+    /// What others have asked for a slot for and not been given one.
+    asked: BinaryHeap<Aside>,
     /// For each node, what this one has put aside for want of a slot there.
     aside: Vec<BinaryHeap<Aside>>,
     /// The nodes for which there is any, a bit each.
@@ -111,6 +113,22 @@ impl Slots {
             self.wanted &= !(1 << node);
         }
         taken.map(|aside| aside.placing)
+    }
+
+    /// Another node's placing waits for a slot of a rank here.
+    pub fn wait(&mut self, rank: u32, age: u64, placing: Placing) {
+        self.asked.push(Aside { rank, age, placing });
+    }
+
+    /// Of what others wait for slots for, what has the highest rank, if it may have one; `may` tells of the free slots and a rank.
+    pub fn take_waiting(&mut self, may: impl Fn(u32, u32) -> bool) -> Option<Placing> {
+        self.asked.peek().filter(|first| may(self.free, first.rank))?;
+        self.asked.pop().map(|first| first.placing)
+    }
+
+    /// One of those for which others wait.
+    pub fn waiting_of(&self, is_meant: impl Fn(Placing) -> bool) -> Option<Placing> {
+        self.asked.iter().map(|aside| aside.placing).find(|&placing| is_meant(placing))
     }
 
     /// The first that is put aside for a node.

@@ -12,6 +12,7 @@ pub struct Walker<'a> {
     workload: &'a Workload,
     regions: &'a Regions,
     pages: Option<PageMap>,
+    own: &'a [Grid],
 }
 
 /// Where a scene is in a shared memory: the table of voxels, their lists, then the polygons.
@@ -68,7 +69,73 @@ impl PageMap {
 impl<'a> Walker<'a> {
     /// A walker through the grid of a workload that has one. With `pages`, it notes which are read.
     pub fn new(workload: &'a Workload, regions: &'a Regions, pages: Option<PageMap>) -> Walker<'a> {
-        Walker { workload, regions, pages }
+        Walker { workload, regions, pages, own: &[] }
+    }
+
+    /// The same, where each region has a grid of its own, if there are any.
+    pub fn with_own_grids(self, own: &'a [Grid]) -> Walker<'a> {
+        Walker { own, ..self }
+    }
+
+    /// The first hit of a ray where each region has a grid of its own. Adds its legs.
+    ///
+    /// Which regions the ray comes to is told by the one grid, as before; in each it walks through that region's, and what lies beyond
+    /// the end of its leg is forgotten, as before. A region holds all polygons that come near it, as a group of an array does, so
+    /// that the same is found.
+    pub fn trace_own(&self, ray: &Ray, legs: &mut Vec<Leg>) -> Hit {
+        let Some(grid) = self.workload.grids().next() else { return Hit::MISS };
+        let strayed = self.workload.polygons().beyond_margin(ray.origin);
+        if strayed > 0.0 {
+            return self.trace_strayed(grid, ray, strayed, legs);
+        }
+        let (mut hit, mut is_found, mut at) = (Hit::MISS, false, None);
+        grid.walk(ray, strayed, |voxel| {
+            let region = self.regions.of_voxel(voxel.voxel);
+            if let Some((left, t_exit)) = at.replace((region, voxel.t_exit))
+                && left != region
+            {
+                hit = self.walk_own(ray, strayed, (left, t_exit), legs);
+                is_found = hit.t <= t_exit;
+            }
+            if is_found { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        match at {
+            Some(last) if !is_found => self.walk_own(ray, strayed, last, legs),
+            _ => hit,
+        }
+    }
+
+    /// All regions work on a ray that has strayed, if it comes near the volume.
+    fn trace_strayed(&self, grid: &Grid, ray: &Ray, strayed: f32, legs: &mut Vec<Leg>) -> Hit {
+        let mut comes = false;
+        grid.walk(ray, strayed, |_| {
+            comes = true;
+            ControlFlow::Break(())
+        });
+        let regions = (0..self.regions.count() as u16).filter(|_| comes);
+        let hits = regions.map(|region| self.walk_own(ray, strayed, (region, f32::INFINITY), legs));
+        hits.fold(Hit::MISS, Hit::nearer)
+    }
+
+    /// A ray's way through the grid of a region, up to where it leaves it, and the nearest hit there. Adds the leg.
+    fn walk_own(&self, ray: &Ray, strayed: f32, (region, t_exit): (u16, f32), legs: &mut Vec<Leg>) -> Hit {
+        let polygons = self.workload.polygons();
+        let slabs = &self.workload.layout.surfaces.slabs;
+        let ray_slabs = RaySlabs::new(ray, polygons.largest_coordinate());
+        let (mut leg, mut hit) = (Leg { region, ..Leg::default() }, Hit::MISS);
+        self.own[usize::from(region)].walk(ray, strayed, |voxel| {
+            leg.voxels += 1;
+            for &polygon in voxel.polygons {
+                leg.slab_tests += 1;
+                if slabs.meets(&ray_slabs, polygon) {
+                    leg.intersection_tests += 1;
+                    hit = polygons.nearer(ray, polygon, hit);
+                }
+            }
+            if hit.t.min(t_exit) <= voxel.t_exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        legs.push(leg);
+        hit
     }
 
     /// The first hit of a ray. Adds its legs, and the pages that it reads. Without any voxel on its way there is no leg.

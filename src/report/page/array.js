@@ -107,7 +107,7 @@ function drawArray() {
     group.append(svg("title", {}, `${cell.name} works ${cell.works.toFixed(1)} % of the time`));
     const box = { width: size.box, height: size.height, rx: 5, fill: shade(cell.works), stroke: ground("line") };
     group.append(svg("rect", { x: left, y: top, ...box }));
-    const lines = size === LARGE ? [cell.name, `${cell.works.toFixed(1)} %`] : [`${index}`];
+    const lines = size === LARGE ? [cell.name, `${cell.works.toFixed(1)} %`] : [shortName(index)];
     const middle = top + size.height / 2 + size.font / 3, ink = inkOn(cell.works);
     lines.forEach((line, row) => group.append(svg("text", { x: left + size.box / 2, "text-anchor": "middle", fill: ink,
       y: middle + (size.font + 6) * (row - (lines.length - 1) / 2) }, line)));

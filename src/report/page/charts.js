@@ -5,7 +5,8 @@ const decode = (text, Type) => new Type(Uint8Array.from(atob(text), (letter) => 
 // Shares of each bin in percent, from hundredths; null stands for none.
 const shares = (text) => text === null ? new Float32Array(run.bins) : Float32Array.from(decode(text, Uint16Array), (part) => part / 100);
 
-const times = Array.from({ length: run.bins }, (_, bin) => bin * run.bin).concat([run.end]);
+// Where the bins begin, and the end of the last.
+let times = [];
 // A curve holds its value to the end of its bin; so does the last one.
 const held = (values) => [...values, values[values.length - 1]];
 const stepped = uPlot.paths.stepped({ align: 1 });
@@ -19,16 +20,24 @@ const binAt = (chart) => {
   return cycle === null ? null : Math.max(0, Math.min(Math.floor(cycle * run.cycle / run.bin + 1e-9), run.bins - 1));
 };
 
-run.cells.forEach((cell) => { cell.shares = memo(() => cell.states.map(shares)); });
-run.fifos.forEach((fifo) => {
-  fifo.levels = memo(() => ({
-    min: decode(fifo.min, Float32Array), mean: decode(fifo.mean, Float32Array), max: decode(fifo.max, Float32Array),
-    full: shares(fifo.full),
-  }));
-});
-
 const charts = [];
-let view = { min: 0, max: run.end };
+// What is shown of the run.
+let view = { min: 0, max: 0 };
+
+// Makes the run's figures ready to be drawn.
+function loadCharts() {
+  times = Array.from({ length: run.bins }, (_, bin) => bin * run.bin).concat([run.end]);
+  view = { min: 0, max: run.end };
+  run.cells.forEach((cell) => { cell.shares = memo(() => cell.states.map(shares)); });
+  run.fifos.forEach((fifo) => {
+    fifo.levels = memo(() => ({
+      min: decode(fifo.min, Float32Array), mean: decode(fifo.mean, Float32Array), max: decode(fifo.max, Float32Array),
+      full: shares(fifo.full),
+    }));
+  });
+  path = run.path?.map((place) => memo(() => place.map(shares)));
+  deepest = Math.max(1, ...run.fifos.map(({ capacity }) => capacity));
+}
 
 // Shows a part of the run in all charts.
 function zoom(min, max) {
@@ -36,6 +45,7 @@ function zoom(min, max) {
   const start = Math.max(0, Math.min(min, run.end - length));
   view = { min: start, max: start + length };
   for (const { chart, range } of charts) chart.setScale("x", range(view));
+  if (stepper) markMoment(stepper.cycle);
   tellWindow();
 }
 
@@ -53,10 +63,11 @@ function tellWindow() {
 
 // A time as the axis tells it: in a unit that suits what is on screen, and in cycles.
 const UNITS = [["s", 1], ["ms", 1e-3], ["µs", 1e-6], ["ns", 1e-9]];
-const secondsOfUnit = Object.fromEntries(UNITS)[run.unit];
+const secondsOfUnit = () => Object.fromEntries(UNITS)[run.unit];
+const seconds = (time) => time * secondsOfUnit();
 function inBoth(tick, { min, max }) {
-  const [name, seconds] = UNITS.find(([, seconds]) => (max - min) * secondsOfUnit >= 0.5 * seconds) ?? UNITS[3];
-  return `${+(tick * secondsOfUnit / seconds).toPrecision(8)} ${name}\n${grouped(tick / run.cycle)} cycles`;
+  const [name, unit] = UNITS.find(([, unit]) => seconds(max - min) >= 0.5 * unit) ?? UNITS[3];
+  return `${+(seconds(tick) / unit).toPrecision(8)} ${name}\n${grouped(tick / run.cycle)} cycles`;
 }
 
 let paperWidth = null;
@@ -139,6 +150,16 @@ function addMoves(chart) {
     addEventListener("mouseup", stop);
   }, true);
   chart.over.addEventListener("dblclick", () => zoom(0, run.end));
+  // A click that is no drag chooses the moment.
+  let down = null;
+  chart.over.addEventListener("mousedown", ({ clientX }) => { down = clientX; });
+  chart.over.addEventListener("click", ({ clientX }) => { if (Math.abs(clientX - down) < 4) chooseMoment(chart); });
+}
+
+// Takes the stepper to the cycle under a chart's cursor.
+function chooseMoment(chart) {
+  const cycle = cycleAt(chart);
+  if (stepper && cycle !== null) stepper.seek(`${cycle}`);
 }
 
 // A chart that has the focus: arrows move its cursor, with Shift by one pixel; + and - zoom about it; A and D move along the
@@ -162,6 +183,7 @@ function addKeys(chart, place, rows) {
     const action = {
       ArrowLeft: () => go(-step, 0), ArrowRight: () => go(step, 0),
       ArrowUp: rows > 1 && (() => go(0, -1)), ArrowDown: rows > 1 && (() => go(0, 1)),
+      Enter: () => chooseMoment(chart),
       "+": () => zoomAbout(middle(), 0.75), "=": () => zoomAbout(middle(), 0.75), "-": () => zoomAbout(middle(), 1 / 0.75),
       a: () => along(-0.25), d: () => along(0.25), 0: () => zoom(0, run.end),
     }[event.key];
@@ -180,7 +202,7 @@ function describeFifo(fifo, bin) {
 }
 
 // For each cell, and the host behind them, the critical path's share of each bin by state.
-const path = run.path?.map((place) => memo(() => place.map(shares)));
+let path;
 const onPath = (place, bin) => path[place]().reduce((sum, part) => sum + part[bin], 0);
 
 function describePath(place, bin) {
@@ -215,7 +237,7 @@ function addCell(cell, index) {
 }
 
 // All FIFOs have one scale, so that they compare: from 0 to what the deepest holds.
-const deepest = Math.max(1, ...run.fifos.map(({ capacity }) => capacity));
+let deepest = 1;
 
 function addFifo(fifo, station, reader) {
   const { min, mean, max, full } = fifo.levels();

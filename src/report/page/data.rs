@@ -5,6 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 use super::Page;
+use super::looks::Looks;
 use super::window::Window;
 use crate::measure::{CriticalPath, FifoInfo, FifoProfile, FifoStats, State as CellState, StateTimes};
 use crate::quantities::Cycles;
@@ -37,6 +38,8 @@ pub struct Data<'a> {
     colors: Colors,
     /// What the page holds cycle by cycle.
     window: Option<Window<'a>>,
+    /// What single rays of it come to.
+    looks: Option<Looks>,
 }
 
 /// Colours on white and on black.
@@ -139,6 +142,10 @@ impl<'a> Data<'a> {
                 waits: palette::on_both(palette::WAITS[0]),
                 answer: palette::on_both(palette::ANSWER),
             },
+            looks: page
+                .setup
+                .zip(page.recording)
+                .and_then(|(setup, recording)| Looks::new(setup, recording, super::window::end(recording))),
             window: page.recording.map(Window::new),
         }
     }

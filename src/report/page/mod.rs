@@ -1,6 +1,9 @@
 //! One page that shows a run: it opens from disk, in any browser, and asks the network for nothing.
 
 mod data;
+mod looks;
+mod packed;
+mod sides;
 mod window;
 
 use base64::Engine;
@@ -13,7 +16,8 @@ use super::plot::Caption;
 use super::stats::Configuration;
 use super::summary::{self, Rows};
 use super::why;
-use crate::measure::{Clock, CriticalPath, Measured, Profile, Recording, Shape};
+use crate::measure::{Clock, CriticalPath, Measured, Profile, Recording, Shape, Topology};
+use crate::run::Setup;
 
 /// What a page shows.
 #[derive(Debug)]
@@ -38,6 +42,8 @@ pub struct Page<'a> {
     pub configuration: &'a Configuration,
     /// The picture that was traced, as PNG, if there is one.
     pub image: Option<&'a [u8]>,
+    /// What the run was made of, of which the page shows what single rays come to; none if there is no scene.
+    pub setup: Option<&'a Setup>,
 }
 
 /// A page could not be made.
@@ -45,8 +51,14 @@ pub struct Page<'a> {
 #[error("the page cannot be made: {0}")]
 pub struct PageError(String);
 
+impl PageError {
+    fn new(error: impl std::fmt::Display) -> PageError {
+        PageError(error.to_string())
+    }
+}
+
 /// What draws it: templates, as they name what the machine is made of.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 12] = [
     include_str!("theme.js"),
     include_str!("window.js"),
     include_str!("array.js"),
@@ -54,34 +66,129 @@ const SCRIPTS: [&str; 8] = [
     include_str!("overview.js"),
     include_str!("space_time.js"),
     include_str!("moment.js"),
+    include_str!("steps.js"),
+    include_str!("store.js"),
+    include_str!("ray.js"),
+    include_str!("stepper.js"),
     include_str!("page.js"),
 ];
 
 /// The page as HTML.
 pub fn html(page: &Page<'_>) -> Result<String, PageError> {
-    // Only of a line is it drawn who waits for whom.
+    let page = &of_line(page);
+    let data = data(page)?;
+    let names = names(&page.stats.topology);
+    environment()?
+        .get_template("page.html")
+        .and_then(|template| {
+            template.render(context! {
+                // No text in it may end the script that it stands in.
+                data => data.replace('<', "\\u003c"),
+                chart_style => CHART_STYLE,
+                chart_script => CHART_SCRIPT,
+                style => STYLE,
+                script => script(&page.stats.topology)?,
+                ..run_context(page, &names)
+            })
+        })
+        .map_err(PageError::new)
+}
+
+/// What a page shows of one run: its text as HTML, and the data that the page's [`script`] draws, as JSON.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// What stands in the page's `main`.
+    pub body: String,
+    /// What the script's `show` takes.
+    pub data: String,
+}
+
+/// What a page that is open already shows of a run in place of another.
+pub fn shown(page: &Page<'_>) -> Result<Shown, PageError> {
+    let page = &of_line(page);
+    let names = names(&page.stats.topology);
+    let body = environment()?.get_template("run.html").and_then(|run| run.render(run_context(page, &names)));
+    Ok(Shown { body: body.map_err(PageError::new)?, data: data(page)? })
+}
+
+/// The beginning of a recording as JSON, for a page that steps through it.
+pub fn window(recording: &Recording) -> Result<String, PageError> {
+    serde_json::to_string(&window::Window::new(recording)).map_err(PageError::new)
+}
+
+/// A ray's way through the scene as JSON, for a page that shows it: of the ray with that number in the order in which they are sent.
+/// `null` if there is none.
+pub fn look(setup: &Setup, ray: u32) -> Result<String, PageError> {
+    serde_json::to_string(&looks::LookedAt::new(setup, ray)).map_err(PageError::new)
+}
+
+/// The instructions that a cell executes for a ray as JSON, for a page that steps through them. `null` if cells run no programs.
+pub fn instructions(setup: &Setup, cell: usize, ray: u32) -> Result<String, PageError> {
+    let sent = setup.prepared.rays.get(ray as usize).filter(|_| setup.workload.executable(cell).is_some());
+    let steps = sent.map(|sent| setup.workload.instructions(cell, ray, sent, looks::MOST_STEPS));
+    serde_json::to_string(&steps.map(|steps| looks::Steps::new(&steps))).map_err(PageError::new)
+}
+
+/// What a page that shows runs of a row of cells, one in place of another, is drawn by.
+pub fn line_script() -> Result<String, PageError> {
+    let script = script(&Topology::default()).map_err(PageError::new)?;
+    Ok(format!("{CHART_SCRIPT}\n{script}"))
+}
+
+/// How it looks.
+pub fn line_style() -> String {
+    format!("{CHART_STYLE}\n{STYLE}")
+}
+
+/// What the pages' charts are drawn by.
+pub const CHART_SCRIPT: &str = include_str!("../../../assets/uplot.min.js");
+
+/// How its charts look.
+pub const CHART_STYLE: &str = include_str!("../../../assets/uplot.min.css");
+
+const STYLE: &str = concat!(include_str!("page.css"), include_str!("stepper.css"));
+
+/// Only of a line is it drawn who waits for whom.
+fn of_line<'a>(page: &Page<'a>) -> Page<'a> {
     let recording = page.recording.filter(|recording| recording.topology.shape == Shape::Line);
-    let page = &Page { recording, ..*page };
+    Page { recording, ..*page }
+}
+
+fn environment() -> Result<Environment<'static>, PageError> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
-    environment.add_template("page.html", include_str!("page.html")).map_err(|error| PageError(error.to_string()))?;
-    let json = |value: serde_json::Result<String>| value.map_err(|error| PageError(error.to_string()));
-    let data = json(serde_json::to_string(&data::Data::new(page)))?;
-    let configuration = json(serde_json::to_string_pretty(page.configuration))?;
-    let topology = &*page.stats.topology;
-    let called = context! {
+    for (name, text) in [("page.html", include_str!("page.html")), ("run.html", include_str!("run.html"))] {
+        environment.add_template(name, text).map_err(PageError::new)?;
+    }
+    Ok(environment)
+}
+
+fn data(page: &Page<'_>) -> Result<String, PageError> {
+    serde_json::to_string(&data::Data::new(page)).map_err(PageError::new)
+}
+
+/// What the templates call the parts of a machine.
+fn names(topology: &Topology) -> Value {
+    context! {
         is_line => topology.shape == Shape::Line,
         has_buses => topology.shape == Shape::Farm,
         machine_name => topology.names.machine.as_str(),
         station => topology.names.station.as_str(),
         job => topology.names.job.as_str(),
-    };
+    }
+}
+
+/// The scripts of pages of such a machine.
+fn script(topology: &Topology) -> Result<String, minijinja::Error> {
+    let (environment, names) = (Environment::new(), names(topology));
     // The engine leaves a last end of line out.
-    let script = |text: &str| environment.render_str(text, &called).map(|script| script + "\n");
-    let scripts: Result<Vec<String>, _> = SCRIPTS.iter().map(|text| script(text)).collect();
-    let scripts = scripts.map_err(|error| PageError(error.to_string()))?;
-    let template = environment.get_template("page.html").map_err(|error| PageError(error.to_string()))?;
-    let rendered = template.render(context! {
+    let scripts = SCRIPTS.iter().map(|text| environment.render_str(text, &names).map(|script| script + "\n"));
+    scripts.collect::<Result<String, _>>()
+}
+
+/// What the template of a run reads.
+fn run_context(page: &Page<'_>, names: &Value) -> Value {
+    context! {
         title => page.caption.what_ran(),
         machine => page.caption.machine.as_str(),
         speed => summary::speed(page.stats, page.clock),
@@ -93,21 +200,15 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         has_window => page.recording.is_some(),
         why => page.path.map(|path| context! {
             sentence => why::sentence(path),
+            subject_to => why::subject_to(path),
             times => value(why::time_rows(path, false)),
             places => value(why::place_rows(path)),
         }),
-        configuration,
+        configuration => serde_json::to_string_pretty(page.configuration).unwrap_or_default(),
         image => page.image.map(|png| base64::engine::general_purpose::STANDARD.encode(png)).unwrap_or_default(),
-        // No text in it may end the script that it stands in.
-        data => data.replace('<', "\\u003c"),
-        chart_style => include_str!("../../../assets/uplot.min.css"),
-        chart_script => include_str!("../../../assets/uplot.min.js"),
-        style => include_str!("page.css"),
-        scripts,
         version => env!("CARGO_PKG_VERSION"),
-        ..called.clone()
-    });
-    rendered.map_err(|error| PageError(error.to_string()))
+        ..names.clone()
+    }
 }
 
 /// Two pages beside one another, whose charts show the same time. What they are of should have one length: see
@@ -115,7 +216,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
 pub fn side_by_side(a: &str, b: &str) -> Result<String, PageError> {
     let rendered =
         Environment::new().render_str(include_str!("pair.html"), context! { runs => [a.to_owned(), b.to_owned()] });
-    rendered.map(|page| page + "\n").map_err(|error| PageError(error.to_string()))
+    rendered.map(|page| page + "\n").map_err(PageError::new)
 }
 
 /// The colours of the states that the cells' table has, on white and on black.

@@ -1,8 +1,12 @@
 "use strict";
-// Draws `run`, and keeps which cells have charts. A station is a cell, or the host behind the last one.
+// Draws a run, and keeps which cells have charts. A station is a cell, or the host behind the last one.
 
 const MOST_ALL = 8;
-const count = run.cells.length;
+// The run that is shown, and how many cells it has.
+let run = null, count = 0;
+// What a {{ station }} is called in a sentence, and where there is little room.
+const fullName = (index) => {% if is_line %}`cell ${index}`{% else %}run.cells[index].name{% endif %};
+const shortName = (index) => {% if is_line %}`${index}`{% else %}/\d+$/.exec(run.cells[index].name)?.[0] ?? run.cells[index].name.slice(0, 4){% endif %};
 const selected = new Set();
 
 function toggle(station) {
@@ -91,6 +95,7 @@ function repaint() {
   drawLegend();
   drawArray();
   for (const { chart } of charts) chart.redraw(true, true);
+  stepper?.draw();
 }
 
 // Charts and array as wide as there is room, on the screen or on paper.
@@ -109,24 +114,42 @@ function print(isPrinting) {
 // Width of what a sheet of A4 has room for, in CSS pixels.
 const PAPER = 700;
 
-drawLegend();
-drawButtons();
-if (run.bins > 0) {
-{% if is_line %}  if (tape && tape.until > tape.from) addSpaceTime();
-{% endif %}  addRays();
-  if (path) addPath();
-  if (count > MOST_ALL) addOverviews();
-  select(count > MOST_ALL ? telling() : all());
+// Shows a run; in place of another with its text too: the same stretch of it, and charts of the same cells.
+function show(next, text = null) {
+  const before = run && { end: seconds(run.end), cells: count, view: { min: seconds(view.min), max: seconds(view.max) }, selected: [...selected] };
+  const scrolled = scrollY;
+  hush();
+  charts.splice(0).forEach(({ chart }) => chart.destroy());
+  if (text !== null) document.getElementById("run").innerHTML = text;
+  run = next;
+  count = run.cells.length;
+  loadTape();
+  loadCharts();
+  selected.clear();
+  drawLegend();
+  drawButtons();
+  if (run.bins > 0) {
+{% if is_line %}    if (tape && tape.until > tape.from) addSpaceTime();
+{% endif %}    addRays();
+    if (path) addPath();
+    if (count > MOST_ALL) addOverviews();
+    select(before?.cells === count ? before.selected : count > MOST_ALL ? telling() : all());
+    const isPart = before && before.view.max - before.view.min < 0.999 * before.end;
+    if (isPart) zoom(...[before.view.min, before.view.max].map((time) => time / secondsOfUnit()));
+  }
+  drawArray();
+  tellWindow();
+  startStepper();
+  document.body.dataset.charts = charts.length;
+  if (before) scrollTo(0, scrolled);
 }
-drawArray();
-tellWindow();
-document.body.dataset.charts = charts.length;
+
 let width = innerWidth;
 addEventListener("resize", () => {
-  if (width === innerWidth) return;
+  if (width === innerWidth || !run) return;
   width = innerWidth;
   resize();
 });
-darkness.addEventListener("change", repaint);
-addEventListener("beforeprint", () => print(true));
-addEventListener("afterprint", () => print(false));
+darkness.addEventListener("change", () => { if (run) repaint(); });
+addEventListener("beforeprint", () => { if (run) print(true); });
+addEventListener("afterprint", () => { if (run) print(false); });

@@ -28,8 +28,15 @@ function lastUpTo(numbers, most) {
   return low - 1;
 }
 
-const tape = run.window && (() => {
-  const { from, until, states } = run.window;
+// What the page holds of the run, if it holds any.
+let tape = null;
+
+function loadTape() {
+  tape = run.window && unrolled(run.window);
+}
+
+function unrolled(window) {
+  const { from, until, states } = window;
   const stretches = (text) => {
     const numbers = unpack(text), found = { state: [], from: [] };
     for (let at = 0, next = from; at < numbers.length; at += 2) {
@@ -48,26 +55,79 @@ const tape = run.window && (() => {
     }
     return found;
   };
-  const levels = (text) => {
-    const numbers = unpack(text), found = { from: [], words: [] };
-    for (let at = 0, next = from, words = 0; at < numbers.length; at += 2) {
+  // Of each op what it is, whose, how much of it there is, and its time; the first may have begun before.
+  const ops = ({ ops, early: [cycles, words] }) => {
+    const numbers = unpack(ops), found = { code: [], job: [], count: [], from: [], until: [], before: words };
+    for (let at = 0, job = 0, next = from; at < numbers.length;) {
+      const head = numbers[at++];
+      if (head % 2) job += unfolded(numbers[at++]);
+      found.code.push(head >> 1);
+      found.job.push(job === 0 ? null : job - 1);
+      found.count.push(numbers[at++]);
+      found.from.push(next);
+      found.until.push(next += numbers[at++]);
+    }
+    if (found.from.length) found.from[0] -= cycles;
+    return found;
+  };
+  // Rows of cycles, and how many there are before each row.
+  const times = (text) => {
+    const numbers = unpack(text), found = { from: [], count: [], before: [] };
+    for (let at = 0, next = from, before = 0; at < numbers.length; at += 2) {
       found.from.push(next += numbers[at]);
-      found.words.push(words += unfolded(numbers[at + 1]));
+      found.count.push(numbers[at + 1]);
+      found.before.push(before);
+      next += numbers[at + 1];
+      before += numbers[at + 1];
     }
     return found;
   };
-  const station = (packed) => packed && { states: memo(() => stretches(packed.states)), jobs: memo(() => jobs(packed.jobs)) };
-  return {
-    from, until, states,
-    host: station(run.window.host),
-    answers: memo(() => jobs(run.window.answers)),
-    stations: run.window.stations.map(station),
-    fifos: run.window.fifos.map((fifo, at) => ({
-      name: run.fifos[at].name, capacity: run.fifos[at].capacity, from: fifo.from, to: fifo.to, group: fifo.group,
-      levels: memo(() => levels(fifo.levels)), jobs: memo(() => jobs(fifo.jobs)),
-    })),
+  // Whose words are, and the number of the first of each.
+  const owners = (text) => {
+    const numbers = unpack(text), found = { job: [], first: [] };
+    for (let at = 0, job = 0, first = 0; at < numbers.length; at += 2) {
+      job += unfolded(numbers[at]);
+      found.job.push(job === 0 ? null : job - 1);
+      found.first.push(first);
+      first += numbers[at + 1];
+    }
+    return found;
   };
-})();
+  const station = (packed) => packed && {
+    states: memo(() => stretches(packed.states)), jobs: memo(() => jobs(packed.jobs)), ops: memo(() => ops(packed)),
+  };
+  return {
+    from, until, states, units: window.units,
+    host: station(window.host),
+    answers: memo(() => jobs(window.answers)),
+    stations: window.stations.map(station),
+    fifos: window.fifos.map((packed) => {
+      const { name, capacity, from, to, group, inside } = packed;
+      const fifo = { name, capacity, from, to, group, inside, writes: memo(() => times(packed.writes)), reads: memo(() => times(packed.reads)) };
+      fifo.levels = memo(() => levelsOf(fifo, window.from));
+      fifo.owners = memo(() => owners(packed.words));
+      fifo.jobs = memo(() => jobs(packed.jobs));
+      return fifo;
+    }),
+  };
+}
+
+// What a FIFO held at the start, and at the end of each cycle in which that changes.
+function levelsOf(fifo, start) {
+  const expanded = ({ from, count }) => from.flatMap((first, row) => Array.from({ length: count[row] }, (_, at) => first + at));
+  const writes = expanded(fifo.writes()), reads = expanded(fifo.reads());
+  const found = { from: [start], words: [fifo.inside] };
+  for (let write = 0, read = 0; write < writes.length || read < reads.length;) {
+    const now = Math.min(writes[write] ?? Infinity, reads[read] ?? Infinity);
+    const change = (writes[write] === now) - (reads[read] === now);
+    if (writes[write] === now) write++;
+    if (reads[read] === now) read++;
+    const last = found.words.length - 1, level = found.words[last] + change;
+    if (change && found.from[last] === now) found.words[last] = level;
+    else if (change) { found.from.push(now); found.words.push(level); }
+  }
+  return found;
+}
 
 const isOnTape = (cycle) => tape && tape.from <= cycle && cycle < tape.until;
 const recordOf = (station) => station === null ? tape.host : tape.stations[station];

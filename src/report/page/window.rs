@@ -1,26 +1,33 @@
 //! The cycles of a run that a page holds one by one, packed: what the page's script tells a moment from.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-use crate::measure::{Actor, FifoInfo, FifoLevels, JobSpan, Recording, StateKind, StationRecord, Topology, Toward};
-use crate::quantities::{Cycles, Words};
+use super::packed::{Packed, folded};
+use crate::measure::{Actor, FifoInfo, FifoLevels, OpSpan, Recording, StateKind, StationRecord, Topology, Toward};
+use crate::quantities::Cycles;
+use crate::seam::Op;
 
-/// Stretches, jobs and levels that a page holds at the most, whatever the length of the run: about half a megabyte.
-const MOST_EVENTS: usize = 150_000;
+/// Stretches, jobs, ops and moves of words that a page holds at the most, whatever the length of the run: about half a megabyte.
+const MOST_EVENTS: usize = 200_000;
+
+/// The letters of ops that move words or wait, in the order of their codes.
+const MOVES: &str = "xiorwabz";
 
 /// A window of a run. All times are in cycles; `from` is the first cycle, `until` the one after the last.
 #[derive(Serialize)]
 pub struct Window<'a> {
     from: u64,
     until: u64,
+    /// Length of the run.
+    cycles: u64,
     states: Vec<State<'a>>,
+    /// Units of work, in the order of their codes.
+    units: Vec<Unit<'a>>,
     host: Option<Station>,
     /// When the host read the answers.
     answers: Packed,
     stations: Vec<Station>,
-    fifos: Vec<Fifo>,
+    fifos: Vec<Fifo<'a>>,
 }
 
 /// A state by its place, which is its number.
@@ -39,52 +46,127 @@ struct Station {
     /// For each stretch its state and its length, without a gap.
     states: Packed,
     jobs: Packed,
+    /// For each op its code, twice, and one more if it is the first of a line; then, if it is, the line's job and one, or 0 for
+    /// none, against the line before; its count; and how many cycles it takes from the start of the window on.
+    ops: Packed,
+    /// How many cycles the first op has taken before that, and how many words it has moved.
+    early: [u64; 2],
 }
 
 #[derive(Serialize)]
-struct Fifo {
+struct Unit<'a> {
+    name: &'a str,
+    cycles: u64,
+}
+
+#[derive(Serialize)]
+struct Fifo<'a> {
+    name: &'a str,
+    capacity: u64,
     from: Option<usize>,
     to: Option<usize>,
     group: String,
-    /// For each change the cycles since the last one, and the words that it is more or less; the first from nothing.
-    levels: Packed,
     jobs: Packed,
+    /// How many words are inside at the start.
+    inside: u64,
+    /// Whose the words are, from the oldest of these on: the job and one, or 0 for none, against the words before; how many.
+    words: Packed,
+    writes: Packed,
+    reads: Packed,
 }
 
-/// Whole numbers in as few bytes as they need, seven bits each, the lowest first; in base 64. Those that may be negative are
-/// folded: 0, -1, 1, -2, ... are 0, 1, 2, 3, ...
-#[derive(Serialize)]
-struct Packed(String);
+/// The end of what a page holds of a recording.
+pub fn end(recording: &Recording) -> Cycles {
+    recording.end_of_beginning(MOST_EVENTS).max(recording.window.start)
+}
 
 impl<'a> Window<'a> {
     /// The beginning of a recording.
     pub fn new(recording: &'a Recording) -> Window<'a> {
         let Recording { window, topology, .. } = recording;
-        let range = window.start..recording.end_of_beginning(MOST_EVENTS).max(window.start);
-        let station =
-            |record: &StationRecord| Station {
-                states: Packed::new(
-                    record.states.iter().filter(|stretch| stretch.from < range.end).flat_map(|stretch| {
-                        [u64::from(stretch.state.0), stretch.until.min(range.end).0 - stretch.from.0]
-                    }),
-                ),
-                jobs: Packed::jobs(&record.jobs, (range.start, range.end)),
-            };
-        let fifo = |(info, held): (&FifoInfo, &FifoLevels)| Fifo {
-            from: place(info.from),
-            to: place(info.to),
-            group: info.group.clone(),
-            levels: Packed::levels(&held.levels, (range.start, range.end)),
-            jobs: Packed::jobs(&held.jobs, (range.start, range.end)),
-        };
+        let range = window.start..end(recording);
+        let ends = (range.start, range.end);
+        let fifos = topology.fifos.iter().zip(&recording.fifos);
         Window {
             from: range.start.0,
             until: range.end.0,
+            cycles: recording.cycles.0,
             states: states(topology),
-            host: recording.host.as_ref().map(station),
-            answers: Packed::jobs(&recording.answers, (range.start, range.end)),
-            stations: recording.stations.iter().map(station).collect(),
-            fifos: topology.fifos.iter().zip(&recording.fifos).map(fifo).collect(),
+            units: recording.units.iter().map(|unit| Unit { name: &unit.name, cycles: unit.cycles.0 }).collect(),
+            host: recording.host.as_ref().map(|host| Station::new(host, ends)),
+            answers: Packed::jobs(&recording.answers, ends),
+            stations: recording.stations.iter().map(|station| Station::new(station, ends)).collect(),
+            fifos: fifos.map(|(info, held)| Fifo::new(info, held, ends)).collect(),
+        }
+    }
+}
+
+impl Station {
+    fn new(record: &StationRecord, ends: (Cycles, Cycles)) -> Station {
+        let (start, end) = ends;
+        let states = record.states.iter().filter(|stretch| stretch.from < end);
+        let early = record.ops.first().map(|op| [start.0.saturating_sub(op.from.0), op.before.into()]);
+        Station {
+            states: Packed::new(
+                states.flat_map(|stretch| [u64::from(stretch.state.0), stretch.until.min(end).0 - stretch.from.0]),
+            ),
+            jobs: Packed::jobs(&record.jobs, ends),
+            ops: ops(&record.ops, ends),
+            early: early.unwrap_or_default(),
+        }
+    }
+}
+
+/// A station's ops, packed.
+fn ops(ops: &[OpSpan], (start, end): (Cycles, Cycles)) -> Packed {
+    let (mut line, mut last) = (None, 0);
+    let inside = ops.iter().filter(|span| span.from < end);
+    Packed::new(inside.flat_map(|span| {
+        let is_new = line != Some(span.job);
+        let job = numbered(span.job);
+        let first = is_new.then(|| folded(job - last));
+        (line, last) = (Some(span.job), job);
+        let length = span.until.min(end).0 - span.from.max(start).0;
+        let head = [2 * code(span.op) + u64::from(is_new)].into_iter().chain(first);
+        head.chain([span.op.count().into(), length])
+    }))
+}
+
+/// What an op is: a letter's place, or behind these a unit's.
+fn code(op: Op) -> u64 {
+    let letter = op.kind().letter().and_then(|letter| MOVES.find(letter));
+    letter.map_or(op.unit().map_or(0, |unit| MOVES.len() as u64 + u64::from(unit.0)), |place| place as u64)
+}
+
+/// A job and one, or 0 for none.
+fn numbered(job: Option<u32>) -> i64 {
+    job.map_or(0, |job| i64::from(job) + 1)
+}
+
+impl<'a> Fifo<'a> {
+    fn new(info: &'a FifoInfo, held: &FifoLevels, ends: (Cycles, Cycles)) -> Fifo<'a> {
+        let inside = held.words.iter().map(|words| words.count).sum::<u64>() - held.writes.len() as u64;
+        let mut left = inside + held.writes.partition_point(|&time| time < ends.1) as u64;
+        let mut last = 0;
+        let words = held.words.iter().map_while(|words| {
+            let count = words.count.min(left);
+            left -= count;
+            let job = numbered(words.job);
+            let numbers = [folded(job - last), count];
+            last = job;
+            (count > 0).then_some(numbers)
+        });
+        Fifo {
+            name: &info.name,
+            capacity: info.capacity.0,
+            from: place(info.from),
+            to: place(info.to),
+            group: info.group.clone(),
+            jobs: Packed::jobs(&held.jobs, ends),
+            inside,
+            words: Packed::new(words.flatten()),
+            writes: Packed::times(&held.writes, ends),
+            reads: Packed::times(&held.reads, ends),
         }
     }
 }
@@ -122,55 +204,5 @@ fn place(actor: Actor) -> Option<usize> {
     match actor {
         Actor::Host => None,
         Actor::Station(station) => Some(station),
-    }
-}
-
-fn folded(number: i64) -> u64 {
-    ((number << 1) ^ (number >> 63)) as u64
-}
-
-impl Packed {
-    fn new(numbers: impl Iterator<Item = u64>) -> Packed {
-        let mut bytes = Vec::new();
-        for mut number in numbers {
-            while number > 0x7f {
-                bytes.push(number as u8 | 0x80);
-                number >>= 7;
-            }
-            bytes.push(number as u8);
-        }
-        Packed(STANDARD.encode(bytes))
-    }
-
-    /// For each job its number against the one before it, when it began after that had, and how long it took.
-    fn jobs(jobs: &[JobSpan], (start, end): (Cycles, Cycles)) -> Packed {
-        let (mut job, mut from) = (0, start);
-        Packed::new(jobs.iter().filter(|span| span.from < end).flat_map(|span| {
-            let numbers =
-                [folded(i64::from(span.job) - job), span.from.0 - from.0, span.until.min(end).0 - span.from.0];
-            (job, from) = (i64::from(span.job), span.from);
-            numbers
-        }))
-    }
-
-    fn levels(levels: &[(Cycles, Words)], (start, end): (Cycles, Cycles)) -> Packed {
-        let (mut at, mut level) = (start, Words(0));
-        Packed::new(levels.iter().filter(|change| change.0 < end).flat_map(|&(next, words)| {
-            let numbers = [next.0 - at.0, folded(words.0 as i64 - level.0 as i64)];
-            (at, level) = (next, words);
-            numbers
-        }))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_take_as_few_bytes_as_they_need() {
-        let packed = Packed::new([0, 127, 128, 300].into_iter());
-        assert_eq!(STANDARD.decode(packed.0).unwrap(), [0, 127, 0x80, 1, 0xac, 2]);
-        assert_eq!([0, -1, 1, -2, i64::MAX].map(folded), [0, 1, 2, 3, u64::MAX - 1]);
     }
 }

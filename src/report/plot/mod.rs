@@ -7,6 +7,7 @@ mod fifos;
 mod many;
 mod pdf;
 mod rays;
+mod regions;
 mod render;
 mod scale;
 mod space_time;
@@ -15,6 +16,7 @@ use rayon::prelude::*;
 
 use crate::measure::{Clock, CriticalPath, FifoInfo, FifoProfile, Profile, Recording, Shape};
 
+pub use regions::RegionMap;
 pub use render::{Format, PlotError, Rendered};
 
 /// What ran, in words, above every picture.
@@ -51,6 +53,8 @@ pub struct Run<'a> {
     pub path: Option<&'a CriticalPath>,
     /// What each cell runs, as far as that is known.
     pub cell_names: &'a [String],
+    /// The regions of nodes, if they have any.
+    pub regions: Option<RegionMap<'a>>,
 }
 
 /// A picture and its name.
@@ -73,9 +77,9 @@ type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
 
 /// Draws all that a profile shows: the FIFOs' levels, their histograms, the cells' states, the rays done, and how long rays
 /// took; the rays on their way, of a line that was recorded; and the critical path, if it is known. There are nine
-/// pictures at the most (eleven with words on Z), however many cells there are. A machine without FIFOs has three.
+/// pictures at the most (eleven with words on Z), however many cells there are. A machine without FIFOs has three, and one more of its regions.
 pub fn pictures(run: &Run<'_>) -> Result<Vec<Picture>, PlotError> {
-    let Run { caption, clock, profile, recording, path, cell_names: names } = *run;
+    let Run { caption, clock, profile, recording, path, cell_names: names, regions } = *run;
     let scale = chart::TimeScale::new(profile.cycles, profile.bin, clock);
     let fifos: Vec<Fifo<'_>> = profile.topology.fifos.iter().zip(&profile.fifos).collect();
     let cycles = profile.cycles;
@@ -116,6 +120,9 @@ pub fn pictures(run: &Run<'_>) -> Result<Vec<Picture>, PlotError> {
     let latency = &profile.latency;
     let draw = move || render::render(&rays::Latencies { caption, clock, called, latency });
     pictures.push(("latency".to_owned(), Box::new(draw)));
+    if let Some(map) = regions {
+        pictures.push(("regions".to_owned(), Box::new(move || render::render(&regions::Regions { caption, map }))));
+    }
     render::bring_font()?;
     pictures.into_par_iter().map(|(name, draw)| Ok(Picture { name, rendered: draw()? })).collect()
 }

@@ -6,11 +6,13 @@ use super::Percent;
 use super::spec::RegionSpec;
 use super::trees::{Traced, Tracing};
 use crate::error::InputError;
+use crate::geometry::partition::{SubVolume, assign};
+use crate::geometry::regions::Rectangle;
 use crate::geometry::{CellPlane, Grid, Regions};
 use crate::host::camera::ImageSize;
 use crate::machine::Ipsc2;
-use crate::program::Workload;
 use crate::program::cube::Part;
+use crate::program::{NotLaidOut, Workload};
 use crate::run::render::Picture;
 use crate::run::{RunError, Workers};
 
@@ -55,7 +57,7 @@ impl Cut {
         let plane = CellPlane::new(grid, spec.cell_grid);
         let of_cells = Regions::of_cells(plane.clone());
         let pixels = lattice(picture.size, spec.sub_sample);
-        let tracing = Tracing { picture: *picture, regions: &of_cells, pages: None, hits: false };
+        let tracing = Tracing { picture: *picture, regions: &of_cells, own: &[], pages: None, hits: false };
         let traced = tracing.trace((pixels.len(), |sample| pixels[sample]), workers, |_| Ok::<_, Infallible>(()));
         let traced = traced.map_err(|error| match error {
             RunError::Unfit(error) => RunError::Unfit(error),
@@ -70,6 +72,31 @@ impl Cut {
         let between = between(&traced, &regions);
         let parts = parts(&regions, picture.workload);
         Ok(Cut { regions, sampled: pixels.len(), cells, between, parts })
+    }
+
+    /// A grid for each region, of `coefficient` voxels for each of its polygons.
+    ///
+    /// Fails if one would be too large, and if it is told to stop.
+    pub(super) fn own_grids(
+        &mut self,
+        workload: &Workload,
+        coefficient: f64,
+        workers: &Workers,
+    ) -> Result<Vec<Grid>, NotLaidOut> {
+        let polygons = workload.polygons();
+        let volumes = workload.grids().next().map(|grid| self.regions.volumes(grid)).unwrap_or_default();
+        let fill = |(region, SubVolume { volume, members }): (usize, SubVolume)| {
+            let grid = Grid::new(polygons, &members, volume, coefficient, &workers.cancel)?;
+            let bytes = WORD_BYTES * polygons.memory_words(&members);
+            self.parts[region] = Part {
+                polygons: members.len(),
+                bytes: bytes + head_bytes(&self.regions.rectangles()[region]),
+                references: grid.reference_count() as u64,
+                holds: bytes + WORD_BYTES * grid.memory_words(),
+            };
+            Ok(grid)
+        };
+        assign(polygons, &volumes).into_iter().enumerate().map(fill).collect()
     }
 
     /// The work that the sample told of each region.
@@ -152,9 +179,12 @@ fn parts(regions: &Regions, workload: &Workload) -> Vec<Part> {
     }
     for (region, part) in parts.iter_mut().enumerate() {
         part.holds = part.bytes + WORD_BYTES * (voxels[region] + 1 + part.references);
-        let rectangle = &regions.rectangles()[region];
-        let border = 2 * u64::from(rectangle.high[0] - rectangle.low[0] + rectangle.high[1] - rectangle.low[1]);
-        part.bytes += HEAD_BYTES + CELL_BYTES * border;
+        part.bytes += head_bytes(&regions.rectangles()[region]);
     }
     parts
+}
+
+/// What the host sends a node beside its polygons.
+fn head_bytes(Rectangle { low, high }: &Rectangle) -> u64 {
+    HEAD_BYTES + CELL_BYTES * 2 * u64::from(high[0] - low[0] + high[1] - low[1])
 }

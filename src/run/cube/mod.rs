@@ -8,6 +8,7 @@ mod tasks_file;
 mod trees;
 
 use std::convert::Infallible;
+use std::ops::Range;
 use std::path::Path;
 
 use glam::Vec3;
@@ -16,14 +17,15 @@ use super::{RunError, Watching, Workers};
 use crate::cancel::Cancel;
 use crate::error::InputError;
 use crate::geometry::{CellPlane, Hit, Polygons, Regions};
+use crate::host::camera::ImageSize;
 use crate::host::order::Order;
 use crate::host::sampling::Pass;
 use crate::machine::events::{Act, Events};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
 use crate::measure::{Measured, Observed, Recording, Topology};
 use crate::program::cube::{
-    MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, TaskGraph, gray_order, highest_rank, swapped,
-    topology,
+    Dealt, MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, TaskGraph, gray_order, highest_rank,
+    swapped, topology,
 };
 use crate::run::one_cell::Whole;
 use crate::run::render::Picture;
@@ -32,7 +34,8 @@ use crate::run::trees::ByKind;
 pub use calibrate::{Calibrated, Known, KnownTime};
 pub use cut::Cut;
 pub use options::{
-    CubeMode, CubeOptions, CubeRunOptions, First, FlowKind, Mapping, Percent, PixelOrder, PixelsOf, Termination,
+    CubeMode, CubeOptions, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent, PixelOrder,
+    PixelsOf, QueueRays, Termination,
 };
 pub use spec::{CubeSpec, RegionSpec};
 use trees::{Traced, Tracing};
@@ -86,6 +89,8 @@ pub struct CubeOutcome {
     pub node_of: Vec<u16>,
     /// Each node's part of the scene.
     pub parts: Vec<Part>,
+    /// The slots of each node, if these are limited.
+    pub slots: Option<u32>,
     /// The highest rank of any ray, if rays are sent.
     pub highest_rank: u32,
 }
@@ -98,6 +103,9 @@ const LONGEST_RUN: u128 = 1 << 61;
 
 /// Bytes of what is in a slot of a queue.
 const SLOT_BYTES: u64 = 52;
+
+/// Pixels along the side of a tile.
+const TILE: u32 = 8;
 
 impl CubeSetup {
     /// Lays an image out. `observe` sees how many of its samples are traced, of all.
@@ -175,14 +183,18 @@ impl CubeSpec {
             Whole { scene: &self.scene, size_factor, resolution, size, grid_coefficient: self.rays.grid_coefficient };
         let (scene, workload) = whole.lay_out(machine.times, &workers.cancel)?;
         let (sampling, limits) = (self.sampling(), self.limits());
-        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits };
-        let cut = self.cut(&picture, &machine, workers)?;
+        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
+        let mut cut = self.cut(&picture, &machine, workers)?;
+        let own = match self.regions.map(|regions| regions.grids) {
+            Some(Grids::Own) => cut.own_grids(&workload, self.rays.grid_coefficient, workers)?,
+            _ => Vec::new(),
+        };
         let pages = self.page_bytes.and_then(|bytes| {
             let grid = workload.grids().next()?;
             Some((PageMap::new(grid, workload.polygons(), bytes), bytes))
         });
         let pass = Pass::first(self.size, sampling, Order::Raster);
-        let tracing = Tracing { picture, regions: &cut.regions, pages, hits: keeps_hits };
+        let tracing = Tracing { picture, regions: &cut.regions, own: &own, pages, hits: keeps_hits };
         let traced = tracing.pass(&pass, workers, observe)?;
         let pixels = traced.pixels(pass.per_pixel());
         let polygons = workload.polygons();
@@ -227,18 +239,18 @@ impl CubeSpec {
         let one_node = one_node(&scene.graph, machine)?;
         let node_of = self.node_of(&scene.cut, machine);
         let parts = self.parts(scene, machine, &node_of);
-        self.check_room(&parts, machine)?;
+        let slots = self.slots(&parts, machine)?;
         let phases = prepare(machine, &parts);
-        let owners = self.owners(&scene.graph, machine, &node_of);
-        let order = self.order(scene.graph.trees.len());
         let highest_rank = highest_rank(&scene.graph);
         let (stats, observed, seen) = match &self.regions {
             Some(spec) => {
-                self.check_slots(highest_rank)?;
-                let mut nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), spec.rules());
+                self.check_slots(slots, highest_rank)?;
+                let rules = spec.rules(slots.unwrap_or(0));
+                let owners = self.owners(spec, &scene.graph, &node_of);
+                let order = order(spec, scene.graph.trees.len());
+                let mut nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), rules);
                 let events = watched(nodes.topology(), 0, machine, watching);
-                let run = (RegionNodes::next as fn(&mut _, _, _, _) -> _, RegionNodes::is_over as fn(&_) -> _);
-                let events = drive(&mut nodes, events, run, cancel)?;
+                let events = drive(&mut nodes, events, (RegionNodes::next, RegionNodes::is_over), cancel)?;
                 if !nodes.is_over() {
                     return Err(nodes.stuck().into());
                 }
@@ -246,18 +258,17 @@ impl CubeSpec {
                 (stats, observed, nodes.seen)
             }
             None => {
-                let nodes = MemoryNodes::new(machine, &scene.graph, (&owners, &order));
+                let nodes = MemoryNodes::new(machine, &scene.graph, self.dealt(machine.nodes));
                 let Some(mut nodes) = nodes else {
                     return Err(InputError::new("it was not recorded which pages the rays read").into());
                 };
                 let events = watched(nodes.topology(), nodes.helpers(), machine, watching);
-                let run = (MemoryNodes::next as fn(&mut _, _, _, _) -> _, MemoryNodes::is_over as fn(&_) -> _);
-                let events = drive(&mut nodes, events, run, cancel)?;
+                let events = drive(&mut nodes, events, (MemoryNodes::next, MemoryNodes::is_over), cancel)?;
                 let (stats, observed) = events.stop(|task| nodes.rests(task));
                 (stats, observed, nodes.seen)
             }
         };
-        Ok(CubeOutcome { stats, observed, seen, one_node, phases, node_of, parts, highest_rank })
+        Ok(CubeOutcome { stats, observed, seen, one_node, phases, node_of, parts, slots, highest_rank })
     }
 
     /// Each region's node.
@@ -284,56 +295,87 @@ impl CubeSpec {
         parts
     }
 
-    fn check_room(&self, parts: &[Part], machine: &Ipsc2) -> Result<(), InputError> {
-        let slots = self.regions.and_then(|regions| regions.queue_rays).unwrap_or(0);
-        let queue = SLOT_BYTES * u64::from(slots);
-        let largest = parts.iter().enumerate().max_by_key(|(node, part)| (part.holds, std::cmp::Reverse(*node)));
-        let Some((node, part)) = largest.filter(|(_, part)| part.holds + queue > machine.memory_bytes) else {
-            return Ok(());
+    /// How many slots each node has, if these are limited.
+    ///
+    /// Fails if the scene and they do not fit into a node's memory.
+    fn slots(&self, parts: &[Part], machine: &Ipsc2) -> Result<Option<u32>, InputError> {
+        let asked = self.regions.and_then(|regions| regions.queue_rays);
+        let fullest = parts.iter().enumerate().max_by_key(|(node, part)| (part.holds, std::cmp::Reverse(*node)));
+        let Some((node, part)) = fullest else { return Ok(None) };
+        let room = machine.memory_bytes.checked_sub(part.holds);
+        let fits = room.map(|bytes| u32::try_from(bytes / SLOT_BYTES).unwrap_or(u32::MAX - 1));
+        let slots = match asked {
+            Some(QueueRays::Count(count)) => count,
+            Some(QueueRays::Memory) => fits.unwrap_or(0).max(1),
+            None => 0,
         };
+        if fits.is_some_and(|most| slots <= most) {
+            return Ok(asked.is_some().then_some(slots));
+        }
         let message = format!(
-            "the scene does not fit: node {node} needs {} bytes for it and {queue} for {slots} rays, and has {}",
-            part.holds, machine.memory_bytes
+            "the scene does not fit: node {node} needs {} bytes for it and {} for {slots} rays, and has {}",
+            part.holds,
+            SLOT_BYTES * u64::from(slots),
+            machine.memory_bytes
         );
         Err(InputError::new(message)
             .help("take more nodes, a smaller --grid-coefficient, fewer --queue-rays or more --node-kbyte"))
     }
 
     /// Fails if there are too few slots for classes.
-    fn check_slots(&self, highest_rank: u32) -> Result<(), InputError> {
-        let Some(RegionSpec { flow: FlowKind::Classes, queue_rays: Some(slots), .. }) = self.regions else {
-            return Ok(());
-        };
-        if slots > highest_rank {
-            return Ok(());
-        }
+    fn check_slots(&self, slots: Option<u32>, highest_rank: u32) -> Result<(), InputError> {
+        let is_pool = self.regions.is_some_and(|regions| regions.flow == FlowKind::Classes);
+        let Some(slots) = slots.filter(|&slots| is_pool && slots <= highest_rank) else { return Ok(()) };
         let message =
             format!("classes need a slot for each rank: {} of them, and a node has {slots}", highest_rank + 1);
         Err(InputError::new(message).help("ask for more --queue-rays, or for another --flow"))
     }
 
-    /// The node that each tree belongs to.
-    fn owners(&self, graph: &TaskGraph, machine: &Ipsc2, node_of: &[u16]) -> Vec<u16> {
+    /// The node that each tree belongs to, of nodes that have regions.
+    fn owners(&self, spec: &RegionSpec, graph: &TaskGraph, node_of: &[u16]) -> Vec<u16> {
         let per_pixel = (self.rays.samples as usize).pow(2);
-        let width = self.size.width as usize;
-        let owner = |tree: usize| match self.regions.map(|regions| regions.pixels) {
-            Some(PixelsOf::Owner) => node_of[usize::from(graph.start_of(graph.trees[tree]))],
-            Some(PixelsOf::Shared) => (tree / per_pixel % machine.nodes) as u16,
-            None => (tree / per_pixel / width % machine.nodes) as u16,
+        let owner = |tree: usize| match spec.pixels {
+            PixelsOf::Owner => node_of[usize::from(graph.start_of(graph.trees[tree]))],
+            PixelsOf::Shared => (tree / per_pixel % node_of.len()) as u16,
         };
         (0..graph.trees.len()).map(owner).collect()
     }
 
-    /// Trees in the order in which each node begins its own.
-    fn order(&self, trees: usize) -> Vec<u32> {
-        let bits = trees.next_power_of_two().ilog2();
-        match self.regions.map(|regions| regions.pixel_order) {
-            Some(PixelOrder::Strided) if bits > 0 => {
-                let all = (0..1u64 << bits).map(|number| number.reverse_bits() >> (64 - bits));
-                all.filter(|&tree| tree < trees as u64).map(|tree| tree as u32).collect()
+    /// The trees of nodes that share a memory.
+    fn dealt(&self, nodes: usize) -> Dealt {
+        let ImageSize { width, height } = self.size;
+        let per_pixel = self.rays.samples.pow(2);
+        let trees = |y: u32, across: Range<u32>| {
+            let line = y * width;
+            (line + across.start) * per_pixel..(line + across.end) * per_pixel
+        };
+        match self.distribution {
+            Distribution::Lines => {
+                let lines = |node: usize| (node as u32..height).step_by(nodes);
+                Dealt::Before((0..nodes).map(|node| lines(node).flat_map(|y| trees(y, 0..width)).collect()).collect())
             }
-            _ => (0..trees as u32).collect(),
+            Distribution::Tiles => {
+                let from = |side: u32| (0..side).step_by(TILE as usize);
+                let corners = from(height).flat_map(|y| from(width).map(move |x| (x, y)));
+                let tile = |(x, y): (u32, u32)| {
+                    let lines = y..height.min(y + TILE);
+                    lines.flat_map(|y| trees(y, x..width.min(x + TILE))).collect()
+                };
+                Dealt::AsAsked(corners.map(tile).collect())
+            }
         }
+    }
+}
+
+/// Trees in the order in which each node begins its own.
+fn order(spec: &RegionSpec, trees: usize) -> Vec<u32> {
+    let bits = trees.next_power_of_two().ilog2();
+    match spec.pixel_order {
+        PixelOrder::Strided if bits > 0 => {
+            let all = (0..1u64 << bits).map(|number| number.reverse_bits() >> (64 - bits));
+            all.filter(|&tree| tree < trees as u64).map(|tree| tree as u32).collect()
+        }
+        _ => (0..trees as u32).collect(),
     }
 }
 
@@ -365,14 +407,11 @@ fn watched<M: Copy>(topology: Topology, helpers: usize, machine: &Ipsc2, watchin
     }
 }
 
-/// What a task does next, and whether all is over.
-type Program<P, M> = (fn(&mut P, usize, Cycles, Option<M>) -> Act<M>, fn(&P) -> bool);
-
-/// Lets nodes run until all is over, or none can go on.
+/// Lets nodes run until all is over, or none can go on. Of them is known what a task does next, and whether all is over.
 fn drive<P, M: Copy>(
     nodes: &mut P,
     mut events: Events<M>,
-    (next, is_over): Program<P, M>,
+    (next, is_over): (impl Fn(&mut P, usize, Cycles, Option<M>) -> Act<M>, impl Fn(&P) -> bool),
     cancel: &Cancel,
 ) -> Result<Events<M>, RunError<Infallible>> {
     loop {

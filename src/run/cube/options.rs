@@ -24,14 +24,20 @@ parameters! {
         /// Cells along each side of the plane from which regions are made [default: 64].
         #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(1..=128)))]
         cell_grid: u32, "N", Whole, "cells along a side";
+        /// Whose grid a node walks through: the part of the scene's one grid that is in its region, or one of its own that fits its
+        /// polygons [default: one].
+        grids: Grids, "WHOSE", Text, "grids";
         /// Which region is on which node: in Gray's order, or with pairs swapped while rays pass fewer links [default: swapped].
         mapping: Mapping, "HOW", Text, "mapping";
         /// How rays find room in queues: unlimited, block (the sender waits), window (few pixels under way) or classes (slots by
         /// rank, which never gets stuck) [default: classes].
         flow: FlowKind, "HOW", Text, "flow control";
-        /// Rays for which a node has slots, where these are limited [default: 4096].
-        #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(1..=1 << 30)))]
-        queue_rays: u32, "N", Whole, "slots of a node (rays)";
+        /// Rays for which a node has slots, where these are limited, or `memory`: as many as the fullest node has memory for
+        /// [default: 4096].
+        queue_rays: QueueRays, "N|memory", WholeOrWord, "slots of a node (rays)";
+        /// How a node knows that another has a slot for a ray: for nothing (known), or by asking it and being answered before each ray
+        /// (handshake) [default: known].
+        grant: Grant, "HOW", Text, "granting of slots";
         /// Pixels that a node has under way at the most, with --flow window [default: 64].
         #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(1..=1 << 30)))]
         window: u32, "N", Whole, "pixels under way on a node";
@@ -44,6 +50,9 @@ parameters! {
         /// Who begins a pixel: the node whose region its ray enters first (owner), or pixel p node p mod N (shared)
         /// [default: owner].
         pixels: PixelsOf, "HOW", Text, "who begins a pixel";
+        /// How nodes with a shared memory share the pixels: line y is node y mod N's, or each asks the host for tiles of 8 x 8
+        /// [default: lines].
+        distribution: Distribution, "HOW", Text, "distribution of the pixels";
         /// Bytes of a page of the shared memory [default: 1024].
         #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(64..=1 << 20)))]
         page_bytes: u32, "N", Whole, "page of the shared memory (bytes)";
@@ -89,6 +98,30 @@ choices! {
         /// With pairs swapped from there on.
         #[default]
         Swapped = "swapped",
+    }
+    /// Whose grid a node walks through.
+    Grids {
+        /// Its part of the scene's.
+        #[default]
+        One = "one",
+        /// Its own, which fits its polygons.
+        Own = "own",
+    }
+    /// How a node knows that another has a slot.
+    Grant {
+        /// For nothing.
+        #[default]
+        Known = "known",
+        /// By asking, and being answered.
+        Handshake = "handshake",
+    }
+    /// How nodes with a shared memory share the pixels.
+    Distribution {
+        /// Line y is node y mod N's.
+        #[default]
+        Lines = "lines",
+        /// Each asks the host for tiles.
+        Tiles = "tiles",
     }
     /// How rays find room in queues.
     FlowKind {
@@ -148,6 +181,38 @@ impl FromStr for Percent {
         let number = text.strip_suffix('%').unwrap_or(text).trim_end();
         let is_share = |value: &f64| *value > 0.0 && *value <= 100.0;
         number.parse().ok().filter(is_share).map(Percent).ok_or("expected a share of more than 0 and up to 100 percent")
+    }
+}
+
+/// How many rays a node has slots for: `256`, or `memory`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum QueueRays {
+    /// For as many as the fullest node has memory for.
+    #[serde(rename = "memory")]
+    Memory,
+    /// For so many.
+    #[serde(untagged)]
+    Count(u32),
+}
+
+impl FromStr for QueueRays {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<QueueRays, &'static str> {
+        match text {
+            "memory" => Ok(QueueRays::Memory),
+            _ => text.parse().map(QueueRays::Count).ok().filter(QueueRays::is_possible).ok_or(QueueRays::EXPECTED),
+        }
+    }
+}
+
+impl QueueRays {
+    /// What it must be.
+    pub const EXPECTED: &str = "expected a number of rays from 1 to 1073741824, or memory";
+
+    /// Whether there can be such a queue.
+    pub fn is_possible(&self) -> bool {
+        !matches!(self, QueueRays::Count(count) if !(1..=1 << 30).contains(count))
     }
 }
 

@@ -4,7 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::options::{CubeMode, CubeRunOptions, First, FlowKind, Mapping, Percent, PixelOrder, PixelsOf, Termination};
+use super::options::{
+    CubeMode, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent, PixelOrder, PixelsOf,
+    QueueRays, Termination,
+};
 use crate::error::InputError;
 use crate::host::camera::ImageSize;
 use crate::host::sampling::Sampling;
@@ -12,7 +15,7 @@ use crate::host::shading::Limits;
 use crate::machine::Ipsc2File;
 use crate::program::cube::{Ends, Flow, Rules};
 use crate::run::spec::{configuration, read_configuration, standard_size};
-use crate::run::{FarmRays, ImageSpec, Key};
+use crate::run::{FarmRays, Key};
 
 /// An image on a hypercube, described: enough to make it again to the cycle.
 ///
@@ -41,6 +44,9 @@ pub struct CubeSpec {
     /// Bytes of a page of the memory that nodes share; `None` if they have regions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub page_bytes: Option<u32>,
+    /// How nodes that share a memory share the pixels.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub distribution: Distribution,
     /// The machine, as its file would have it.
     pub machine: Ipsc2File,
 }
@@ -53,13 +59,19 @@ pub struct RegionSpec {
     pub sub_sample: Percent,
     /// Cells along each side of the plane.
     pub cell_grid: u32,
+    /// Whose grid a node walks through.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub grids: Grids,
     /// Which region is on which node.
     pub mapping: Mapping,
     /// How rays find room.
     pub flow: FlowKind,
     /// Slots of a node, if these are limited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub queue_rays: Option<u32>,
+    pub queue_rays: Option<QueueRays>,
+    /// How a node knows that another has a slot.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub grant: Grant,
     /// Pixels under way on a node, if these are limited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub window: Option<u32>,
@@ -76,7 +88,7 @@ pub struct RegionSpec {
 /// Voxels of the grid for each polygon, where nothing is said.
 const GRID_COEFFICIENT: f64 = 10.0;
 /// Slots of a node.
-const QUEUE_RAYS: u32 = 4096;
+const QUEUE_RAYS: QueueRays = QueueRays::Count(4096);
 /// Pixels under way on a node.
 const WINDOW: u32 = 64;
 /// Bytes of a page.
@@ -87,9 +99,11 @@ impl Default for RegionSpec {
         RegionSpec {
             sub_sample: Percent(1.5),
             cell_grid: 64,
+            grids: Grids::default(),
             mapping: Mapping::default(),
             flow: FlowKind::default(),
             queue_rays: None,
+            grant: Grant::default(),
             window: None,
             termination: Termination::default(),
             pixel_order: PixelOrder::default(),
@@ -104,13 +118,16 @@ impl RegionSpec {
         let (asked, below) = (&options.cube, base.unwrap_or_default());
         let flow = asked.flow.unwrap_or(below.flow);
         let queue_rays = asked.queue_rays.or(below.queue_rays).unwrap_or(QUEUE_RAYS);
+        let grant = asked.grant.unwrap_or(below.grant);
         let window = asked.window.or(below.window).unwrap_or(WINDOW);
         RegionSpec {
             sub_sample: asked.sub_sample.unwrap_or(below.sub_sample),
             cell_grid: asked.cell_grid.unwrap_or(below.cell_grid),
+            grids: asked.grids.unwrap_or(below.grids),
             mapping: asked.mapping.unwrap_or(below.mapping),
             flow,
             queue_rays: matches!(flow, FlowKind::Block | FlowKind::Classes).then_some(queue_rays),
+            grant: if flow == FlowKind::Classes { grant } else { Grant::Known },
             window: (flow == FlowKind::Window).then_some(window),
             termination: asked.termination.unwrap_or(below.termination),
             pixel_order: asked.pixel_order.unwrap_or(below.pixel_order),
@@ -119,9 +136,8 @@ impl RegionSpec {
         }
     }
 
-    /// What the nodes go by.
-    pub fn rules(&self) -> Rules {
-        let slots = self.queue_rays.unwrap_or(QUEUE_RAYS);
+    /// What the nodes go by, if each has so many slots.
+    pub fn rules(&self, slots: u32) -> Rules {
         Rules {
             flow: match self.flow {
                 FlowKind::Unlimited => Flow::Unlimited,
@@ -133,6 +149,7 @@ impl RegionSpec {
                 Termination::Credit => Ends::Credit,
                 Termination::Token => Ends::Token,
             },
+            asks_for_slots: self.grant == Grant::Handshake,
             pixels_first: self.first == First::Pixels,
         }
     }
@@ -149,8 +166,11 @@ impl RegionSpec {
                 "sub_sample is {share}, it must be more than 0 and up to 100 percent"
             )));
         }
-        if self.queue_rays == Some(0) || self.window == Some(0) || !(1..=128).contains(&self.cell_grid) {
-            return Err(InputError::new("queue_rays and window must be 1 or more, and cell_grid from 1 to 128"));
+        if self.queue_rays.is_some_and(|rays| !rays.is_possible()) {
+            return Err(InputError::new(format!("impossible queue_rays: {}", QueueRays::EXPECTED)));
+        }
+        if self.window == Some(0) || !(1..=128).contains(&self.cell_grid) {
+            return Err(InputError::new("window must be 1 or more, and cell_grid from 1 to 128"));
         }
         Ok(())
     }
@@ -176,6 +196,7 @@ impl CubeSpec {
         let of_same_scene = base.filter(|base| base.scene == scene);
         let mode = asked.mode.or(base.map(CubeSpec::mode)).unwrap_or_default();
         let page_bytes = asked.page_bytes.or(base.and_then(|base| base.page_bytes)).unwrap_or(PAGE_BYTES);
+        let distribution = asked.distribution.or(base.map(|base| base.distribution)).unwrap_or_default();
         let regions = RegionSpec::new(options, base.and_then(|base| base.regions));
         let spec = CubeSpec {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -185,6 +206,7 @@ impl CubeSpec {
             rays: rays(options, base),
             regions: (mode == CubeMode::Regions).then_some(regions),
             page_bytes: (mode == CubeMode::SharedMemory).then_some(page_bytes),
+            distribution: if mode == CubeMode::SharedMemory { distribution } else { Distribution::Lines },
             scene,
             machine,
         };
@@ -214,7 +236,7 @@ impl CubeSpec {
 
     /// Rays from the eye.
     pub fn sampling(&self) -> Sampling {
-        Sampling { side: self.rays.samples, adaptive: false }
+        Sampling { side: self.rays.samples, adaptive: None }
     }
 
     /// Where the trees of rays end.
@@ -225,16 +247,26 @@ impl CubeSpec {
     /// What the task graph depends on: regions are cut by what work takes.
     pub fn work_key(&self) -> Key {
         // All fields by name, so that a new one cannot be forgotten here.
-        let CubeSpec { version: _, scene, size_factor, resolution, size, rays, regions, page_bytes, machine } = self;
-        let regions = regions.map(|regions| (regions.sub_sample, regions.cell_grid));
+        let CubeSpec {
+            version: _,
+            scene,
+            size_factor,
+            resolution,
+            size,
+            rays,
+            regions,
+            page_bytes,
+            machine,
+            distribution: _,
+        } = self;
+        let regions = regions.map(|regions| (regions.sub_sample, regions.cell_grid, regions.grids));
         let cut = regions.map(|regions| (regions, machine.nodes, machine.times_us));
         Key::of((scene, size_factor, resolution, size, rays, cut, page_bytes))
     }
 
     fn check(&self) -> Result<(), InputError> {
         self.machine.build()?;
-        let FarmRays { samples, depth, min_contribution, .. } = self.rays;
-        ImageSpec { samples, depth, min_contribution, ..ImageSpec::default() }.check()?;
+        self.rays.check()?;
         match (&self.regions, self.page_bytes) {
             (Some(regions), None) => regions.check(),
             (None, Some(64..)) => Ok(()),
@@ -243,14 +275,13 @@ impl CubeSpec {
     }
 }
 
+/// Whether a field need not be told.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 fn rays(options: &CubeRunOptions, base: Option<&CubeSpec>) -> FarmRays {
     let below = base.map(|base| base.rays.clone());
     let below = below.unwrap_or(FarmRays { grid_coefficient: GRID_COEFFICIENT, ..FarmRays::default() });
-    let light = &options.light;
-    FarmRays {
-        grid_coefficient: options.cube.grid_coefficient.unwrap_or(below.grid_coefficient),
-        samples: light.samples.unwrap_or(below.samples),
-        depth: light.depth.unwrap_or(below.depth),
-        min_contribution: light.min_contribution.unwrap_or(below.min_contribution),
-    }
+    below.changed(options.cube.grid_coefficient, &options.light)
 }

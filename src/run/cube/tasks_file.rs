@@ -3,6 +3,7 @@
 //! A file begins with the line `pcs-tasks 1`, then has a line of JSON that tells what was recorded, then numbers, the lowest byte first:
 //! for each tree its first ray (4 bytes); for each ray its first leg, the first of its children and how many (4 each), its tree (4), its hop (2),
 //! its turns (1), its kind (1; and 128 if its hit is shaded); for each leg its region (2), voxels, slabs tests and intersection tests (4 each);
+//! of regions with grids of their own, for each ray the same three numbers where the scene has one grid (4 each);
 //! of a shared memory, for each ray where its pages end (4), and for each of these the page and how often it is read (4 each).
 
 use std::io::{self, Read, Write};
@@ -10,7 +11,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{CubeScene, CubeSpec, Cut};
+use super::{CubeScene, CubeSpec, Cut, Grids};
 use crate::error::InputError;
 use crate::host::shading::RayKind;
 use crate::input::file;
@@ -77,9 +78,9 @@ impl CubeScene {
         graph.rays.iter().try_for_each(|ray| write_ray(ray, out))?;
         graph.legs.iter().try_for_each(|leg| {
             out.write_all(&leg.region.to_le_bytes())?;
-            let counts = [leg.voxels, leg.slab_tests, leg.intersection_tests];
-            counts.iter().try_for_each(|count| out.write_all(&count.to_le_bytes()))
+            write_counts(leg, out)
         })?;
+        graph.in_one.iter().try_for_each(|leg| write_counts(leg, out))?;
         let Some(uses) = &graph.pages else { return Ok(()) };
         uses.ends.iter().try_for_each(|end| out.write_all(&end.to_le_bytes()))?;
         uses.uses
@@ -119,7 +120,12 @@ impl Header {
     fn bytes(&self) -> u64 {
         let count = u64::from;
         let pages = self.pages.map_or(0, |pages| 4 * count(self.rays) + 8 * count(pages.uses));
-        4 * count(self.trees) + 20 * count(self.rays) + 14 * count(self.legs) + pages
+        let in_one = if self.has_own_grids() { 12 * count(self.rays) } else { 0 };
+        4 * count(self.trees) + 20 * count(self.rays) + 14 * count(self.legs) + in_one + pages
+    }
+
+    fn has_own_grids(&self) -> bool {
+        self.spec.regions.is_some_and(|regions| regions.grids == Grids::Own)
     }
 
     /// Tells what is wrong with a graph, or with what is told of it: nothing in it may lead out of it.
@@ -146,6 +152,11 @@ impl Header {
     }
 }
 
+fn write_counts(leg: &Leg, out: &mut impl Write) -> io::Result<()> {
+    let counts = [leg.voxels, leg.slab_tests, leg.intersection_tests];
+    counts.iter().try_for_each(|count| out.write_all(&count.to_le_bytes()))
+}
+
 fn write_ray(ray: &RayTask, out: &mut impl Write) -> io::Result<()> {
     for number in [ray.first_leg, ray.children.0, ray.children.1, ray.tree] {
         out.write_all(&number.to_le_bytes())?;
@@ -158,21 +169,20 @@ fn read_graph(header: &Header, mut from: &[u8]) -> io::Result<TaskGraph> {
     let from = &mut from;
     let trees = (0..header.trees).map(|_| number(from)).collect::<io::Result<_>>()?;
     let rays = (0..header.rays).map(|_| read_ray(from)).collect::<io::Result<_>>()?;
-    let leg = |from: &mut &[u8]| {
-        Ok(Leg {
-            region: short(from)?,
-            voxels: number(from)?,
-            slab_tests: number(from)?,
-            intersection_tests: number(from)?,
-        })
-    };
-    let legs = (0..header.legs).map(|_| leg(from)).collect::<io::Result<_>>()?;
+    let legs = (0..header.legs).map(|_| short(from).and_then(|region| read_leg(region, from)));
+    let legs = legs.collect::<io::Result<_>>()?;
+    let whole = if header.has_own_grids() { header.rays } else { 0 };
+    let in_one = (0..whole).map(|_| read_leg(0, from)).collect::<io::Result<_>>()?;
     let pages = header.pages.map(|Pages { pages, page_bytes, uses }| {
         let ends = (0..header.rays).map(|_| number(from)).collect::<io::Result<_>>()?;
         let uses = (0..uses).map(|_| Ok((number(from)?, number(from)?))).collect::<io::Result<_>>()?;
         Ok::<_, io::Error>(PageUses { pages, page_bytes, uses, ends })
     });
-    Ok(TaskGraph { regions: header.cut.regions.count(), rays, legs, trees, pages: pages.transpose()? })
+    Ok(TaskGraph { regions: header.cut.regions.count(), rays, legs, trees, in_one, pages: pages.transpose()? })
+}
+
+fn read_leg(region: u16, from: &mut &[u8]) -> io::Result<Leg> {
+    Ok(Leg { region, voxels: number(from)?, slab_tests: number(from)?, intersection_tests: number(from)? })
 }
 
 fn read_ray(from: &mut &[u8]) -> io::Result<RayTask> {

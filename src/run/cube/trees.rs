@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::error::InputError;
-use crate::geometry::{Hit, Regions};
+use crate::geometry::{Grid, Hit, Regions};
 use crate::host::camera::View;
 use crate::host::sampling::Pass;
 use crate::host::shading::{Branch, RayKind, Shader};
@@ -22,6 +22,8 @@ pub struct Tracing<'a> {
     pub picture: Picture<'a>,
     /// The regions.
     pub regions: &'a Regions,
+    /// The regions' own grids, if they have any.
+    pub own: &'a [Grid],
     /// Where the scene is in a shared memory, if it is noted what rays read there.
     pub pages: Option<(PageMap, u32)>,
     /// Whether the hits are kept.
@@ -65,6 +67,7 @@ struct Grower<'a> {
     shader: &'a Shader<'a>,
     view: View,
     regions: u16,
+    has_own_grids: bool,
     keeps_hits: bool,
     branches: Vec<Branch>,
     parents: Vec<Parent>,
@@ -93,7 +96,8 @@ impl Tracing<'_> {
         let Picture { scene, workload, size, limits, .. } = self.picture;
         let shader = Shader::new(scene, workload.polygons(), limits);
         let worker = || Grower {
-            walker: Walker::new(workload, self.regions, self.pages.map(|(map, _)| map)),
+            walker: Walker::new(workload, self.regions, self.pages.map(|(map, _)| map)).with_own_grids(self.own),
+            has_own_grids: !self.own.is_empty(),
             shader: &shader,
             view: View::new(&scene.camera, size),
             regions: self.regions.count() as u16,
@@ -127,9 +131,9 @@ impl Tracing<'_> {
 
 impl Grower<'_> {
     fn tree(&mut self, sample: usize, root: Branch, batch: &mut Traced) {
-        let Grower { walker, shader, branches, parents, regions, keeps_hits, .. } = self;
+        let Grower { walker, shader, branches, parents, regions, has_own_grids, keeps_hits, .. } = self;
         let Traced { graph, colors, hits, kinds } = batch;
-        let TaskGraph { rays, legs, trees, pages, .. } = graph;
+        let TaskGraph { rays, legs, trees, in_one, pages, .. } = graph;
         let (tree, first) = (trees.len() as u32, rays.len());
         trees.push(first as u32);
         parents.clear();
@@ -144,7 +148,11 @@ impl Grower<'_> {
             |branch| {
                 let first = legs.len();
                 let uses = pages.as_mut().map_or(&mut unread, |pages| &mut pages.uses);
-                let hit = walker.trace(&branch.ray, legs, uses);
+                let mut hit = walker.trace(&branch.ray, legs, uses);
+                if *has_own_grids {
+                    in_one.push(legs.drain(first..).fold(Leg::default(), |all, leg| all.joined(&leg)));
+                    hit = walker.trace_own(&branch.ray, legs);
+                }
                 pages.iter_mut().for_each(|pages| pages.ends.push(pages.uses.len() as u32));
                 if legs.len() == first {
                     legs.push(Leg { region: nearest, ..Leg::default() });
@@ -180,7 +188,8 @@ impl Grower<'_> {
 
 impl Traced {
     fn clear(&mut self, has_pages: bool) {
-        let TaskGraph { rays, legs, trees, pages, .. } = &mut self.graph;
+        let TaskGraph { rays, legs, trees, in_one, pages, .. } = &mut self.graph;
+        in_one.clear();
         rays.clear();
         legs.clear();
         trees.clear();
@@ -216,6 +225,7 @@ impl Traced {
             ..*task
         }));
         graph.legs.extend_from_slice(&batch.graph.legs);
+        graph.in_one.extend_from_slice(&batch.graph.in_one);
         if let (Some(all), Some(more)) = (&mut graph.pages, &batch.graph.pages) {
             all.uses.extend_from_slice(&more.uses);
             all.ends.extend(more.ends.iter().map(|end| end + page as u32));

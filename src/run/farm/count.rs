@@ -34,9 +34,9 @@ impl FarmSpec {
         let (scene, workload) = &whole.lay_out(machine.times, &workers.cancel)?;
         let bytes = WORD_BYTES * workload.memory_of(0).total().0;
         self.check_memory(bytes)?;
-        let sampling = Sampling { side: rays.samples, adaptive: false };
+        let sampling = Sampling { side: rays.samples, adaptive: None };
         let limits = Limits { depth: rays.depth, contribution: rays.min_contribution };
-        let picture = Picture { scene, workload, size: self.size, sampling, limits };
+        let picture = Picture { scene, workload, size: self.size, sampling, limits, screen: None };
         let pixels = pixels(&picture, workers, observe)?;
         let (name, notes) = (scene.name.clone(), scene.notes.clone());
         Ok(FarmScene { name, polygons: Some(workload.polygons().len()), bytes, pixels, notes })
@@ -57,7 +57,8 @@ fn pixels<E>(
     let view = View::new(&picture.scene.camera, picture.size);
     let worker = || {
         let tracer = Tracer::new(picture.workload);
-        (Grower { tracer, costs: picture.workload.costs(), shader: &shader, view }, TreeBatch::default())
+        let costs = picture.workload.costs();
+        (Grower { tracer, costs, shader: &shader, view, screen: None, look: None }, TreeBatch::default())
     };
     // Whole pixels.
     let per_batch = pass.per_pixel() * (TREES / pass.per_pixel()).max(1);

@@ -10,7 +10,7 @@ use crate::host::camera::ImageSize;
 use crate::machine::CapitanFile;
 use crate::program::farm::{HandOut, ItemKind, Rectangles, SceneBy};
 use crate::run::spec::{configuration, read_configuration, standard_size};
-use crate::run::{ImageSpec, Key};
+use crate::run::{ImageSpec, Key, LightOptions};
 
 /// A farm, described: enough to run it again to the nanosecond.
 ///
@@ -166,7 +166,18 @@ impl FarmSpec {
 }
 
 impl FarmRays {
-    fn check(&self) -> Result<(), InputError> {
+    /// The same with what is asked for.
+    pub(in crate::run) fn changed(self, grid_coefficient: Option<f64>, light: &LightOptions) -> FarmRays {
+        FarmRays {
+            grid_coefficient: grid_coefficient.unwrap_or(self.grid_coefficient),
+            samples: light.samples.unwrap_or(self.samples),
+            depth: light.depth.unwrap_or(self.depth),
+            min_contribution: light.min_contribution.unwrap_or(self.min_contribution),
+        }
+    }
+
+    /// Fails if it makes no sense.
+    pub(in crate::run) fn check(&self) -> Result<(), InputError> {
         let FarmRays { samples, depth, min_contribution, .. } = *self;
         ImageSpec { samples, depth, min_contribution, ..ImageSpec::default() }.check()
     }
@@ -179,11 +190,5 @@ fn rectangles(options: &FarmRunOptions, base: Option<&FarmSpec>) -> Rectangles {
 
 fn rays(options: &FarmRunOptions, base: Option<&FarmSpec>) -> FarmRays {
     let below = base.and_then(|base| base.rays.clone()).unwrap_or_default();
-    let light = &options.light;
-    FarmRays {
-        grid_coefficient: options.farm.grid_coefficient.unwrap_or(below.grid_coefficient),
-        samples: light.samples.unwrap_or(below.samples),
-        depth: light.depth.unwrap_or(below.depth),
-        min_contribution: light.min_contribution.unwrap_or(below.min_contribution),
-    }
+    below.changed(options.farm.grid_coefficient, &options.light)
 }

@@ -60,7 +60,7 @@ impl Heading {
         if self.cycles.len() == Vocabulary::MOST_UNITS {
             return Err(line.error(code, format!("more than {} units", Vocabulary::MOST_UNITS)));
         }
-        self.vocabulary.units.push(UnitOfWork { code: code.to_owned(), name: name.to_owned(), activity });
+        self.vocabulary.units.push(UnitOfWork { code: code.to_owned(), name: name.to_owned(), activity, used: true });
         self.cycles.push(Cycles(cycles));
         Ok(())
     }

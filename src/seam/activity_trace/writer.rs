@@ -110,7 +110,8 @@ impl<W: Write> TraceWriter<W> {
 fn write_heading(out: &mut impl Write, cells: usize, costs: &Costs) -> std::io::Result<()> {
     let vocabulary = costs.vocabulary();
     writeln!(out, "{MAGIC} cells {cells} answer {}", vocabulary.answer_words)?;
-    for (place, UnitOfWork { code, name, activity }) in vocabulary.units.iter().enumerate() {
+    let used = vocabulary.units.iter().enumerate().filter(|(_, unit)| unit.used);
+    for (place, UnitOfWork { code, name, activity, .. }) in used {
         let activity = vocabulary.activities.get(activity.0 as usize).map_or("?", |(_, name)| name.as_str());
         writeln!(out, "unit {code} {name} {activity} {}", costs.of(Unit(place as u8)).0)?;
     }

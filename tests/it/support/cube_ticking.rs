@@ -32,6 +32,8 @@ pub enum Stopped {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Text {
     Ray(u32, u32),
+    Asks(Place),
+    Gives(Place),
     Result(u32),
     Pixels(u32, bool),
     Token(i64, bool),
@@ -43,7 +45,7 @@ impl Text {
         match self {
             Text::Ray(..) => 1,
             Text::Result(_) | Text::Pixels(..) => 2,
-            Text::Token(..) | Text::Stop => 3,
+            Text::Asks(_) | Text::Gives(_) | Text::Token(..) | Text::Stop => 3,
         }
     }
 
@@ -52,9 +54,74 @@ impl Text {
             Text::Ray(..) => 52,
             Text::Result(_) => 20,
             Text::Pixels(pixels, _) => 8 + 16 * u64::from(pixels),
-            Text::Token(..) => 16,
-            Text::Stop => 4,
+            Text::Token(..) | Text::Asks(_) => 16,
+            Text::Stop | Text::Gives(_) => 4,
         }
+    }
+}
+
+/// The links, each by its two ends: until when it is taken, and for how long it was. The host is the number behind the nodes.
+pub struct Wires<'a> {
+    machine: &'a Ipsc2,
+    links: BTreeMap<(usize, usize), (u64, u64)>,
+}
+
+impl<'a> Wires<'a> {
+    pub fn new(machine: &'a Ipsc2) -> Wires<'a> {
+        Wires { machine, links: BTreeMap::new() }
+    }
+
+    /// What a processor spends on a message.
+    pub fn processor(&self, bytes: u64) -> u64 {
+        let messages = &self.machine.messages;
+        if bytes > messages.short_bytes { messages.long.0 } else { messages.short.0 }
+    }
+
+    /// The links of a way.
+    pub fn way(&self, from: usize, to: usize) -> Vec<(usize, usize)> {
+        let host = self.machine.nodes;
+        let mut way = Vec::new();
+        let mut at = from;
+        if from == host {
+            way.push((host, 0));
+            at = 0;
+        }
+        let end = if to == host { 0 } else { to };
+        for bit in 0..8 {
+            if (at ^ end) & (1 << bit) != 0 {
+                way.push((at, at ^ (1 << bit)));
+                at ^= 1 << bit;
+            }
+        }
+        if to == host {
+            way.push((0, host));
+        }
+        way
+    }
+
+    /// Takes the links for a message that is ready now, and tells when it arrives.
+    pub fn carry(&mut self, from: usize, to: usize, bytes: u64, now: u64) -> u64 {
+        let wires = self.machine.wires;
+        let is_long = bytes > wires.short_bytes;
+        let long = (bytes * wires.byte_millicycles).div_ceil(1000);
+        let holds = long + if is_long { wires.long.0 } else { 0 };
+        let way = self.way(from, to);
+        let free = |link: &(usize, usize)| self.links.get(link).map_or(0, |link| link.0);
+        let start = way.iter().map(free).max().unwrap_or(0).max(now);
+        for link in &way {
+            let known = self.links.entry(*link).or_default();
+            *known = (start + holds, known.1 + holds);
+        }
+        let set_up = if is_long { wires.long.0 } else { wires.short.0 };
+        start + set_up + long + wires.hop.0 * (way.len() as u64).saturating_sub(1)
+    }
+
+    /// For how long each link was taken.
+    pub fn taken(&self) -> Vec<u64> {
+        let host = self.machine.nodes;
+        let bits = host.next_power_of_two().ilog2() as usize;
+        let between = (0..1usize << bits).flat_map(|node| (0..bits).map(move |bit| (node, node ^ (1 << bit))));
+        between.chain([(host, 0), (0, host)]).map(|link| self.links.get(&link).map_or(0, |link| link.1)).collect()
     }
 }
 
@@ -63,6 +130,8 @@ enum Todo {
     Be(&'static str, u64),
     Send(usize, Text),
     Place(Place),
+    /// Looks whether it has a slot for what another node asks for.
+    Answer(Place),
     Count(u32),
     PassToken,
     Packets,
@@ -70,7 +139,7 @@ enum Todo {
 }
 
 /// A ray whose followers are placed: so many are. A new one is its own first follower.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     ray: u32,
     leg: u32,
@@ -110,6 +179,11 @@ struct Node {
     free: i64,
     in_line: VecDeque<usize>,
     aside: Vec<(u32, u64, usize, Place)>,
+    /// What others ask it for, what waits here for a slot, what it was given, and how many it waits for.
+    questions: VecDeque<Place>,
+    waiting: Vec<(u32, u64, Place)>,
+    answers: VecDeque<Place>,
+    asked: u32,
     sent: i64,
     black: bool,
     token: Option<(i64, bool)>,
@@ -126,7 +200,7 @@ struct Cube<'a> {
     owners: &'a [u16],
     now: u64,
     nodes: Vec<Node>,
-    links: BTreeMap<(usize, usize), (u64, u64)>,
+    wires: Wires<'a>,
     left: Vec<u32>,
     undone: usize,
     host_left: usize,
@@ -172,7 +246,7 @@ pub fn tick(
         owners,
         now: 0,
         nodes,
-        links: BTreeMap::new(),
+        wires: Wires::new(machine),
         left: (0..graph.trees.len())
             .map(|tree| graph.rays.iter().filter(|ray| ray.tree == tree as u32).count() as u32)
             .collect(),
@@ -273,6 +347,13 @@ impl Cube<'_> {
             Todo::Be(state, cycles) => self.be(task, state, cycles),
             Todo::Send(to, text) => self.carry(task, to, text),
             Todo::Place(place) => self.place(task, place),
+            Todo::Answer(place) => {
+                let (ray, leg) = self.follower(place).unwrap();
+                self.age += 1;
+                let rank = self.rank(ray, leg);
+                self.nodes[task].waiting.push((rank, self.age, place));
+                self.answer(task);
+            }
             Todo::Count(tree) => self.count(task, tree),
             Todo::PassToken => self.pass(task),
             Todo::Packets => {
@@ -298,18 +379,10 @@ impl Cube<'_> {
         }
     }
 
-    fn processor(&self, bytes: u64) -> u64 {
-        if bytes > self.machine.messages.short_bytes {
-            self.machine.messages.long.0
-        } else {
-            self.machine.messages.short.0
-        }
-    }
-
     /// Puts the work on a message, and its way, on the list.
     fn send(&mut self, task: usize, to: usize, text: Text) {
-        let time = self.processor(text.bytes());
-        let hops = self.way(task, to).len() as u64;
+        let time = self.wires.processor(text.bytes());
+        let hops = self.wires.way(task, to).len() as u64;
         let counts = &mut self.out.messages[text.kind()];
         counts[0] += 1;
         counts[2] += text.bytes();
@@ -328,49 +401,15 @@ impl Cube<'_> {
     }
 
     fn took(&mut self, text: Text) -> u64 {
-        let time = self.processor(text.bytes());
+        let time = self.wires.processor(text.bytes());
         let counts = &mut self.out.messages[text.kind()];
         counts[1] += 1;
         counts[4] += time;
         time
     }
 
-    /// The links of a way, each by its two ends. The host is the number behind the nodes.
-    fn way(&self, from: usize, to: usize) -> Vec<(usize, usize)> {
-        let host = self.machine.nodes;
-        let mut way = Vec::new();
-        let mut at = from;
-        if from == host {
-            way.push((host, 0));
-            at = 0;
-        }
-        let end = if to == host { 0 } else { to };
-        for bit in 0..8 {
-            if (at ^ end) & (1 << bit) != 0 {
-                way.push((at, at ^ (1 << bit)));
-                at ^= 1 << bit;
-            }
-        }
-        if to == host {
-            way.push((0, host));
-        }
-        way
-    }
-
     fn carry(&mut self, from: usize, to: usize, text: Text) {
-        let wires = self.machine.wires;
-        let is_long = text.bytes() > wires.short_bytes;
-        let bytes = (text.bytes() * wires.byte_millicycles).div_ceil(1000);
-        let holds = bytes + if is_long { wires.long.0 } else { 0 };
-        let way = self.way(from, to);
-        let free = |link: &(usize, usize)| self.links.get(link).map_or(0, |link| link.0);
-        let start = way.iter().map(free).max().unwrap_or(0).max(self.now);
-        for link in &way {
-            let known = self.links.entry(*link).or_default();
-            *known = (start + holds, known.1 + holds);
-        }
-        let set_up = if is_long { wires.long.0 } else { wires.short.0 };
-        let arrives = start + set_up + bytes + wires.hop.0 * (way.len() as u64 - 1);
+        let arrives = self.wires.carry(from, to, text.bytes(), self.now);
         self.number += 1;
         let letter = Letter { arrives, from, number: self.number, text };
         self.nodes[to].letters.push(letter);
@@ -404,6 +443,8 @@ impl Cube<'_> {
             match letter.text {
                 Text::Ray(ray, leg) => node.received.push_back((ray, leg)),
                 Text::Result(tree) => node.results.push_back(tree),
+                Text::Asks(place) => node.questions.push_back(place),
+                Text::Gives(place) => node.answers.push_back(place),
                 Text::Token(count, black) => node.token = Some((count, black)),
                 Text::Stop => node.stop = true,
                 Text::Pixels(..) => panic!("a node takes no pixels"),
@@ -418,6 +459,17 @@ impl Cube<'_> {
         if let Some(tree) = self.nodes[task].results.pop_front() {
             let time = self.took(Text::Result(tree)) + self.machine.costs.result.0;
             return self.nodes[task].todo.extend([Todo::Be("receiving", time), Todo::Count(tree)]);
+        }
+        if let Some(place) = self.nodes[task].questions.pop_front() {
+            let time = self.took(Text::Asks(place));
+            return self.nodes[task].todo.extend([Todo::Be("receiving", time), Todo::Answer(place)]);
+        }
+        if let Some(place) = self.nodes[task].answers.pop_front() {
+            let time = self.took(Text::Gives(place));
+            let node = &mut self.nodes[task];
+            node.asked -= 1;
+            node.granted = true;
+            return node.todo.extend([Todo::Be("receiving", time), Todo::Place(place)]);
         }
         let can = |(rank, _, to, _): &&(u32, u64, usize, Place)| self.nodes[*to].free > self.r - i64::from(*rank);
         let best = self.nodes[task]
@@ -446,6 +498,7 @@ impl Cube<'_> {
         if let Some((count, black)) = node.token
             && node.pixels.is_empty()
             && node.aside.is_empty()
+            && node.asked == 0
         {
             let is_first = task == 0 && self.out.probes == 0;
             let time = if is_first { 0 } else { self.took(Text::Token(count, black)).max(1) };
@@ -455,7 +508,7 @@ impl Cube<'_> {
         let node = &mut self.nodes[task];
         node.since = since.or(Some(now));
         node.waits = true;
-        node.state = if node.aside.is_empty() { "waiting" } else { "blocked" };
+        node.state = if node.aside.is_empty() && node.asked == 0 { "waiting" } else { "blocked" };
     }
 
     fn work(&mut self, task: usize) -> bool {
@@ -538,8 +591,7 @@ impl Cube<'_> {
                 node.longest = node.longest.max(node.own.len() + node.received.len());
                 return self.end(task, place);
             }
-            let behind = &self.graph.rays[ray as usize];
-            let rank = u32::from(behind.turns) * self.h + u32::from(behind.hop) + leg - behind.first_leg;
+            let rank = self.rank(ray, leg);
             let granted = std::mem::take(&mut self.nodes[task].granted);
             match self.rules.flow {
                 Flow::Block(_) if to != task && !granted && self.nodes[to].free == 0 => {
@@ -548,7 +600,11 @@ impl Cube<'_> {
                     self.nodes[task].state = "blocked";
                     return;
                 }
-                Flow::Classes(_) if self.nodes[to].free <= self.r - i64::from(rank) => {
+                Flow::Classes(_) if to != task && self.rules.asks_for_slots && !granted => {
+                    self.nodes[task].asked += 1;
+                    return self.send(task, to, Text::Asks(place));
+                }
+                Flow::Classes(_) if !granted && self.nodes[to].free <= self.r - i64::from(rank) => {
                     self.age += 1;
                     self.nodes[task].aside.push((rank, self.age, to, place));
                     return;
@@ -558,7 +614,7 @@ impl Cube<'_> {
             place.placed += 1;
             let takes_slot = match self.rules.flow {
                 Flow::Block(_) => to != task && !granted,
-                Flow::Classes(_) => true,
+                Flow::Classes(_) => !granted,
                 _ => false,
             };
             self.nodes[to].free -= i64::from(takes_slot);
@@ -573,11 +629,34 @@ impl Cube<'_> {
         }
         if !place.is_new && matches!(self.rules.flow, Flow::Classes(_)) {
             self.nodes[task].free += 1;
+            self.answer(task);
             for node in &mut self.nodes {
                 node.woken |= node.waits && node.aside.iter().any(|aside| aside.2 == task);
             }
         }
         self.end(task, place);
+    }
+
+    fn rank(&self, ray: u32, leg: u32) -> u32 {
+        let task = &self.graph.rays[ray as usize];
+        u32::from(task.turns) * self.h + u32::from(task.hop) + leg - task.first_leg
+    }
+
+    /// Gives slots to those that wait, the highest rank first, while there are any for it.
+    fn answer(&mut self, task: usize) {
+        loop {
+            let best = self.nodes[task].waiting.iter().max_by_key(|(rank, age, _)| (*rank, std::cmp::Reverse(*age)));
+            let Some(&(rank, age, place)) = best else { return };
+            if self.nodes[task].free <= self.r - i64::from(rank) {
+                return;
+            }
+            self.nodes[task].waiting.retain(|waiting| waiting.1 != age);
+            self.nodes[task].free -= 1;
+            let region = self.graph.legs[place.leg as usize].region;
+            let tree = self.graph.rays[place.ray as usize].tree;
+            let to = if place.is_new { self.owners[tree as usize] } else { self.node_of[region as usize] };
+            self.send(task, to as usize, Text::Gives(place));
+        }
     }
 
     fn end(&mut self, task: usize, place: Place) {
@@ -660,10 +739,7 @@ impl Cube<'_> {
         }
         out.longest_queues = self.nodes[..host].iter().map(|node| node.longest).collect();
         out.tasks = self.nodes.iter().map(|node| node.times.clone()).collect();
-        let bits = host.next_power_of_two().ilog2() as usize;
-        let between = (0..1usize << bits).flat_map(|node| (0..bits).map(move |bit| (node, node ^ (1 << bit))));
-        out.links =
-            between.chain([(host, 0), (0, host)]).map(|link| self.links.get(&link).map_or(0, |link| link.1)).collect();
+        out.links = self.wires.taken();
         out
     }
 }

@@ -1,10 +1,14 @@
 //! What several test files need.
 
+pub mod browser;
 pub mod command;
 pub mod cube_ticking;
+pub mod farm_looking_back;
 pub mod farm_ticking;
+pub mod heap_events;
 pub mod intervals;
 pub mod looking_back;
+pub mod memory_ticking;
 pub mod random_ops;
 pub mod ticking;
 pub mod whitted;

@@ -13,6 +13,7 @@ const CYCLES: [u64; 3] = [1, 7, 0];
 /// The units of random programs, with their prices.
 pub fn costs() -> Costs {
     let unit = |place: u8| UnitOfWork {
+        used: true,
         code: format!("u{}", char::from(b'a' + place)),
         name: format!("unit_{place}"),
         activity: Activity(place % 4),

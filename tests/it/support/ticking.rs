@@ -39,6 +39,8 @@ pub struct History {
     pub states: Vec<Vec<StateId>>,
     /// For each cell, in each cycle the number of the op that it was at; that behind the last when it had done all.
     pub at: Vec<Vec<usize>>,
+    /// The same for the host.
+    pub host_at: Vec<usize>,
     /// For each FIFO, in the order of the statistics, its occupancy at the end of each cycle.
     pub occupancies: Vec<Vec<u64>>,
     /// For each link and channel (0, 1, 2 for X, Y, Z), the cycles in which words were written and in which they were read.
@@ -256,29 +258,32 @@ impl<'a> Ticking<'a> {
     }
 
     fn tick_host(&mut self) -> bool {
-        while let Some(op) = self.host.ops.get(self.host.at).copied() {
-            let returned = |message: u32| self.returned.get(message as usize).is_some_and(|&cycle| cycle < self.now);
-            match op.kind() {
-                OpKind::Await if returned(op.count()) => self.host.at += 1,
-                OpKind::Await => return false,
-                _ if length(op, self.costs) == 0 => self.host.at += 1,
-                OpKind::Work(_) => {
-                    self.host.step(self.costs);
-                    return true;
-                }
-                OpKind::WriteX => {
-                    let room = self.room(0, 0);
-                    if room {
-                        self.history.sent.push(self.now);
-                        self.put(0, 0);
-                        self.host.step(self.costs);
-                    }
-                    return room;
-                }
-                other => panic!("the host has no op {other:?}"),
+        let returned = |message: u32| self.returned.get(message as usize).is_some_and(|&cycle| cycle < self.now);
+        let takes_no_time = |op: &Op| match op.kind() {
+            OpKind::Await => returned(op.count()),
+            _ => length(*op, self.costs) == 0,
+        };
+        let skipped = self.host.ops[self.host.at..].iter().take_while(|op| takes_no_time(op)).count();
+        self.host.at += skipped;
+        self.history.host_at.push(self.host.at);
+        let Some(op) = self.host.ops.get(self.host.at).copied() else { return false };
+        match op.kind() {
+            OpKind::Await => false,
+            OpKind::Work(_) => {
+                self.host.step(self.costs);
+                true
             }
+            OpKind::WriteX => {
+                let room = self.room(0, 0);
+                if room {
+                    self.history.sent.push(self.now);
+                    self.put(0, 0);
+                    self.host.step(self.costs);
+                }
+                room
+            }
+            other => panic!("the host has no op {other:?}"),
         }
-        false
     }
 
     fn tick_cell(&mut self, index: usize) -> bool {

@@ -5,6 +5,7 @@
 //! many as it may hold, the latest are dropped, and the window ends where they began; nothing after that is recorded.
 
 mod answers;
+mod owners;
 mod passages;
 mod track;
 mod words;
@@ -14,7 +15,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::link::Link;
-use crate::measure::{FifoLevels, Recording, Topology};
+use crate::measure::{FifoLevels, PathUnit, Recording, Topology};
 use crate::quantities::Cycles;
 use crate::seam::{Channel, Op, OpBatch, OpKind, OpStream};
 use answers::Answers;
@@ -36,6 +37,8 @@ pub(super) struct Recorder {
     answers: Answers,
     /// About how many events are held: all but those of the last stretches.
     events: usize,
+    /// About how many ops are held.
+    ops: usize,
     most_events: usize,
 }
 
@@ -44,6 +47,8 @@ pub(super) struct Recorder {
 pub(super) struct Window {
     from: u64,
     until: u64,
+    /// Of these, the ops of the cycles before this one: there may be any number of ops in a stretch.
+    ops_until: u64,
 }
 
 impl Window {
@@ -60,7 +65,7 @@ impl Recorder {
     pub fn new(cells: usize, answer_words: u64, window: Range<Cycles>, most_events: usize) -> Recorder {
         let words = |exists: bool| exists.then(WordTimes::default);
         Recorder {
-            window: Window { from: window.start.0, until: window.end.0 },
+            window: Window { from: window.start.0, until: window.end.0, ops_until: window.end.0 },
             cut: false,
             host: Track::default(),
             cells: vec![Track::default(); cells],
@@ -69,6 +74,7 @@ impl Recorder {
                 .collect(),
             answers: Answers::new(answer_words),
             events: 0,
+            ops: 0,
             most_events,
         }
     }
@@ -121,7 +127,7 @@ impl Recorder {
             }
             for channel in Channel::ALL {
                 let fifo = self.links[link(channel)][channel as usize].as_mut();
-                fifo.into_iter().for_each(|fifo| fifo.passages.fed(job, words[channel as usize]));
+                fifo.into_iter().for_each(|fifo| fifo.fed(job, words[channel as usize]));
             }
         }
     }
@@ -141,25 +147,47 @@ impl Recorder {
         }
     }
 
-    /// A stretch of a cell or of the host has added so many events.
-    pub fn count(&mut self, events: usize) {
+    /// A stretch of a cell or of the host has added so many events, and so many ops.
+    pub fn count(&mut self, [events, ops]: [usize; 2]) {
         self.events += events;
+        self.ops += ops;
+        if self.ops >= 2 * self.most_events {
+            self.shorten_ops();
+        }
+    }
+
+    /// Drops the latest ops, so that there are no more than may be held.
+    fn shorten_ops(&mut self) {
+        let mut starts: Vec<u64> = self.tracks().flat_map(Track::op_starts).collect();
+        if starts.len() <= self.most_events {
+            return;
+        }
+        let (_, &mut end, _) = starts.select_nth_unstable(self.most_events);
+        self.window.ops_until = end;
+        std::iter::once(&mut self.host).chain(&mut self.cells).for_each(|track| track.forget_ops_from(end));
+        self.ops = starts.iter().filter(|&&start| start < end).count();
+    }
+
+    /// The host's track, and the cells'.
+    fn tracks(&self) -> impl Iterator<Item = &Track> {
+        std::iter::once(&self.host).chain(&self.cells)
     }
 
     /// Drops the latest events, so that there are no more than may be held.
     fn shorten(&mut self) {
-        let tracks = || std::iter::once(&self.host).chain(&self.cells);
         let words = || self.links.iter().flatten().flatten();
-        let starts = tracks().flat_map(Track::starts).chain(words().flat_map(WordTimes::times));
+        let starts = self.tracks().flat_map(Track::starts).chain(words().flat_map(WordTimes::times));
         let mut starts: Vec<u64> = starts.chain(self.answers.starts()).collect();
         if starts.len() <= self.most_events {
             return;
         }
         let (_, &mut end, _) = starts.select_nth_unstable(self.most_events);
-        self.window.until = end;
+        (self.window.until, self.window.ops_until) = (end, self.window.ops_until.min(end));
         self.cut = true;
-        self.host.forget_from(end);
-        self.cells.iter_mut().for_each(|track| track.forget_from(end));
+        for track in std::iter::once(&mut self.host).chain(&mut self.cells) {
+            track.forget_from(end);
+            track.forget_ops_from(end);
+        }
         self.links.iter_mut().flatten().flatten().for_each(|words| words.forget_from(end));
         self.answers.forget_from(end);
         self.events = starts.iter().filter(|&&start| start < end).count();
@@ -168,7 +196,7 @@ impl Recorder {
     /// All that was recorded of a run of `cycles` cycles. `clocks` are those of the host and of the cells at its end.
     pub fn finish(
         mut self,
-        topology: &Arc<Topology>,
+        (topology, units): (&Arc<Topology>, Vec<PathUnit>),
         links: &[Link],
         clocks: impl Iterator<Item = u64>,
         cycles: u64,
@@ -177,8 +205,10 @@ impl Recorder {
             track.finish(self.window, clock, cycles);
         }
         self.shorten();
+        self.shorten_ops();
         let from = self.window.from.min(cycles);
-        let window = Window { from, until: self.window.until.clamp(from, cycles.max(from)) };
+        let until = self.window.until.clamp(from, cycles.max(from));
+        let window = Window { from, until, ops_until: self.window.ops_until.clamp(from, until) };
         let mut fifos: [Vec<FifoLevels>; 3] = Default::default();
         for (words, link) in self.links.into_iter().zip(links) {
             for (words, channel) in words.into_iter().zip(Channel::ALL) {
@@ -193,6 +223,8 @@ impl Recorder {
             window: Cycles(window.from)..Cycles(window.until),
             cycles: Cycles(cycles),
             cut: self.cut,
+            units,
+            ops_until: Cycles(window.ops_until),
             host: Some(self.host.into_record(window)),
             answers: self.answers.into_spans(window),
             stations: self.cells.into_iter().map(|track| track.into_record(window)).collect(),

@@ -4,15 +4,22 @@ use super::Window;
 use crate::machine::line::cursor::{Cursor, Halt};
 use crate::machine::line::states::{IDLE, MOVING, is_waiting};
 use crate::machine::line::watcher::Watcher;
-use crate::measure::{JobSpan, StateId, StationRecord, Stretch};
+use crate::measure::{JobSpan, OpSpan, StateId, StationRecord, Stretch};
 use crate::quantities::Cycles;
 use crate::seam::{Op, OpStream};
 
-/// The states and the jobs of the host or of one cell.
+/// The end of an op of which it is not known.
+const UNDER_WAY: Cycles = Cycles(u64::MAX);
+
+/// The states, the jobs and the ops of the host or of one cell.
 #[derive(Clone, Debug, Default)]
 pub struct Track {
     states: Vec<Stretch>,
     jobs: Vec<JobSpan>,
+    /// The ops, the last of which is under way.
+    ops: Vec<OpSpan>,
+    /// How many ops of the batch have been begun.
+    begun: usize,
     /// The first cycle that has not been entered yet.
     now: u64,
     /// The line of ops that is under way.
@@ -34,6 +41,8 @@ struct Line {
 pub struct Recorded<'a> {
     track: &'a mut Track,
     window: Window,
+    /// Those of the batch under way.
+    ops: &'a [Op],
 }
 
 impl Watcher for &mut Recorded<'_> {
@@ -42,7 +51,7 @@ impl Watcher for &mut Recorded<'_> {
         if cycles == 0 {
             return;
         }
-        let Recorded { track, window } = self;
+        let Recorded { track, window, .. } = self;
         track.moved_until(from, *window);
         if !is_waiting(state) {
             track.enter(from);
@@ -50,23 +59,35 @@ impl Watcher for &mut Recorded<'_> {
         track.push(state, from, from + cycles, *window);
         track.now = from + cycles;
     }
+
+    #[inline]
+    fn began(&mut self, op: usize, cycle: u64) {
+        let Recorded { track, window, ops } = self;
+        if op >= track.begun {
+            track.begun = op + 1;
+            track.moved_until(cycle, *window);
+            track.begin(ops[op], cycle, *window);
+        }
+    }
 }
 
 impl<'a> Recorded<'a> {
     pub(super) fn new(track: &'a mut Track, window: Window) -> Recorded<'a> {
-        Recorded { track, window }
+        Recorded { track, window, ops: &[] }
     }
 
     /// Does the ops of a stream from number `done` on line by line, so that it is known which job they are for. `run` does
-    /// some ops as far as it can, and tells where it stands then. Returns also how many events were recorded.
+    /// some ops as far as it can, and tells where it stands then. Returns also how many events were recorded, and how many
+    /// ops.
     pub fn run(
         mut self,
-        stream: &OpStream,
+        stream: &'a OpStream,
         mut done: usize,
         mut run: impl FnMut(&[Op], &mut Recorded<'_>) -> (Halt, Cursor),
-    ) -> (Halt, usize) {
-        let before = self.track.events();
+    ) -> (Halt, [usize; 2]) {
+        let before = self.track.held();
         let ops = stream.ops();
+        self.ops = ops;
         loop {
             let line = stream.line_of(done);
             let end = line.map_or(ops.len(), |line| line.end as usize);
@@ -77,16 +98,31 @@ impl<'a> Recorded<'a> {
                 self.track.end_line(now.clock, self.window);
             }
             if halt != Halt::OutOfOps || end == ops.len() {
-                return (halt, self.track.events() - before);
+                if halt == Halt::OutOfOps {
+                    self.track.begun = 0;
+                }
+                // An op that has taken no time is held no more.
+                let held = self.track.held();
+                return (halt, [0, 1].map(|of| held[of].saturating_sub(before[of])));
             }
         }
     }
 }
 
 impl Track {
-    /// How many events are held.
-    fn events(&self) -> usize {
-        self.states.len() + self.jobs.len()
+    /// How many events are held, and how many ops.
+    fn held(&self) -> [usize; 2] {
+        [self.states.len() + self.jobs.len(), self.ops.len()]
+    }
+
+    /// The cycles in which the ops begin that are held for good: one that is under way may turn out to take no time.
+    pub fn op_starts(&self) -> impl Iterator<Item = u64> {
+        self.ops.iter().filter(|op| op.until < UNDER_WAY).map(|op| op.from.0)
+    }
+
+    /// Drops the ops that begin in cycle `end` or later.
+    pub fn forget_ops_from(&mut self, end: u64) {
+        self.ops.truncate(self.ops.partition_point(|op| op.from.0 < end));
     }
 
     /// The cycles in which the events that are held begin.
@@ -105,6 +141,9 @@ impl Track {
     fn moved_until(&mut self, cycle: u64, window: Window) {
         if self.now < cycle {
             self.enter(self.now);
+            if let Some(op) = self.ops.last_mut() {
+                op.before += cycle.min(window.from).saturating_sub(self.now) as u32;
+            }
             self.push(MOVING, self.now, cycle, window);
             self.now = cycle;
         }
@@ -117,6 +156,24 @@ impl Track {
         {
             line.entered = Some(cycle);
             self.border = cycle;
+        }
+    }
+
+    /// Comes to an op, with which the one before it is over.
+    fn begin(&mut self, op: Op, cycle: u64, window: Window) {
+        self.end_op(cycle, window);
+        if cycle < window.ops_until {
+            let job = self.line.and_then(|line| line.job);
+            self.ops.push(OpSpan { op, job, from: Cycles(cycle), until: UNDER_WAY, before: 0 });
+        }
+    }
+
+    /// The op under way is over. One that took no time, or that was over before the window, is forgotten.
+    fn end_op(&mut self, cycle: u64, window: Window) {
+        let Some(last) = self.ops.last_mut().filter(|last| last.until == UNDER_WAY) else { return };
+        last.until = Cycles(cycle);
+        if cycle <= window.from.max(last.from.0) {
+            self.ops.pop();
         }
     }
 
@@ -143,6 +200,7 @@ impl Track {
     /// Ends the track of a run of `cycles` cycles, in which it had spent those before `clock`.
     pub fn finish(&mut self, window: Window, clock: u64, cycles: u64) {
         self.end_line(clock, window);
+        self.end_op(clock, window);
         self.push(IDLE, clock, cycles, window);
     }
 
@@ -150,8 +208,10 @@ impl Track {
     pub fn into_record(mut self, window: Window) -> StationRecord {
         let end = Cycles(window.until);
         self.forget_from(window.until);
+        self.forget_ops_from(window.ops_until);
+        self.ops.last_mut().into_iter().for_each(|last| last.until = last.until.min(Cycles(window.ops_until)));
         self.states.last_mut().into_iter().for_each(|last| last.until = last.until.min(end));
         self.jobs.last_mut().into_iter().for_each(|last| last.until = last.until.min(end));
-        StationRecord { states: self.states, jobs: self.jobs }
+        StationRecord { states: self.states, jobs: self.jobs, ops: self.ops }
     }
 }

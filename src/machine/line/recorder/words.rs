@@ -1,6 +1,7 @@
 //! When the words of one FIFO were written and read, and whose they were.
 
 use super::Window;
+use super::owners::Owners;
 use super::passages::Passages;
 use crate::machine::line::fifo::Fifo;
 use crate::measure::FifoLevels;
@@ -12,6 +13,7 @@ pub struct WordTimes {
     writes: Times,
     reads: Times,
     pub passages: Passages,
+    pub owners: Owners,
 }
 
 /// The times of one of the two.
@@ -26,12 +28,21 @@ struct Times {
 }
 
 impl WordTimes {
+    /// The writer's next ops write so many words, for a job or for none.
+    pub fn fed(&mut self, job: Option<u32>, words: u64) {
+        if !self.passages.is_over() {
+            self.owners.fed(job, words);
+        }
+        self.passages.fed(job, words);
+    }
+
     /// Notes the times that have become known, before the FIFO forgets them. Returns how many lie in the window.
     pub fn follow(&mut self, fifo: &Fifo, window: Window) -> usize {
         let before = self.writes.inside.len() + self.reads.inside.len();
         self.writes.follow(fifo.words_written(), |word| fifo.write_time(word), window);
         self.reads.follow(fifo.words_read(), |word| fifo.read_time(word), window);
         self.passages.follow(fifo, window);
+        self.owners.forget_before(self.reads.before);
         self.writes.inside.len() + self.reads.inside.len() - before
     }
 
@@ -53,8 +64,9 @@ impl WordTimes {
         self.forget_from(window.until);
         let mut level = self.writes.before - self.reads.before;
         let mut levels = vec![(Cycles(window.from), Words(level))];
-        let mut writes = self.writes.inside.into_iter().peekable();
-        let mut reads = self.reads.inside.into_iter().peekable();
+        let all = level + self.writes.inside.len() as u64;
+        let mut writes = self.writes.inside.iter().copied().peekable();
+        let mut reads = self.reads.inside.iter().copied().peekable();
         while let Some(now) = [writes.peek(), reads.peek()].into_iter().flatten().min().copied() {
             level += writes.next_if_eq(&now).is_some() as u64;
             level -= reads.next_if_eq(&now).is_some() as u64;
@@ -66,7 +78,13 @@ impl WordTimes {
             }
         }
         levels.truncate(if window.from < window.until { levels.len() } else { 0 });
-        FifoLevels { levels, jobs: self.passages.into_spans(window) }
+        FifoLevels {
+            levels,
+            jobs: self.passages.into_spans(window),
+            words: self.owners.into_runs(self.reads.before, all),
+            writes: self.writes.inside.into_iter().map(Cycles).collect(),
+            reads: self.reads.inside.into_iter().map(Cycles).collect(),
+        }
     }
 }
 

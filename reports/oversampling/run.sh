@@ -1,0 +1,56 @@
+#!/bin/sh
+. ../sweeps.sh
+size=32x32
+
+# image SCENE BY MODE FLAGS...: makes an image with 3 x 3 samples where BY asks for them, and notes what it took and how far it is off.
+image() {
+    scene=$1; by=$2; mode=$3; shift 3
+    $pcs_sim image $scene --size-factor $factor --size $size --mode $mode --screen-rectangles objects "$@" --against truth.pfm -o image.png --stats stats.json \
+        --force > image.txt
+    awk -v row="$scene,$by,$mode" '
+        FILENAME == "image.txt" && /^off from/ { split($0, word, / /); for (i in word) if (word[i] == "square") square = word[i + 1] }
+        FILENAME == "stats.json" { gsub(/[",]/, "") }
+        /^  cycles:/ { cycles = $2 }
+        /^  samples:/ { samples = $2 }
+        /^  refined_pixels:/ { refined = $2 }
+        /^  rays_by_kind:/ { kinds = 1 }
+        kinds && /^    [a-z]+: \{/ { kind = $1 }
+        kinds && /^      rays:/ { rays[kind] = $2; all += $2 }
+        kinds && /^      hits:/ { hits[kind] = $2 }
+        /^  bottleneck:/ { kinds = 0 }
+        END {
+            print row "," samples "," refined + 0 "," all "," rays["primary:"] "," hits["primary:"] "," rays["shadow:"] "," \
+                hits["shadow:"] "," cycles "," square
+        }' image.txt stats.json >> images.csv
+}
+
+echo "scene,by,mode,samples,refined,rays,primary,primary_hit,shadow,shadow_hit,cycles,mean_square" > images.csv
+# Smaller than usual where they are large: 225 images take a while.
+for scene in balls:2 chapel:1 gears:2 lattice:4 mountain:5 reference:10 rings:3 room:1 shells:4 sombrero:1 table:1 teapot:6 tetra:5 tree:6 \
+    valve:1; do
+    factor=${scene#*:} scene=${scene%:*}
+    $pcs_sim image $scene --size-factor $factor --size $size --samples 8 --timing off -o truth.pfm --force > /dev/null
+    for mode in pipeline broadcast hybrid; do
+        image $scene none $mode
+        for by in object surface lao whitted; do
+            image $scene $by $mode --samples 3 --adaptive-by $by
+        done
+        image $scene all $mode --samples 3
+    done
+done
+# The thesis's table, on a scene of as many primitives.
+size=96x80 factor=2
+$pcs_sim image valve --size-factor $factor --size $size --samples 8 --timing off -o truth.pfm --force > /dev/null
+mv images.csv small.csv
+echo "scene,by,mode,samples,refined,rays,primary,primary_hit,shadow,shadow_hit,cycles,mean_square" > images.csv
+image valve none pipeline
+image valve whitted pipeline --samples 3 --adaptive-by whitted
+image valve lao pipeline --samples 3 --adaptive-by lao
+mv images.csv valve.csv
+mv small.csv images.csv
+rm truth.pfm image.png image.txt stats.json
+table table table.awk valve.csv
+table scenes scenes.awk images.csv
+table means means.awk scenes.csv
+plot scenes scenes "Macro-pipeline: times as long as one sample a pixel, and the mean square of the error against 8 x 8" \
+    x=times_as_long y=mean_square by=by mode=pipeline

@@ -1,0 +1,264 @@
+//! Where rays go on that follow from one that has done its work, and how they get slots there.
+
+use super::{Next, Node, Note, RegionNodes, Visit};
+use crate::host::shading::RayKind;
+use crate::machine::Cycles;
+use crate::machine::events::Act;
+use crate::program::cube::messages::{MessageKind, RAY_BYTES, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES};
+use crate::program::cube::pool::{Flow, Placing};
+use crate::program::cube::states::{BLOCKED, RECEIVING};
+use crate::program::cube::stuck::{Stuck, Waiting};
+
+impl RegionNodes<'_> {
+    /// A ray has a slot here, and waits for its turn.
+    pub(super) fn keep(&mut self, task: usize, visit: Visit) {
+        if let Flow::Classes(_) = self.rules.flow {
+            self.take_slot(task);
+        }
+        self.nodes[task].own.push(visit);
+        self.note_queue(task);
+    }
+
+    fn take_slot(&mut self, node: usize) {
+        let slots = &mut self.nodes[node].slots;
+        slots.free = slots.free.saturating_sub(1);
+        if let Flow::Block(all) | Flow::Classes(all) = self.rules.flow {
+            let seen = &mut self.seen.nodes[node];
+            seen.most_slots = seen.most_slots.max(all - slots.free);
+        }
+    }
+
+    /// A ray leaves the queue, and the node that has waited longest may send.
+    pub(super) fn grant(&mut self, task: usize) {
+        let node = &mut self.nodes[task];
+        match node.slots.waiting.pop_front() {
+            Some(other) => {
+                node.script.push_back(Act::Wake(other.into()));
+                let other = &mut self.nodes[usize::from(other)];
+                if let Next::Places(placing) = other.next {
+                    other.next = Next::PlacesGranted(placing);
+                }
+            }
+            None => node.slots.free += 1,
+        }
+    }
+
+    /// A ray has placed all that follows from it.
+    pub(super) fn leave(&mut self, task: usize) {
+        if let Flow::Classes(_) = self.rules.flow {
+            self.nodes[task].slots.free += 1;
+            self.give(task);
+            let mut blocked = self.blocked;
+            while blocked != 0 {
+                let other = blocked.trailing_zeros() as usize;
+                blocked &= blocked - 1;
+                if self.nodes[other].slots.wants(task) {
+                    self.nodes[task].script.push_back(Act::Wake(other));
+                }
+            }
+        }
+    }
+
+    /// The rank of a ray in a region.
+    fn rank(&self, visit: Visit) -> u32 {
+        let ray = &self.graph.rays[visit.ray as usize];
+        u32::from(ray.turns) * self.ranks.0 + u32::from(ray.hop) + visit.leg - ray.first_leg
+    }
+
+    fn node(&self, region: u16) -> usize {
+        self.node_of[usize::from(region)].into()
+    }
+
+    /// What of a placing comes next: the ray in its next region, or a ray that its hit asks for.
+    pub(super) fn follows(&self, placing: Placing) -> Option<Visit> {
+        let Visit { ray, leg } = placing.visit;
+        if placing.is_new {
+            return (placing.placed == 0).then_some(placing.visit);
+        }
+        if leg + 1 < self.graph.legs_end(ray) {
+            return (placing.placed == 0).then_some(Visit { ray, leg: leg + 1 });
+        }
+        let (first, count) = self.graph.rays[ray as usize].children;
+        (placing.placed < count).then(|| {
+            let ray = first + placing.placed;
+            Visit { ray, leg: self.graph.rays[ray as usize].first_leg }
+        })
+    }
+
+    /// Places what follows from a ray, until that takes time.
+    pub(super) fn place(&mut self, task: usize, mut placing: Placing, is_granted: bool, now: Cycles) -> Act<Note> {
+        while let Some(visit) = self.follows(placing) {
+            let to = self.node(self.graph.legs[visit.leg as usize].region);
+            if to == task && self.is_the_rest(placing, visit) {
+                // It has its line and its slot in common with the ray that met a blocker.
+                self.nodes[task].own.push(visit);
+                self.note_queue(task);
+                return self.end(task, placing, now);
+            }
+            if let Some(act) = self.wait_for_slot(task, (to, visit), placing, is_granted) {
+                return act;
+            }
+            placing.placed += 1;
+            if to == task {
+                self.keep(task, visit);
+                continue;
+            }
+            if !is_granted && self.nodes[to].slots.free != u32::MAX {
+                self.take_slot(to);
+            }
+            self.nodes[task].next = Next::Places(placing);
+            return self.send_ray(task, to, visit);
+        }
+        if !placing.is_new {
+            self.leave(task);
+        }
+        self.end(task, placing, now)
+    }
+
+    /// Whether a ray is the rest of a shadow ray behind what it has hit.
+    fn is_the_rest(&self, placing: Placing, visit: Visit) -> bool {
+        let kind = |ray: u32| self.graph.rays[ray as usize].kind;
+        kind(visit.ray) == RayKind::Shadow
+            && kind(placing.visit.ray) == RayKind::Shadow
+            && visit.ray != placing.visit.ray
+    }
+
+    /// All that follows from a ray is placed: if it has ended, it makes a result.
+    pub(super) fn end(&mut self, task: usize, placing: Placing, now: Cycles) -> Act<Note> {
+        let Visit { ray, leg } = placing.visit;
+        if !placing.is_new && leg + 1 == self.graph.legs_end(ray) {
+            let tree = self.graph.rays[ray as usize].tree;
+            let owner = usize::from(self.owners[tree as usize]);
+            if owner != task {
+                self.nodes[task].account.sent();
+                let result = self.send(task, owner, (MessageKind::Calculation, RESULT_BYTES), Note::Result(tree));
+                // Who waits for the slot that is free now goes first.
+                self.nodes[task].script.push_back(result);
+                return self.look(task);
+            }
+            self.count(task, tree, now);
+        }
+        self.look(task)
+    }
+
+    /// What a node does that has to wait for a slot, if it has to.
+    fn wait_for_slot(
+        &mut self,
+        task: usize,
+        (to, visit): (usize, Visit),
+        placing: Placing,
+        is_granted: bool,
+    ) -> Option<Act<Note>> {
+        match self.rules.flow {
+            Flow::Block(_) if to != task && !is_granted && self.nodes[to].slots.free == 0 => {
+                self.nodes[to].slots.waiting.push_back(task as u16);
+                self.nodes[task].next = Next::Places(placing);
+                Some(Act::Sleep(BLOCKED))
+            }
+            Flow::Classes(_) if to != task && self.rules.asks_for_slots && !is_granted => {
+                Some(self.ask(task, to, placing))
+            }
+            Flow::Classes(_) if !is_granted && !self.has_room(to, self.rank(visit)) => {
+                self.ages += 1;
+                let (rank, age) = (self.rank(visit), self.ages);
+                self.nodes[task].slots.put_aside(to, rank, age, placing);
+                Some(self.look(task))
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether a node has a slot for such a rank.
+    fn has_room(&self, node: usize, rank: u32) -> bool {
+        self.nodes[node].slots.free > self.ranks.1 - rank
+    }
+
+    fn send_ray(&mut self, task: usize, to: usize, visit: Visit) -> Act<Note> {
+        self.nodes[task].account.sent();
+        self.seen.sent[task * self.nodes.len() + to] += 1;
+        self.send(task, to, (MessageKind::VirtualObject, RAY_BYTES), Note::Ray(visit))
+    }
+
+    /// Asks another node for a slot for what follows next from a ray.
+    fn ask(&mut self, task: usize, to: usize, placing: Placing) -> Act<Note> {
+        let node = &mut self.nodes[task];
+        node.asked += 1;
+        node.next = Next::Looks;
+        self.send(task, to, (MessageKind::Information, TOKEN_BYTES), Note::Asks(placing))
+    }
+
+    /// What a node does that is asked for a slot, or has been given one.
+    pub(super) fn about_slots(&mut self, task: usize) -> Option<Act<Note>> {
+        let node = &mut self.nodes[task];
+        let (next, bytes) = match (node.requests.pop_front(), node.given.is_empty()) {
+            (Some(placing), _) => (Next::Answers(placing), TOKEN_BYTES),
+            (None, true) => return None,
+            (None, false) => {
+                node.asked -= 1;
+                (Next::PlacesGranted(node.given.pop_front()?), WORD_BYTES)
+            }
+        };
+        node.next = next;
+        Some(Act::Spend(RECEIVING, self.took(MessageKind::Information, bytes)))
+    }
+
+    /// A node has taken a request for a slot: it gives one, or remembers who waits.
+    pub(super) fn answer(&mut self, task: usize, placing: Placing) -> Act<Note> {
+        if let Some(visit) = self.follows(placing) {
+            self.ages += 1;
+            let (rank, age) = (self.rank(visit), self.ages);
+            self.nodes[task].slots.wait(rank, age, placing);
+        }
+        self.give(task);
+        self.look(task)
+    }
+
+    /// Gives slots to those who wait for them, as far as there are any.
+    fn give(&mut self, task: usize) {
+        let highest = self.ranks.1;
+        while let Some(placing) = self.nodes[task].slots.take_waiting(|free, rank| free > highest - rank) {
+            self.take_slot(task);
+            let to = self.asker(placing);
+            let act = self.send(task, to, (MessageKind::Information, WORD_BYTES), Note::Gives(placing));
+            self.nodes[task].script.push_back(act);
+        }
+    }
+
+    /// The node that places something.
+    fn asker(&self, placing: Placing) -> usize {
+        let Visit { ray, leg } = placing.visit;
+        match placing.is_new {
+            true => self.owners[self.graph.rays[ray as usize].tree as usize].into(),
+            false => self.node(self.graph.legs[leg as usize].region),
+        }
+    }
+
+    /// What a node has asked another for a slot for, and that other.
+    fn asked_for(&self, node: usize) -> Option<(usize, Placing)> {
+        let waits =
+            |(to, other): (usize, &Node)| Some((to, other.slots.waiting_of(|placing| self.asker(placing) == node)?));
+        self.nodes.iter().enumerate().find_map(waits)
+    }
+
+    /// Who waits for whom, when no node can go on.
+    pub fn stuck(&self) -> Stuck {
+        let waits = |(node, state): (usize, &Node)| {
+            let (to, placing) = match (self.rules.flow, state.next) {
+                (Flow::Block(_), Next::Places(placing)) => {
+                    let visit = self.follows(placing)?;
+                    (self.node(self.graph.legs[visit.leg as usize].region), placing)
+                }
+                _ => state.slots.first_aside().or_else(|| self.asked_for(node))?,
+            };
+            let visit = self.follows(placing)?;
+            let ray = &self.graph.rays[visit.ray as usize];
+            Some(Waiting { node, ray: visit.ray, kind: ray.kind, tree: ray.tree, to })
+        };
+        let slots = match self.rules.flow {
+            Flow::Block(slots) | Flow::Classes(slots) => slots,
+            Flow::Unlimited | Flow::Window(_) => 0,
+        };
+        let waiting: Vec<Waiting> = self.nodes.iter().enumerate().filter_map(waits).collect();
+        Stuck::new(&waiting, slots, self.ranks.1 + 1)
+    }
+}

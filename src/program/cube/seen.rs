@@ -1,0 +1,36 @@
+//! What is counted while nodes run, beside their time.
+
+use super::messages::Messages;
+use crate::machine::Cycles;
+
+/// What is counted beside the nodes' time.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Seen {
+    /// Messages by kind.
+    pub messages: Messages,
+    /// When the last result was taken.
+    pub true_end: Cycles,
+    /// When that was known.
+    pub told_at: Cycles,
+    /// Rounds of the token that were begun.
+    pub probes: u64,
+    /// For each node, what it came to.
+    pub nodes: Vec<NodeSeen>,
+    /// Rays that were sent on or away, from each node to each, row by row.
+    pub sent: Vec<u64>,
+}
+
+/// What a node came to beside its time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NodeSeen {
+    /// Pixels that belong to it.
+    pub pixels: usize,
+    /// Legs that it has worked on.
+    pub legs: u64,
+    /// The most rays that waited there.
+    pub longest_queue: usize,
+    /// The most slots that were taken at once, if there are slots.
+    pub most_slots: u32,
+    /// Pages that it has fetched, if it fetches any.
+    pub pages: u64,
+}
