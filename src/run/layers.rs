@@ -25,6 +25,9 @@ use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workloa
 use crate::scene::Scene;
 use crate::seam::{Costs, OpBatch};
 
+/// How many rays of all kinds a cut looks at, at the most: it looks at them again and again.
+const MOST_SAMPLED: usize = 4096;
+
 /// What a layer of a run depends on. Two layers with the same key are the same, as long as the files that they read are.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Key(String);
@@ -299,7 +302,8 @@ impl Layers {
         let workload = Workload::of(Arc::new(layout), &one_cell, run.machine.times);
         let scene = self.scene(run)?;
         let shader = Shader::new(&scene, workload.polygons(), image.limits());
-        Ok(trees::rays(&shader, &workload, primary, cancel)?)
+        let all = trees::rays(&shader, &workload, primary, cancel)?;
+        Ok(all.iter().step_by(all.len().div_ceil(MOST_SAMPLED).max(1)).copied().collect())
     }
 
     /// What the array has to do: the scene laid out for its program, with the cells' programs if they run any.
