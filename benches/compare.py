@@ -19,7 +19,7 @@ TOP = Path(__file__).resolve().parent.parent
 
 # The numbers at the end of each row that are measured; what is before them names the row.
 MEASURED = {
-    "timing": ["Mwords/s", "Mwords/s with probe"],
+    "timing": ["Mwords/s", "Mwords/s with probe", "Mwords/s with path"],
     "instructions": ["seconds", "Minstructions/s"],
     "whole_run": ["functional s", "whole s", "ratio", "Mwords/s"],
 }

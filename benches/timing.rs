@@ -109,10 +109,12 @@ enum Watched {
     Explained,
 }
 
+/// Links of an eighth of the standard rate, in 10^6 bytes a second: each word waits for the one before it.
+const SLOW_LINK_MB_S: f64 = 10.0;
+
 /// Seconds and words of a run over the same batch many times.
-fn run(batch: &OpBatch, fifo_words: u64, watched: Watched) -> (f64, u64) {
-    let spec = MachineSpec { fifo_words: Words(fifo_words), ..MachineSpec::default() };
-    let array = Array::new(&spec, &costs(), batch.cells.len());
+fn run(batch: &OpBatch, spec: &MachineSpec, watched: Watched) -> (f64, u64) {
+    let array = Array::new(spec, &costs(), batch.cells.len());
     let mut array = match watched {
         Watched::Not => array,
         Watched::Probed => array.probed(),
@@ -130,32 +132,36 @@ fn run(batch: &OpBatch, fifo_words: u64, watched: Watched) -> (f64, u64) {
     (seconds, black_box(stats).fifos.iter().map(|fifo| fifo.words.0).sum())
 }
 
-fn median_rate(batch: &OpBatch, fifo_words: u64, watched: Watched) -> f64 {
+fn median_rate(batch: &OpBatch, spec: &MachineSpec, watched: Watched) -> f64 {
     let rate = |(seconds, words): (f64, u64)| words as f64 / seconds / 1e6;
-    let mut rates: Vec<f64> = (0..7).map(|_| rate(run(batch, fifo_words, watched))).collect();
+    let mut rates: Vec<f64> = (0..7).map(|_| rate(run(batch, spec, watched))).collect();
     rates.sort_by(f64::total_cmp);
     rates[rates.len() / 2]
 }
 
 fn main() {
     println!(
-        "{:<22} {:>10} {:>16} {:>12} {:>12}",
+        "{:<32} {:>10} {:>16} {:>12} {:>12}",
         "program", "FIFO words", "million words/s", "with probe", "with path"
     );
+    let standard = MachineSpec::default().link_mb_s;
     let programs = [
-        ("pipeline", pipeline()),
-        ("broadcast, 8 cells", broadcast(8)),
-        ("broadcast, 64 cells", broadcast(64)),
-        ("words only, 8 cells", stream(8)),
+        ("pipeline", pipeline(), standard),
+        ("broadcast, 8 cells", broadcast(8), standard),
+        ("broadcast, 64 cells", broadcast(64), standard),
+        ("words only, 8 cells", stream(8), standard),
+        ("pipeline, slow links", pipeline(), SLOW_LINK_MB_S),
+        ("broadcast, 8 cells, slow links", broadcast(8), SLOW_LINK_MB_S),
     ];
     let only = std::env::args().nth(1).filter(|arg| !arg.starts_with("--"));
-    for (name, batch) in
-        programs.iter().filter(|(name, _)| only.as_ref().is_none_or(|only| name.contains(only.as_str())))
+    for (name, batch, link_mb_s) in
+        programs.iter().filter(|(name, ..)| only.as_ref().is_none_or(|only| name.contains(only.as_str())))
     {
         for fifo_words in [512, 64, 8] {
-            let [alone, probed, explained] = [Watched::Not, Watched::Probed, Watched::Explained]
-                .map(|watched| median_rate(batch, fifo_words, watched));
-            println!("{name:<22} {fifo_words:>10} {alone:>16.0} {probed:>12.0} {explained:>12.0}");
+            let spec = MachineSpec { fifo_words: Words(fifo_words), link_mb_s: *link_mb_s, ..MachineSpec::default() };
+            let [alone, probed, explained] =
+                [Watched::Not, Watched::Probed, Watched::Explained].map(|watched| median_rate(batch, &spec, watched));
+            println!("{name:<32} {fifo_words:>10} {alone:>16.0} {probed:>12.0} {explained:>12.0}");
         }
     }
     if only.as_ref().is_none_or(|only| only == "farm") {

@@ -4,8 +4,17 @@ pcs_sim=${1:-pcs-sim}
 
 # sweep NAME: runs NAME.ron and leaves its table, NAME.csv.
 sweep() {
+    sweep_with "$1" ""
+}
+
+# sweep_where_some_fail NAME: the same of one some of whose points are known to fail.
+sweep_where_some_fail() {
+    sweep_with "$1" --accept-failures
+}
+
+sweep_with() {
     rm -f "$1.csv" "$1.parquet" "$1.sweep.ron" "$1.journal"
-    $pcs_sim sweep "$1.ron" -o "$1.csv" > /dev/null
+    $pcs_sim sweep "$1.ron" -o "$1.csv" $2 > /dev/null
     rm "$1.parquet" "$1.sweep.ron" "$1.journal"
 }
 

@@ -127,13 +127,14 @@ pub fn replay(
 /// Runs a farm: a master and workers that share an image, on CAPITAN.
 ///
 /// Takes the parameters of farms, by the names of the flags of `pcs-sim farm`; `tasks` is a number of workers (`sweep` makes
-/// tables of many). `config` is a farm to be repeated.
+/// tables of many). `config` is a farm to be repeated. `why` adds the critical path to what is seen and saved.
 #[pyfunction]
-#[pyo3(signature = (scene=None, *, config=None, threads=None, progress=None, **parameters))]
+#[pyo3(signature = (scene=None, *, config=None, why=false, threads=None, progress=None, **parameters))]
 pub fn farm(
     py: Python<'_>,
     scene: Option<&Bound<'_, PyAny>>,
     config: Option<&Bound<'_, PyAny>>,
+    why: bool,
     threads: Option<i64>,
     progress: Option<bool>,
     parameters: Option<&Bound<'_, PyDict>>,
@@ -147,12 +148,9 @@ pub fn farm(
             let error = error::InputError::new("statistics and views are of one number of workers, not of a range");
             return Err(error.help("ask for one number of tasks; a sweep makes tables of many").into());
         }
-        let samples = spec.samples() as u64;
-        let setup = FarmSetup::new(spec, &task.workers, |done| {
-            task.set(done as u64, samples);
-            Ok::<_, Infallible>(())
-        })?;
-        let outcome = setup.run(setup.spec.tasks, &Watching::default(), &task.workers.cancel)?;
+        let told = samples(task, spec.samples());
+        let setup = FarmSetup::new(spec, &task.workers, told)?;
+        let outcome = setup.run(setup.spec.tasks, &watching(why, false), &task.workers.cancel)?;
         Ok(Made::Farm { setup: Box::new(setup), outcome: Box::new(outcome) })
     })?;
     Ok(Run::new(made, crew))
@@ -176,15 +174,20 @@ pub fn ipsc2(
     let made = work(py, crew, "samples", |task| {
         let spec = CubeSpec::new(&options, base)?;
         moot::check_cube(&options, &spec)?;
-        let samples = spec.samples() as u64;
-        let setup = CubeSetup::new(spec, false, &task.workers, |done| {
-            task.set(done as u64, samples);
-            Ok::<_, Infallible>(())
-        })?;
+        let told = samples(task, spec.samples());
+        let setup = CubeSetup::new(spec, false, &task.workers, told)?;
         let outcome = setup.run(&Watching::default(), &task.workers.cancel)?;
         Ok(Made::Cube { setup: Box::new(setup), outcome: Box::new(outcome) })
     })?;
     Ok(Run::new(made, crew))
+}
+
+/// Tells the bar how many of an image's samples are traced.
+fn samples(task: &Task, all: usize) -> impl FnMut(usize) -> Result<(), Infallible> {
+    move |done| {
+        task.set(done as u64, all as u64);
+        Ok(())
+    }
 }
 
 /// What is watched of a run as it is made.

@@ -97,7 +97,8 @@ impl Made {
             Made::Rays { outcome, .. } => Some(&outcome.observed),
             Made::Image { rendered, .. } => rendered.timing.as_ref().map(|timing| &timing.observed),
             Made::Replay { observed, .. } => Some(observed),
-            Made::Farm { .. } | Made::Cube { .. } => None,
+            Made::Farm { outcome, .. } => Some(&outcome.observed),
+            Made::Cube { .. } => None,
         }
     }
 

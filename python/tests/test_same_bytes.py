@@ -188,6 +188,17 @@ def test_farms(two: Path, parameters: dict[str, Any]) -> None:
         assert not hasattr(run, name)
 
 
+def test_why_farms_take_as_long(two: Path) -> None:
+    run = pcs_sim.farm(size=24, tasks=2, why=True)
+    run.save(stats="stats.json", page="page.html", plot="plots")
+    asked = "farm rectangles --size 24 --tasks 2 --why --stats stats.json --page page.html --plot plots"
+    ended = command(two / "theirs", *asked.split())
+    assert ended.status == 0, ended.err
+    same(two, ["stats.json", "page.html", "plots/critical-path.svg"])
+    assert ended.out.startswith(str(run))
+    assert sum(part["cycles"] for part in run.stats["why"]["parts"]) == run.stats["cycles"]
+
+
 def test_sweeps_of_farms() -> None:
     table = pcs_sim.sweep({"size": 16, "tasks": [1, 2, 4], "items": "lines"})
     assert list(table["tasks"]) == [1, 2, 4]

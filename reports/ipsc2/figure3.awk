@@ -1,6 +1,6 @@
 # Figure 3 of RR-0992 as it must have looked: the speed-up of each version over the nodes, the ideal, and what the authors said of it: 50 % with
 # 30 to 40 processors.
-BEGIN { print "nodes,speed_up,version" }
+BEGIN { print "nodes,speed-up,version" }
 FILENAME ~ /speed/ && FNR > 1 {
     name = at("flow") == "classes" ? "regions" : "regions with unlimited queues"
     printf "%d,%.3f,%s\n", at("nodes"), at("speed_up"), name

@@ -51,14 +51,10 @@ fn named(args: &FarmArgs) -> [Option<&PathBuf>; 3] {
 }
 
 fn open_outputs(args: &FarmArgs, spec: &FarmSpec, fewest: usize) -> Result<(Option<OutputFile>, Views), InputError> {
-    let asked = named(args).iter().any(Option::is_some) || args.views.plot.is_some();
+    let asked = named(args).iter().any(Option::is_some) || args.views.plot.is_some() || args.views.why;
     if fewest < spec.tasks && asked {
         let error = InputError::new("statistics and views are of one number of workers, not of a range");
         return Err(error.help("ask for one number of --tasks; `pcs-sim sweep` makes tables of many"));
-    }
-    if args.views.why {
-        let error = InputError::new("--why is about cells in a row, whose times do not depend on who comes first");
-        return Err(error.help("leave it out; the states of the tasks tell what they wait for"));
     }
     if args.views.enough {
         let error = InputError::new("--enough is about cells in a row, and the depths of their FIFOs");

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
+use pcs_sim::input::is_stream;
 use pcs_sim::report::plot::curves::{self, Choice};
 use pcs_sim::report::plot::{Format, Rendered};
 use pcs_sim::report::table::{StoredTable, Table};
@@ -33,6 +34,11 @@ pub struct Files(Vec<(OutputFile, Format)>);
 impl Files {
     /// `name` with the ending of each format.
     pub fn open(name: &Path, formats: &[Format], force: bool) -> Result<Files, InputError> {
+        if is_stream(name) && formats.len() > 1 {
+            let error =
+                InputError::new(format!("standard output takes one picture, and {} are asked for", formats.len()));
+            return Err(error.help("ask for one with --plot-format, or name a file"));
+        }
         let open = |&format: &Format| {
             let mut path = name.to_owned().into_os_string();
             path.push(format!(".{}", format.ending()));

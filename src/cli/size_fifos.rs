@@ -87,10 +87,7 @@ impl Outputs {
         let Some(path) = &args.table else {
             return Ok(Outputs { csv: None, parquet: None, pictures: Vec::new(), machines: Vec::new() });
         };
-        if !path.extension().is_some_and(|ending| ending == "csv" || ending == "parquet") {
-            let error = InputError::in_file(path, "a table's name must end in .csv or .parquet");
-            return Err(error.help("it is written as both, side by side"));
-        }
+        table::check_name(path)?;
         let create = |path: &Path| outputs::create(path, args.force);
         let beside = |ending: String| {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -5,6 +5,7 @@
 //! order of time; [`CapitanFile`] describes such a machine.
 
 mod capitan;
+mod chains;
 pub mod events;
 mod fifo_name;
 mod file;

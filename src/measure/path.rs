@@ -3,16 +3,17 @@
 use std::sync::Arc;
 
 use super::state::{State, StateId, StateKind, StateTimes};
-use super::topology::{Actor, Topology};
+use super::topology::{Actor, Shape, Topology};
 use crate::quantities::Cycles;
 
-/// The critical path of a run: a chain of causes from cycle 0 to the last word that comes back, every cycle of which has just
-/// one cause. So its parts sum to the run's cycles.
+/// The critical path of a run: a chain of causes from cycle 0 to the last word that comes back, or to what tasks do last, every
+/// cycle of which has just one cause. So its parts sum to the run's cycles.
 ///
 /// In a line of stations whose reads and writes block, every time is the largest of a few sums, so the run is as long as its
 /// longest chain; this is one of these, chosen by a rule where several are as long. What lies on it `count` times, and takes
 /// a cycle less or more, makes the run `count` cycles shorter or longer as long as the chain stays a longest one, and never
-/// shorter than that: the cycles of a run are convex in each of the machine's times, and this is their slope.
+/// shorter than that: the cycles of a run are convex in each of the machine's times, and this is their slope. Where tasks take what
+/// comes first, or what is first on a bus, that holds as long as all come in the order in which they did.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CriticalPath {
     /// What the path leads through.
@@ -34,7 +35,7 @@ pub struct PathUnit {
     pub name: String,
     /// The state of a station that does it.
     pub state: StateId,
-    /// What it takes.
+    /// What it takes; where they differ, about.
     pub cycles: Cycles,
 }
 
@@ -70,11 +71,12 @@ impl CriticalPath {
     /// Ops that are held at a time to find the path, about: few enough to stay in a core's cache.
     pub const MOST_OPS: usize = 1 << 16;
 
-    /// Where it is over time: for each station, and for the host behind them, in each bin the cycles that it is there, in the
-    /// states that say why. Words on their way are those that their reader waits for, and who writes to a full FIFO or a
+    /// Where it is over time: for each station, and for the host of a line behind them, in each bin the cycles that it is there, in
+    /// the states that say why. Words on their way are those that their reader waits for, and who writes to a full FIFO or a
     /// wire that is not free is blocked; both are counted where the FIFO is read.
     pub fn places(&self) -> Vec<Vec<StateTimes>> {
-        let mut places = vec![vec![StateTimes::default(); self.bins.len()]; self.topology.stations + 1];
+        let hosts = usize::from(self.topology.shape == Shape::Line);
+        let mut places = vec![vec![StateTimes::default(); self.bins.len()]; self.topology.stations + hosts];
         for (bin, parts) in self.bins.iter().enumerate() {
             for part in parts {
                 let place = match part.at {

@@ -160,20 +160,29 @@ impl Latency {
         Cycles((bucket as u64 - octave * Latency::PARTS) << octave)
     }
 
+    /// The longest latency of a bucket.
+    pub fn last_of(bucket: usize) -> Cycles {
+        Cycles(Latency::start_of(bucket + 1).0 - 1)
+    }
+
     /// The mean, in cycles.
     pub fn mean(&self) -> f64 {
         if self.jobs == 0 { 0.0 } else { self.total as f64 / self.jobs as f64 }
     }
 
-    /// A latency that at least so large a share of the jobs does not exceed: the end of the bucket that it falls into.
-    pub fn quantile(&self, share: f64) -> Cycles {
+    /// The latency that a share of the jobs, and no fewer, do not exceed: it is no less than the first and no more than the second, the
+    /// bounds of the bucket that it falls into, which are one number for short latencies.
+    pub fn quantile(&self, share: f64) -> (Cycles, Cycles) {
         let wanted = (share * self.jobs as f64).ceil() as u64;
         let mut seen = 0;
         let reached = self.buckets.iter().position(|count| {
             seen += count;
             seen >= wanted
         });
-        reached.map_or(self.max, |bucket| Latency::start_of(bucket + 1).min(self.max))
+        let within = |latency: Cycles| latency.clamp(self.min, self.max);
+        reached.map_or((self.max, self.max), |bucket| {
+            (within(Latency::start_of(bucket)), within(Latency::last_of(bucket)))
+        })
     }
 }
 
@@ -191,12 +200,17 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_bound_the_jobs_from_above() {
+    fn quantiles_lie_between_their_bounds() {
         let mut latency = Latency::default();
         (1..=1000).for_each(|cycles| latency.add(cycles));
-        let median = latency.quantile(0.5).0;
-        assert!((500..=564).contains(&median), "{median}");
-        assert_eq!(latency.quantile(1.0), Cycles(1000));
+        for (share, exact) in [(0.0, 1), (0.02, 20), (0.5, 500), (0.99, 990), (1.0, 1000)] {
+            let (least, most) = latency.quantile(share);
+            assert!(
+                (least.0..=most.0).contains(&exact) && 32 * (most.0 - least.0) <= least.0,
+                "{least} {exact} {most}"
+            );
+        }
+        assert_eq!(latency.quantile(0.02), (Cycles(20), Cycles(20)), "short ones are exact");
         assert_eq!((latency.min, latency.max, latency.mean()), (Cycles(1), Cycles(1000), 500.5));
     }
 }

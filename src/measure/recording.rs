@@ -108,7 +108,7 @@ pub struct FifoLevels {
 }
 
 impl Recording {
-    /// How many stretches, jobs and moves of words a recording holds at the most: what viewers open with ease, and a
+    /// How many stretches, jobs and moves of words a recording holds at the most, and as many ops: what viewers open with ease, and a
     /// bound on its memory and on its files whatever the length of the run.
     pub const MOST_EVENTS: usize = 400_000;
 

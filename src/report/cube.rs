@@ -92,7 +92,8 @@ pub fn text(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
     ];
     lines.extend(queues(setup, outcome));
     let parts = [losses(outcome), messages(outcome, clock), summary::cells(&outcome.stats, &[])];
-    format!("{}\n\n{}\n{}\n", lines.join("\n"), parts.join("\n"), sentence(setup, outcome))
+    let (head, verdict) = (summary::prose(&lines.join("\n")), summary::prose(&sentence(setup, outcome)));
+    format!("{head}\n\n{}\n{verdict}\n", parts.join("\n"))
 }
 
 /// The regions, if the nodes have any.

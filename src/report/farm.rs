@@ -8,6 +8,7 @@ use super::bottleneck;
 use super::plot::Caption;
 use super::stats::{Configuration, station};
 use super::summary::{self, Rows, grouped, percent, prose, time};
+use super::why::{self, PathJson};
 use crate::machine::{Capitan, CapitanFile, Cycles};
 use crate::measure::LinkStats;
 use crate::program::farm::{HandOut, SceneBy, UNITS};
@@ -27,7 +28,8 @@ pub fn text(setup: &FarmSetup, outcome: &FarmOutcome) -> String {
     ];
     let tasks = summary::cells(&outcome.stats, &[]);
     let (head, verdict) = (prose(&lines.join("\n")), prose(&bottleneck::sentence(&outcome.stats)));
-    format!("{head}\n\n{tasks}\n{verdict}\n")
+    let why = outcome.observed.path.as_ref().map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
+    format!("{head}\n\n{tasks}\n{verdict}\n{why}")
 }
 
 /// What people read of farms of several numbers of workers: a row for each, and what limits most of them.
@@ -157,6 +159,8 @@ struct Report<'a> {
     tasks: Vec<Map<String, Value>>,
     buses: Vec<Bus>,
     bottleneck: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<PathJson>,
     configuration: &'a Configuration,
 }
 
@@ -188,6 +192,7 @@ pub fn to_json(outcome: &FarmOutcome, scene: &FarmScene, configuration: &Configu
         tasks: stats.stations.iter().enumerate().map(task).collect(),
         buses: stats.links.iter().map(|bus| Bus { busy: bus.busy.0 }).collect(),
         bottleneck: bottleneck::sentence(stats),
+        why: outcome.observed.path.as_ref().map(PathJson::new),
         configuration,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::summary::{Rows, aligned_with, grouped, percent, prose, table, wrapped};
-use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit};
+use super::summary::{Rows, WIDTH, aligned_with, grouped, percent, prose, table, time, wrapped};
+use crate::machine::Capitan;
+use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit, Shape};
 use crate::quantities::Cycles;
 
 /// Parts that the sentence names.
@@ -28,7 +29,7 @@ pub struct TimeOnPath {
     pub at: Option<Actor>,
     /// Whether it could be another: moving a word and freeing a slot take a cycle each, whatever the machine.
     pub varies: bool,
-    /// Cycles of one.
+    /// Cycles of one; on average, where they differ.
     pub each: Cycles,
     /// How often it lies on the path: the change of the run's cycles for a change of its own by one.
     pub count: u64,
@@ -37,9 +38,13 @@ pub struct TimeOnPath {
 }
 
 impl TimeOnPath {
-    /// How it is said where it is: FIFOs are about words that come.
+    /// How it is said where it is: FIFOs are about words that come, buses about messages that go.
     fn side(&self) -> &'static str {
-        if matches!(self.name.as_str(), LATENCY | WIRE | SLOT) { "into" } else { "in" }
+        match self.name.as_str() {
+            LATENCY | WIRE | SLOT => "into",
+            BUS => "from",
+            _ => "in",
+        }
     }
 }
 
@@ -48,6 +53,8 @@ const MOVE: &str = "moving";
 const LATENCY: &str = "latency_cycles";
 const WIRE: &str = "cycles_a_word";
 const SLOT: &str = "slot";
+/// That of a message on a bus.
+const BUS: &str = "bus_message";
 
 /// The times on a path, the longest first; `by_cell` tells those of each cell apart.
 pub fn times(path: &CriticalPath, by_cell: bool) -> Vec<TimeOnPath> {
@@ -62,7 +69,7 @@ pub fn times(path: &CriticalPath, by_cell: bool) -> Vec<TimeOnPath> {
             varies: !matches!(part.cause, Cause::Move | Cause::Slot(_)),
             each: match part.cause {
                 Cause::Work(unit) => path.units[unit].cycles,
-                _ => Cycles(part.cycles.0 / part.count.max(1)),
+                _ => Cycles(0),
             },
             count: 0,
             cycles: Cycles(0),
@@ -71,6 +78,7 @@ pub fn times(path: &CriticalPath, by_cell: bool) -> Vec<TimeOnPath> {
         entry.cycles += part.cycles;
     }
     let mut times: Vec<TimeOnPath> = times.into_values().collect();
+    times.iter_mut().filter(|time| time.count > 0).for_each(|time| time.each = Cycles(time.cycles.0 / time.count));
     times.sort_by_key(|time| std::cmp::Reverse(time.cycles));
     times
 }
@@ -101,6 +109,14 @@ pub(super) fn label(name: &str) -> String {
         LATENCY => "latency".to_owned(),
         WIRE => "the wires, a word".to_owned(),
         SLOT => "full FIFOs".to_owned(),
+        BUS => "the buses, a message".to_owned(),
+        "fixed_ms" => "spent once".to_owned(),
+        "per_cap_ms" => "copying the scene".to_owned(),
+        "message_ms" => "sending a message".to_owned(),
+        "segment_ms" => "set-up of a work item".to_owned(),
+        "pixel_ms" => "a pixel".to_owned(),
+        "color_ms" => "taking a colour".to_owned(),
+        "shade_hit" => "shading a hit".to_owned(),
         other => match other.split_once('_') {
             Some((kernel @ ("grid" | "slabs" | "intersection"), "start")) => format!("{kernel}, start"),
             Some((kernel @ ("grid" | "slabs" | "intersection" | "host"), "voxel" | "polygon" | "ray" | "hit")) => {
@@ -121,7 +137,14 @@ fn doing(path: &CriticalPath, unit: &PathUnit) -> String {
         "intersection_start" => "the intersection's starts".to_owned(),
         "intersection_polygon" => "intersection tests".to_owned(),
         "host_ray" => "work on rays".to_owned(),
-        "host_hit" => "shading".to_owned(),
+        "host_hit" | "shade_hit" => "shading".to_owned(),
+        "fixed_ms" => "what is spent once".to_owned(),
+        "per_cap_ms" => "copies of the scene".to_owned(),
+        "message_ms" => "sending messages".to_owned(),
+        "segment_ms" => format!("set-ups of {}s", path.topology.names.job),
+        "pixel_ms" => "pixels".to_owned(),
+        "color_ms" => "taking colours".to_owned(),
+        BUS => "messages on the buses".to_owned(),
         other => {
             let activity = path.topology.states.get(unit.state).map_or("other", |state| state.name.as_str());
             if other.ends_with("_cycle") { activity.to_owned() } else { format!("{activity} instructions") }
@@ -129,12 +152,38 @@ fn doing(path: &CriticalPath, unit: &PathUnit) -> String {
     }
 }
 
+/// Who somebody is, on a path: `cell 3`, `the host`, or a name of its own.
+fn place(path: &CriticalPath, at: Actor) -> String {
+    match at {
+        Actor::Host => at.to_string(),
+        Actor::Station(index) => path.topology.station(index),
+    }
+}
+
+/// What the lengths of parts are called.
+fn lengths(path: &CriticalPath) -> &'static str {
+    if path.topology.shape == Shape::Farm { "time" } else { "cycles" }
+}
+
+/// A length: in cycles, which of a farm are nanoseconds, and are told as times.
+fn length(path: &CriticalPath, cycles: Cycles) -> String {
+    if path.topology.shape == Shape::Farm { time(Capitan::CLOCK.seconds(cycles)) } else { grouped(cycles.0) }
+}
+
+/// The length of a path.
+fn whole(path: &CriticalPath) -> String {
+    let length = length(path, path.cycles);
+    if path.topology.shape == Shape::Farm { length } else { length + " cycles" }
+}
+
 /// A part of a path, in words: `the grid's steps in cell 0`, `X4, full`.
 fn phrase(path: &CriticalPath, part: &PathPart) -> String {
     let fifo = |fifo: usize| &path.topology.fifos[fifo].name;
     match part.cause {
-        Cause::Work(unit) => format!("{} in {}", doing(path, &path.units[unit]), part.at),
-        Cause::Move => format!("moving words in {}", part.at),
+        // Which of the workers it is at a time says nothing.
+        Cause::Work(unit) if path.topology.shape == Shape::Farm => doing(path, &path.units[unit]),
+        Cause::Work(unit) => format!("{} in {}", doing(path, &path.units[unit]), place(path, part.at)),
+        Cause::Move => format!("moving words in {}", place(path, part.at)),
         Cause::Latency(place) => format!("the way into {}", fifo(place)),
         Cause::Wire(place) => format!("the wire into {}", fifo(place)),
         Cause::Slot(place) => format!("{}, full", fifo(place)),
@@ -160,16 +209,16 @@ pub fn time_rows(path: &CriticalPath, by_cell: bool) -> Rows {
     let row = |time: TimeOnPath| {
         let saved = percent(time.cycles, Cycles(path.cycles.0.saturating_mul(10)));
         vec![
-            time.at.map_or(time.label.clone(), |at| format!("{} {} {at}", time.label, time.side())),
-            grouped(time.cycles.0),
+            time.at.map_or(time.label.clone(), |at| format!("{} {} {}", time.label, time.side(), place(path, at))),
+            length(path, time.cycles),
             percent(time.cycles, path.cycles),
             grouped(time.count),
-            grouped(time.each.0),
+            length(path, time.each),
             if time.varies { saved } else { String::new() },
         ]
     };
     Rows {
-        header: ["cause", "cycles", "share", "times", "each", "10 % less saves"].map(str::to_owned).to_vec(),
+        header: ["cause", lengths(path), "share", "times", "each", "10 % less saves"].map(str::to_owned).to_vec(),
         rows: times(path, by_cell).into_iter().map(row).collect(),
     }
 }
@@ -192,23 +241,45 @@ pub fn place_rows(path: &CriticalPath) -> Rows {
         causes.iter().take(NAMED).map(|(label, cycles)| format!("{label} {}", share(**cycles))).collect::<Vec<_>>()
     };
     let row = |(at, (cycles, causes)): &(Actor, (Cycles, BTreeMap<String, Cycles>))| {
-        vec![at.to_string(), grouped(cycles.0), share(*cycles), mostly(causes).join("; ")]
+        vec![place(path, *at), length(path, *cycles), share(*cycles), mostly(causes).join("; ")]
     };
     let mut rows: Vec<Vec<String>> = places.iter().take(MOST_CELLS).map(row).collect();
     let others = &places[rows.len()..];
     if !others.is_empty() {
         let cycles: Cycles = others.iter().map(|(_, (cycles, _))| *cycles).sum();
-        rows.push(vec![format!("{} others", others.len()), grouped(cycles.0), share(cycles), String::new()]);
+        rows.push(vec![format!("{} others", others.len()), length(path, cycles), share(cycles), String::new()]);
     }
-    Rows { header: ["where", "cycles", "share", "mostly"].map(str::to_owned).to_vec(), rows }
+    Rows { header: ["where", lengths(path), "share", "mostly"].map(str::to_owned).to_vec(), rows }
 }
 
 /// What the figures mean.
-const MEANING: &str = "\
-Each cycle of the run has one cause on this chain, which ends with the last hit.
-A time that is 10 % less saves so much as long as the chain stays a longest one,
-and never more; one that is 10 % more costs no less.
-";
+fn meaning(path: &CriticalPath) -> String {
+    let text = match path.topology.shape {
+        Shape::Line => {
+            "Each cycle of the run has one cause on this chain, which ends with the last hit. A time that is 10 % less saves so \
+             much as long as the chain stays a longest one, and never more; one that is 10 % more costs no less."
+        }
+        Shape::Farm | Shape::Cube => {
+            "Each nanosecond of the run has one cause on this chain, which ends with what is done last. A time that is 10 % less \
+             saves so much as long as the chain stays a longest one and all come in the order in which they did: who asks first, \
+             whose message is first on a bus. In another order it may be less or more."
+        }
+    };
+    wrapped(text, WIDTH) + "\n"
+}
+
+/// What its savings are subject to, in a sentence.
+pub fn subject_to(path: &CriticalPath) -> &'static str {
+    match path.topology.shape {
+        Shape::Line => {
+            "What 10 % less of a time saves, it saves while the critical path stays a longest chain, and never more."
+        }
+        Shape::Farm | Shape::Cube => {
+            "What 10 % less of a time saves, it saves while the critical path stays a longest chain and all come in the order in \
+             which they did."
+        }
+    }
+}
 
 /// What an image's path does not tell, in a line.
 pub const OF_AN_IMAGE: &str = "
@@ -219,8 +290,9 @@ which it sent them, as a replay of the ops keeps it.
 /// All that people read of a path.
 pub fn text(path: &CriticalPath, by_cell: bool) -> String {
     format!(
-        "{}\n{MEANING}\n{}\n{}",
-        prose(&format!("why {} cycles: {}", grouped(path.cycles.0), sentence(path))),
+        "{}\n{}\n{}\n{}",
+        prose(&format!("why {}: {}", whole(path), sentence(path))),
+        meaning(path),
         figures(time_rows(path, by_cell), &[]),
         figures(in_lines(place_rows(path)), &[3]),
     )
@@ -284,7 +356,7 @@ impl PathJson {
         let part = |part: PathPart| PartJson {
             at: match part.at {
                 Actor::Host => "host".to_owned(),
-                Actor::Station(cell) => cell.to_string(),
+                Actor::Station(station) => path.topology.station_number(station),
             },
             cause: name(path, part.cause),
             fifo: fifo_of(path, part.cause).map(str::to_owned),

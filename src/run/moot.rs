@@ -23,7 +23,7 @@ pub const ALWAYS_REFUSED: [(&str, &[&str]); 6] = [
     ("replay", &["memory_words"]),
     ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk"]),
     ("size-fifos", &DEPTHS),
-    ("farm", &["adaptive", "why", "enough"]),
+    ("farm", &["adaptive", "enough"]),
     ("ipsc2", &["adaptive", "why", "enough"]),
 ];
 

@@ -230,12 +230,20 @@ fn followed(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
+/// A reader of standard output that has gone away (`| head`) is no failure: the rest goes nowhere.
+fn unless_gone<T>(written: std::io::Result<T>, all: T) -> std::io::Result<T> {
+    match written {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(all),
+        written => written,
+    }
+}
+
 impl Write for Target {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         match self {
             Target::Part(part) => part.file.write(bytes),
             Target::Device(file) => file.write(bytes),
-            Target::Stdout(out) => out.write(bytes),
+            Target::Stdout(out) => unless_gone(out.write(bytes), bytes.len()),
         }
     }
 
@@ -243,7 +251,7 @@ impl Write for Target {
         match self {
             Target::Part(part) => part.file.flush(),
             Target::Device(file) => file.flush(),
-            Target::Stdout(out) => out.flush(),
+            Target::Stdout(out) => unless_gone(out.flush(), ()),
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::measure::StateTimes;
 use crate::program::cube::MessageKind;
 use crate::report::cube::{Losses, efficiency, speed_up};
 use crate::report::table::{Column, Kind};
-use crate::run::{CubeOutcome, CubeRunOptions, CubeScene, CubeSpec, Key, Watching, Workers};
+use crate::run::{CubeOutcome, CubeRunOptions, CubeScene, CubeSpec, Key, RunError, Watching, Workers};
 
 /// What the table tells of a point, behind its parameters. `one_node` to `tail` are what the time of all nodes goes to, as shares; they add
 /// up to 1. `computing` is the share that all their work takes.
@@ -96,7 +96,10 @@ impl LaidOut for CubePoint {
     }
 
     fn run(&self, scene: &CubeScene, cancel: &Cancel) -> Result<Vec<String>, String> {
-        let outcome = self.spec.run(scene, &self.machine, &Watching::default(), cancel).map_err(reason)?;
+        // A circle of nodes that wait has a line each.
+        let in_a_line =
+            |error: RunError<Infallible>| reason(error).lines().map(str::trim).collect::<Vec<_>>().join("; ");
+        let outcome = self.spec.run(scene, &self.machine, &Watching::default(), cancel).map_err(in_a_line)?;
         Ok(self.results(scene, &outcome))
     }
 }

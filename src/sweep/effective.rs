@@ -95,7 +95,8 @@ pub(super) fn columns(of: Points, parameters: &[Parameter]) -> Vec<Column<'stati
 /// All columns that sweeps can have.
 pub(super) fn all() -> impl Iterator<Item = Column<'static>> {
     let of_arrays = OF_ARRAYS.into_iter().map(|effective| effective.column);
-    of_arrays.chain(OF_FARMS.into_iter().map(|effective| effective.column))
+    let of_farms = OF_FARMS.into_iter().map(|effective| effective.column);
+    of_arrays.chain(of_farms).chain(OF_CUBES.into_iter().map(|effective| effective.column))
 }
 
 /// The cells of these columns.

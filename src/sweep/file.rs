@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
+use super::effective;
 use super::parameters::{self, Parameter, Points, SweepFile};
 use super::range::MOST_VALUES;
-use super::{cube_point, effective, farm_point, point};
 use crate::error::{InputError, Place};
 use crate::input::fields;
 use crate::input::reading::{self, FileRead};
@@ -65,13 +65,7 @@ impl Sweep {
 
     /// What its table tells of a point, behind the parameters: what the machine made of their values, and what came out.
     pub fn results(&self) -> Vec<Column<'static>> {
-        let mut columns = effective::columns(self.of, &self.parameters);
-        match self.of {
-            Points::Arrays => columns.extend(point::COLUMNS),
-            Points::Farms => columns.extend(farm_point::COLUMNS),
-            Points::Cubes => columns.extend(cube_point::COLUMNS),
-        }
-        columns
+        [&effective::columns(self.of, &self.parameters), self.of.results()].concat()
     }
 
     /// How many points it has.

@@ -8,6 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
 use super::range::{MOST_VALUES, Range};
+use super::{cube_point, farm_point, point};
 use crate::error::InputError;
 use crate::parameters::{Kind as Form, ParameterInfo, named};
 use crate::report::table::{Column, Kind};
@@ -50,7 +51,7 @@ pub(super) const ON: ParameterInfo = ParameterInfo { name: "on", kind: Form::Tex
 
 impl Points {
     /// All kinds, those first that others are told apart from.
-    const ALL: [Points; 3] = [Points::Arrays, Points::Farms, Points::Cubes];
+    pub(super) const ALL: [Points; 3] = [Points::Arrays, Points::Farms, Points::Cubes];
 
     /// All that a sweep of such points can set, in the order of tables.
     fn parameters(self) -> Vec<&'static ParameterInfo> {
@@ -60,6 +61,21 @@ impl Points {
             Points::Farms => [&FARM].into_iter().chain(FarmRunOptions::parameters()).collect(),
             Points::Cubes => [&ON].into_iter().chain(CubeRunOptions::parameters()).collect(),
         }
+    }
+
+    /// What a table tells of such a point, behind its parameters and what the machine made of them.
+    pub(super) fn results(self) -> &'static [Column<'static>] {
+        match self {
+            Points::Arrays => &point::COLUMNS,
+            Points::Farms => &farm_point::COLUMNS,
+            Points::Cubes => &cube_point::COLUMNS,
+        }
+    }
+
+    /// What a column of such points' table is called, if there is one of that name.
+    pub(super) fn label(self, name: &str) -> Option<&'static str> {
+        let of_parameters = self.parameters().into_iter().find(|known| known.name == name).map(|known| known.label);
+        of_parameters.or_else(|| self.results().iter().find(|column| column.name == name).map(|column| column.label))
     }
 
     /// What such points are called.
@@ -107,9 +123,9 @@ static KNOWN: LazyLock<Vec<&'static ParameterInfo>> = LazyLock::new(|| {
     all
 });
 
-/// What the column of a parameter is called, if there is one of that name.
-pub(super) fn label(name: &str) -> Option<&'static str> {
-    KNOWN.iter().find(|known| known.name == name).map(|known| known.label)
+/// Whether there is a parameter of that name.
+pub(super) fn is_known(name: &str) -> bool {
+    KNOWN.iter().any(|known| known.name == name)
 }
 
 /// Their names.

@@ -204,17 +204,10 @@ impl Record {
 
 impl Places {
     fn new(path: &Path) -> Result<Places, InputError> {
-        match path.extension().and_then(|ending| ending.to_str()) {
-            Some("csv" | "parquet") => {
-                let with = |ending| path.with_extension(ending);
-                let [csv, parquet, journal] = ["csv", "parquet", "journal"].map(with);
-                Ok(Places { csv, parquet, sweep: with("sweep.ron"), journal })
-            }
-            _ => {
-                let error = InputError::in_file(path, "a table's name must end in .csv or .parquet");
-                Err(error.help("it is written as both, side by side"))
-            }
-        }
+        table::check_name(path)?;
+        let with = |ending| path.with_extension(ending);
+        let [csv, parquet, journal] = ["csv", "parquet", "journal"].map(with);
+        Ok(Places { csv, parquet, sweep: with("sweep.ron"), journal })
     }
 
     fn check_free(&self) -> Result<(), InputError> {

@@ -1,6 +1,8 @@
 //! What the points of a table are, in a line above its plots.
 
-use super::{effective, farm_point, parameters, point};
+use std::cmp::Reverse;
+
+use super::{Points, effective, parameters};
 use crate::report::account::plural;
 use crate::report::table::{Column, Table};
 
@@ -39,7 +41,7 @@ fn called<'a>(columns: &[Column<'a>], name: &'a str) -> Option<&'a str> {
     let has_cells = || columns.iter().any(|column| column.name == CELLS.1);
     match name {
         _ if name == CELLS.0 => (!has_cells()).then_some(CELLS.1),
-        _ => parameters::label(name).map(|_| name),
+        _ => parameters::is_known(name).then_some(name),
     }
 }
 
@@ -50,9 +52,12 @@ fn listed(values: &[&str]) -> String {
     }
 }
 
-/// What a column of a sweep's table is called on an axis, if there is one of that name.
-pub fn label(name: &str) -> Option<&'static str> {
-    let results = effective::all().chain(point::COLUMNS).chain(farm_point::COLUMNS);
-    let of_results = || results.into_iter().find(|column| column.name == name).map(|column| column.label);
-    parameters::label(name).or_else(of_results)
+/// What a column of a sweep's table is called on an axis, if there is one of that name. Where tables of several kinds of points have
+/// one, it is that of the kind that has most of the table's headings.
+pub fn label(headings: &[String], name: &str) -> Option<&'static str> {
+    let known = |points: &Points| headings.iter().filter(|heading| points.label(heading).is_some()).count();
+    let mut kinds = Points::ALL;
+    kinds.sort_by_key(|points| Reverse(known(points)));
+    let effective = || effective::all().find(|column| column.name == name).map(|column| column.label);
+    kinds.into_iter().find_map(|points| points.label(name)).or_else(effective)
 }

@@ -225,6 +225,9 @@ proptest! {
                 }
                 prop_assert_eq!(Ok(found), expected);
                 conserves(&machine, &graph, &stats, &seen)?;
+                if let Flow::Block(slots) | Flow::Classes(slots) = rules.flow {
+                    prop_assert!(seen.nodes.iter().all(|node| node.most_slots <= slots));
+                }
             }
             Err(_) => prop_assert_eq!(expected, Err(Stopped::Stuck)),
         }

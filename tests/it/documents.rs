@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use pcs_sim::machine::{CapitanFile, CapitanOptions, Ipsc2File, Ipsc2Options, MachineFile, MachineOptions};
+use pcs_sim::machine::{CapitanFile, CapitanOptions, FifoName, Ipsc2File, Ipsc2Options, MachineFile, MachineOptions};
 use pcs_sim::parameters::ParameterInfo;
 use pcs_sim::report::table::{Column, Kind};
 use pcs_sim::run::{CubeRunOptions, FarmRunOptions, RunOptions};
@@ -160,22 +160,49 @@ fn tables_md_lists_every_field() {
         }
         fields
     };
-    let names = |heading: &str| {
-        let lines = listed(heading);
-        let columns = lines.iter().map(|line| line.split(" | ").collect::<Vec<_>>());
-        let name = |columns: Vec<&str>| columns[0].trim_start_matches("| `").trim_end_matches('`').to_owned();
-        columns.map(name).collect::<BTreeSet<String>>()
-    };
     let runs = [
         "--scene room --size 8x6 --mode broadcast --cells 2 --why --enough --ops a.ops",
         "replay a.ops",
         "image room --size 8x6 -o i.png --samples 2 --adaptive --screen-rectangles scene",
         "--scene tetra --size-factor 3 --size 8x8 --cells-run programs",
         "--mode broadcast --cells 8 --partition work --scene teapot --size 48x48",
+        "--scene room --size 8x6 --mode pipeline --stop-words 2",
     ];
     assert_eq!(written(&runs), names("Statistics\n"));
-    assert_eq!(written(&["farm rectangles --size 20x10 --tasks 2"]), names("Statistics of a farm"));
+    let farms = ["farm rectangles --size 20x10 --tasks 2 --why", "farm room --size 8x6 --tasks 2"];
+    assert_eq!(written(&farms), names("Statistics of a farm"));
     let cubes = ["ipsc2 room --size 8x8 --nodes 2", "ipsc2 room --size 8x8 --nodes 2 --mode shared-memory"];
     assert_eq!(written(&cubes), names("Statistics of an image on a hypercube"));
     assert_eq!(written(&["model room --size 8x8"]), names("Predictions"));
+}
+
+/// The names in the first column of a section's table.
+fn names(heading: &str) -> BTreeSet<String> {
+    let lines = listed(heading);
+    let name = |line: &String| line.trim_start_matches("| `").split('`').next().unwrap().to_owned();
+    lines.iter().map(name).collect()
+}
+
+/// docs/tables.md lists what else commands write: hits, comparisons, the sizes of FIFOs.
+#[test]
+fn tables_md_lists_every_other_column() {
+    let folder = Folder::new();
+    let columns = |csv: &str| csv.lines().next().unwrap().split(',').map(str::to_owned).collect::<BTreeSet<_>>();
+    let run = "--scene room --size 8x6 --mode broadcast";
+    folder.run(&format!("{run} --cells 2 --hits h.csv --stats a.json")).success();
+    folder.run(&format!("{run} --cells 3 --stats b.json")).success();
+    assert_eq!(columns(&folder.read("h.csv")), names("Hits"));
+    assert_eq!(columns(&folder.run("compare a.json b.json --csv").stdout), names("A comparison\n"));
+    let mut fields = BTreeSet::new();
+    let json = folder.run("compare a.json b.json --json").stdout;
+    paths(&serde_json::from_str(&json).unwrap(), "", &mut fields);
+    assert_eq!(fields, names("A comparison as JSON"));
+    folder.run("size-fifos --scene room --size 8x6 --mode broadcast --cells 2 -o s.csv").success();
+    let sizes = columns(&folder.read("s.csv"));
+    let is_other_fifo = |name: &str| name != "X0" && name.parse::<FifoName>().is_ok();
+    assert!(sizes.iter().any(|name| is_other_fifo(name)));
+    assert_eq!(
+        sizes.into_iter().filter(|name| !is_other_fifo(name)).collect::<BTreeSet<_>>(),
+        names("The sizes of FIFOs")
+    );
 }

@@ -5,11 +5,14 @@ use std::convert::Infallible;
 
 use proptest::prelude::*;
 
-use crate::support::farm_ticking::{Plan, Ticked, tick};
+use crate::support::farm_looking_back::{Parts, look_back};
+use crate::support::farm_ticking::{Plan, Ticked, tick, tick_recorded};
 use pcs_sim::cancel::Cancel;
 use pcs_sim::machine::events::{Buses, Events};
 use pcs_sim::machine::{Capitan, CapitanFile, Cycles, HostTimes, KernelTimes, TaskCosts};
-use pcs_sim::measure::{JobSpan, Measured, Observed, Recording, StateTimes, StationRecord, Stretch};
+use pcs_sim::measure::{
+    Actor, Cause, CriticalPath, JobSpan, Measured, Observed, Recording, StateTimes, StationRecord, Stretch,
+};
 use pcs_sim::program::farm::{Farm, HandOut, ItemKind, Items, SceneBy};
 use pcs_sim::run::{
     self, FarmOutcome, FarmRunOptions, FarmSpec, Layers, Picture, PlannedRun, RunOptions, RunSpec, Watching, Workers,
@@ -66,6 +69,7 @@ fn capitan() -> Capitan {
 fn run(machine: &Capitan, items: &Items, scene: (u64, SceneBy), workers: (usize, HandOut)) -> (Measured, Observed) {
     let mut farm = Farm::new(machine, items, scene, workers);
     let events = Events::new(farm.topology(), machine.buses.clone(), Farm::SENDING_AND_IDLE);
+    let events = events.explained(farm.explanation(), Farm::sending);
     let mut events = events.probed().recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
     while events.step(&mut |task, _, taken| farm.next(task, taken)) {}
     events.finish().unwrap()
@@ -169,6 +173,72 @@ fn raised(plan: &Plan, cost: usize, by: u64) -> Plan {
     plan
 }
 
+/// A path in words.
+fn in_words(path: &CriticalPath) -> Parts {
+    let mut parts = Parts::new();
+    for part in path.parts() {
+        let (Actor::Station(task), Cause::Work(unit)) = (part.at, part.cause) else { panic!("{part:?}") };
+        let name = path.units[unit].name.clone();
+        assert!(parts.insert((task, name), (part.cycles.0, part.count)).is_none());
+    }
+    parts
+}
+
+/// What can be changed, by the names that paths have for it.
+const CHANGEABLE: [&str; 7] =
+    ["fixed_ms", "per_cap_ms", "message_ms", "segment_ms", "color_ms", "pixel_ms", "bus_message"];
+
+/// How often a time lies on the path.
+fn slope(plan: &Plan, cost: usize) -> u64 {
+    let parts = in_words(&run_plan(plan).1.path.unwrap());
+    parts.iter().filter(|((_, name), _)| name == CHANGEABLE[cost]).map(|(_, (_, count))| count).sum()
+}
+
+/// The same with that time longer or shorter, if it can be. (A message on a bus is, where a byte takes a nanosecond, by its header.)
+fn changed(plan: &Plan, cost: usize, by: i64) -> Option<Plan> {
+    let mut plan = plan.clone();
+    let mut all: Vec<&mut u64> = match cost {
+        0 => vec![&mut plan.fixed],
+        1 => vec![&mut plan.per_cap],
+        2 => vec![&mut plan.message],
+        3 => vec![&mut plan.segment],
+        4 => vec![&mut plan.color],
+        5 => plan.items.iter_mut().flatten().collect(),
+        _ if plan.byte_ps == 1000 => vec![&mut plan.header],
+        _ => return None,
+    };
+    all.iter_mut().try_for_each(|time| {
+        **time = time.checked_add_signed(by)?;
+        Some(())
+    })?;
+    Some(plan)
+}
+
+/// Most slopes are what a nanosecond more and one less come to, and all causes occur: else the properties say little.
+#[test]
+fn slopes_are_pinned_by_their_neighbours() {
+    use proptest::strategy::ValueTree;
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let mut seen: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for _ in 0..1000 {
+        let plan = plan().new_tree(&mut runner).unwrap().current();
+        let (whole, history) = tick_recorded(&plan);
+        for (cost, name) in CHANGEABLE.iter().enumerate() {
+            let slope = slope(&plan, cost) as i64;
+            let neighbours = [-1, 1].map(|by| {
+                let (after, new) = tick_recorded(&changed(&plan, cost, by)?);
+                (new.order() == history.order()).then_some((after.time as i64 - whole.time as i64) * by)
+            });
+            let [Some(less), Some(more)] = neighbours else { continue };
+            let (pinned, all) = seen.entry(name).or_default();
+            *all += usize::from(slope > 0);
+            *pinned += usize::from(slope > 0 && less == slope && more == slope);
+        }
+    }
+    assert!(seen.len() == CHANGEABLE.len(), "{seen:?}");
+    assert!(seen.values().all(|&(pinned, all)| all >= 5 && 2 * pinned > all), "{seen:?}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
@@ -200,6 +270,44 @@ proptest! {
             for border in jobs.iter().flat_map(|job| [job.from, job.until]) {
                 let states = &recording.stations[task].states;
                 prop_assert!(!states.iter().any(|stretch| lies_over(stretch, border)), "cut where jobs begin and end");
+            }
+        }
+    }
+
+    /// Every part of the critical path is what a walk back through all that the model did comes to; they sum to the run, in its
+    /// bins too.
+    #[test]
+    fn the_critical_path_is_a_walk_back(plan in plan()) {
+        let (measured, observed) = run_plan(&plan);
+        let (path, profile) = (observed.path.unwrap(), observed.profile.unwrap());
+        let (ticked, history) = tick_recorded(&plan);
+        prop_assert_eq!(path.cycles, measured.cycles);
+        if ticked.time > 0 {
+            prop_assert_eq!(in_words(&path), look_back(&history, ticked.time));
+        }
+        let sum = |bin: &Vec<pcs_sim::measure::PathPart>| bin.iter().map(|part| part.cycles.0).sum::<u64>();
+        prop_assert_eq!(path.bins.iter().map(sum).sum::<u64>(), path.cycles.0);
+        prop_assert_eq!((path.bin, path.bins.len()), (profile.bin, profile.jobs.len()));
+        let last = path.bins.len().saturating_sub(1);
+        prop_assert!(path.bins.iter().take(last).all(|bin| sum(bin) == path.bin.0), "each bin is full");
+    }
+
+    /// As long as all come in the order in which they did, the straight line bounds the true time from below, whatever changes and
+    /// however much; so a slope lies between the changes for a nanosecond less and one more.
+    #[test]
+    fn slopes_bound_the_true_time(plan in plan(), cost in 0..CHANGEABLE.len(), by in 1u64..40) {
+        let (whole, history) = tick_recorded(&plan);
+        let slope = slope(&plan, cost);
+        if let Some(later) = changed(&plan, cost, by as i64) {
+            let (after, new) = tick_recorded(&later);
+            if new.order() == history.order() {
+                prop_assert!(after.time >= whole.time + by * slope, "{after:?}");
+            }
+        }
+        if let Some(earlier) = changed(&plan, cost, -1) {
+            let (after, new) = tick_recorded(&earlier);
+            if new.order() == history.order() {
+                prop_assert!(after.time + slope >= whole.time, "{after:?}");
             }
         }
     }

@@ -74,6 +74,40 @@ fn a_farm_has_all_views() {
     assert!(scopes.contains(&"farm") && scopes.contains(&"CAP_3"), "{scopes:?}");
 }
 
+/// The critical path in words, on a page, as a picture and in statistics, where it sums to the run; a change of a cost changes the
+/// run by how often that lies on it.
+#[test]
+fn why_a_farm_takes_as_long() {
+    let folder = Folder::new();
+    let farm = "farm rectangles --size 30x20 --tasks 3 --hand-out dealt";
+    let stdout = folder.run(&format!("{farm} --why --stats a.json --page a.html --plot plots")).success();
+    let (_, why) = stdout.split_once("\nwhy ").unwrap();
+    insta::assert_snapshot!(why);
+    assert!(folder.read("a.html").contains("where the critical path is, and why"));
+    let read = |name: &str| serde_json::from_str::<Value>(&folder.read(name)).unwrap();
+    let a = read("a.json");
+    for list in ["times", "parts"] {
+        let sum: u64 = a["why"][list].as_array().unwrap().iter().map(|part| part["cycles"].as_u64().unwrap()).sum();
+        assert_eq!(Some(sum), a["cycles"].as_u64(), "{list}");
+    }
+    let count = |time: &str| {
+        let times = a["why"]["times"].as_array().unwrap().iter();
+        times.filter(|known| known["time"] == time).map(|known| known["count"].as_u64().unwrap()).sum::<u64>()
+    };
+    // By a nanosecond each.
+    for (flag, time) in [("--segment-ms 7.000001", "segment_ms"), ("--fixed-ms 1750.000001", "fixed_ms")] {
+        folder.run(&format!("{farm} {flag} --stats b.json --force")).success();
+        let later = read("b.json")["cycles"].as_u64().unwrap() - a["cycles"].as_u64().unwrap();
+        assert!(count(time) > 0 && later == count(time), "{time}: {later}");
+    }
+    let rooms = folder.run("farm room --size 12x8 --tasks 2 --why --stats c.json --force").success();
+    assert!(rooms.contains("intersection, a polygon"), "{rooms}");
+    for time in read("c.json")["why"]["times"].as_array().unwrap() {
+        let [count, each, all] = ["count", "each", "cycles"].map(|name| time[name].as_u64().unwrap());
+        assert!(all == count * each || time["time"] == "bus_message", "{time}");
+    }
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     let folder = Folder::new();
@@ -97,6 +131,7 @@ fn what_cannot_be_is_refused() {
         "rectangles --pixel-ms 1e30",
         "rectangles --processors 1",
         "rectangles --tasks 1..2 --stats a.json",
+        "rectangles --tasks 1..2 --why",
         "rectangles --tile 4",
         "rectangles --grid-coefficient 4",
         "rectangles --shade-hit 4",

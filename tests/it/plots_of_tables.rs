@@ -18,10 +18,39 @@ fn any_table_is_drawn() {
     assert_eq!(stdout, "wrote rooms.svg\nwrote rooms.png\n");
     let svg = folder.read("rooms.svg");
     let text = |text: &str| svg.contains(&format!("\n{text}\n"));
-    assert!(text("Rooms") && text("Times as fast as one worker over cells, by mode") && text("broadcast"), "{svg}");
+    assert!(text("Rooms") && text("Times as fast as one node over cells, by mode") && text("broadcast"), "{svg}");
     assert!(text("-2") && !text("70"), "rows of another scene are left out: {svg}");
     let error = folder.run("plot t.csv x=cells y=speed_up -o rooms").refused();
     assert!(error.contains("exists already"), "{error}");
+}
+
+/// Tables of several machines have a column of one name: what it is called follows from the others.
+#[test]
+fn a_column_is_called_as_in_tables_of_its_kind() {
+    let folder = Folder::new();
+    for (column, called) in [("tasks", "Times as fast as one worker"), ("nodes", "Times as fast as one node")] {
+        folder.file("t.csv", format!("{column},speed_up\n1,1\n2,1.9\n"));
+        folder.run(&format!("plot t.csv x={column} y=speed_up -o p --force")).success();
+        assert!(folder.read("p.svg").contains(called), "{column}");
+    }
+}
+
+/// Numbers next to each other have labels that differ; those at the ends of what numbers can be are refused.
+#[test]
+fn numbers_near_each_other_or_out_of_reach() {
+    let folder = Folder::new();
+    folder.file("near.csv", "x,y\n-44.621551513671875,1\n-44.62155151367187,2\n");
+    folder.run("plot near.csv x=x y=y -o near").success();
+    let svg = folder.read("near.svg");
+    let labels: Vec<&str> = svg.lines().filter(|line| line.starts_with("-44.6")).collect();
+    let distinct: std::collections::BTreeSet<&&str> = labels.iter().collect();
+    assert!(labels.len() > 1 && distinct.len() == labels.len(), "{labels:?}");
+    for (table, number) in [("1,0\n2,5e-324", "5e-324"), ("1,1\n2,1e300\n3,1e100", "1e300"), ("1,1\n1e200,2", "1e200")]
+    {
+        folder.file("far.csv", format!("x,y\n{table}\n"));
+        let error = folder.run("plot far.csv x=x y=y -o far").refused();
+        assert!(error.contains(&format!("{number} cannot be drawn")), "{error}");
+    }
 }
 
 #[test]
@@ -53,6 +82,22 @@ fn mistakes_are_told() {
     }
 }
 
+/// Standard output takes one picture, and no table, which is several files.
+#[test]
+fn what_standard_output_takes() {
+    let folder = Folder::new();
+    folder.file("t.csv", TABLE);
+    folder.file("s.ron", "(scene: \"room\", size: \"4x4\")");
+    let plot = "plot t.csv x=cells y=speed_up by=mode scene=room -o -";
+    assert!(folder.run(plot).refused().contains("standard output takes one picture, and 2 are asked for"));
+    let svg = folder.run(&format!("{plot} --plot-format svg")).success();
+    assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"), "{svg}");
+    for command in ["sweep s.ron", "size-fifos --scene room --size 4x4"] {
+        assert!(folder.run(&format!("{command} -o -.csv")).refused().contains("a table is several files"), "{command}");
+    }
+    assert_eq!(folder.names(), ["s.ron", "t.csv"]);
+}
+
 /// The texts of a picture.
 fn texts(svg: &str) -> Vec<&str> {
     svg.split("<text").skip(1).filter_map(|text| text.split('\n').nth(1)).collect()
@@ -66,7 +111,7 @@ fn no_point_is_an_average_over_what_is_not_shown() {
     folder.run("plot t.csv x=cells y=speed_up -o scenes").success();
     let svg = folder.read("scenes.svg");
     assert!(
-        ["Times as fast as one worker over cells, by scene", "room", "lake"]
+        ["Times as fast as one node over cells, by scene", "room", "lake"]
             .iter()
             .all(|text| texts(&svg).contains(text))
     );

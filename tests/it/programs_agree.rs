@@ -82,8 +82,9 @@ fn on_any_number_of_threads() {
     }
 }
 
-/// Total cycles within 15 % of those of Figure 7's times, on every built-in scene but `table`, for the same hits and candidates. Of the
-/// 31 polygons of `table` most crowd in the few voxels of its legs, and all are of four corners: within 25 %.
+/// Total cycles within 15 % of those of Figure 7's times, on every built-in scene, for the same hits and candidates; but for `table`
+/// in the pipeline. A program's intersection takes 26 to 28 % longer than Figure 7's on polygons of four corners alone, which
+/// elsewhere hides behind the grid (`room`); a ray through `table` visits so few voxels that the intersection's cell is the busiest.
 #[test]
 fn in_about_the_same_time() {
     for builtin in builtin::all() {
@@ -92,7 +93,7 @@ fn in_about_the_same_time() {
             let [timings, programs] = both(&scene.mesh, &program(mode, groups), &rays);
             assert_eq!(hits_and_counts(&programs), hits_and_counts(&timings), "{}, {mode}", builtin.name);
             let ratio = programs.stats.cycles.0 as f64 / timings.stats.cycles.0 as f64;
-            let bound = if builtin.name == "table" { 0.25 } else { 0.15 };
+            let bound = if (builtin.name, mode) == ("table", "pipeline") { 0.25 } else { 0.15 };
             assert!((ratio - 1.0).abs() < bound, "{}, {mode}: {ratio:.3} times the cycles", builtin.name);
             // Every kernel is at work in both, and moving takes just as long: the words are the same.
             let cells = timings.stats.stations.len();

@@ -167,7 +167,12 @@ fn two_hundred_events_forward_and_back_are_the_recordings() {
     let Some(browser) = Browser::start() else { return };
     let shown = Shown::new(RUN);
     let page = shown.open(&browser, (1600, 900));
+    // A cycle in which something changes; the way back from others leads to them, too.
     let start = shown.recording.stations[1].jobs[2].from;
+    let quiet = "(async () => { stepper.go(9001); const first = JSON.stringify(stepper.state()); \
+        for (let n = 0; n < 200; n++) await stepper.step('event', 1); \
+        for (let n = 0; n < 200; n++) await stepper.step('event', -1); return JSON.stringify(stepper.state()) === first; })()";
+    assert_eq!(page.eval(quiet), true);
     let seen = page.eval(&format!(
         "(async () => {{
           stepper.go({});
@@ -253,8 +258,8 @@ fn moments_are_found_by_questions() {
         stations[cell].states.iter().find(kind).unwrap().from.0
     };
     let asked = [
-        ("next time X1 is full", full("X1")),
-        ("x1 full", full("X1")),
+        ("next time X2 is full", full("X2")),
+        ("x2 full", full("X2")),
         ("cell 2 waits", waits(2)),
         ("ray 17 comes to cell 3", job(&stations[3].jobs, 17)),
         ("ray 17", job(&host.as_ref().unwrap().jobs, 17)),
@@ -393,4 +398,40 @@ fn pages_are_bounded() {
     let page = folder.read("a.html");
     assert!(page == folder.read("b.html"));
     assert!(page.len() < 4_000_000, "{} bytes", page.len());
+}
+
+/// The mean brightness of a picture, from 0 to 255.
+fn brightness(path: &std::path::Path) -> f64 {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    pixels.iter().map(|&value| f64::from(value)).sum::<f64>() / pixels.len() as f64
+}
+
+#[test]
+fn the_steps_fit_narrow_and_wide_windows_light_and_dark() {
+    let Some(browser) = Browser::start() else { return };
+    let shown = Shown::new("--mode broadcast --cells 24 --scene tetra --size 6x5 --fifo-words 16");
+    let page = shown.open(&browser, (1600, 900));
+    page.eval("stepper.follow(3)");
+    for width in [900, 1600] {
+        page.resize(width, 900);
+        for dark in [false, true] {
+            page.dark(dark);
+            page.wait_for(&format!("isDark() === {dark}"));
+            assert_eq!(page.eval("document.documentElement.scrollWidth <= innerWidth"), true, "{width}");
+            let picture = shown.folder.path("page.png");
+            page.screenshot(&picture);
+            let brightness = brightness(&picture);
+            assert!(if dark { brightness < 90.0 } else { brightness > 180.0 }, "{width}, dark {dark}: {brightness}");
+        }
+    }
+    // All that has an action has a name, and what is drawn is told.
+    let unnamed = "[...document.querySelectorAll('.around :is(button, input, select)')].filter((one) => \
+        !one.getAttribute('aria-label') && !one.textContent.trim() && !one.closest('label')).length";
+    assert_eq!(page.eval(unnamed), 0);
+    let untold = "[...document.querySelectorAll('.store canvas, .walk')].filter((one) => !one.getAttribute('aria-label')).length";
+    assert_eq!(page.eval(untold), 0);
+    page.assert_quiet();
 }

@@ -438,6 +438,7 @@ def farm(
     scene: _Path | None = None,
     *,
     config: _Path | Mapping[str, Any] | Run | None = None,
+    why: bool = False,
     threads: int | None = None,
     progress: bool | None = None,
     **parameters: Unpack[FarmParameters],
@@ -445,7 +446,7 @@ def farm(
     """Runs a farm: a master and workers that share an image, on CAPITAN.
 
     Takes the parameters of farms, by the names of the flags of `pcs-sim farm`; `tasks` is a number of workers (`sweep`
-    makes tables of many). `config` is a farm to be repeated.
+    makes tables of many). `config` is a farm to be repeated. `why` adds the critical path to what is seen and saved.
     """
 
 def ipsc2(

@@ -464,14 +464,20 @@ class CubeParameters(TypedDict, total=False):
     cell_grid: int | None
     """Cells along a side."""
 
+    grids: str | None
+    """Grids."""
+
     mapping: str | None
     """Mapping."""
 
     flow: str | None
     """Flow control."""
 
-    queue_rays: int | None
+    queue_rays: int | str | None
     """Slots of a node (rays)."""
+
+    grant: str | None
+    """Granting of slots."""
 
     window: int | None
     """Pixels under way on a node."""
@@ -487,6 +493,9 @@ class CubeParameters(TypedDict, total=False):
 
     pixels: str | None
     """Who begins a pixel."""
+
+    distribution: str | None
+    """Distribution of the pixels."""
 
     page_bytes: int | None
     """Page of the shared memory (bytes)."""

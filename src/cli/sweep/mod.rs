@@ -6,6 +6,7 @@ mod plots;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::report::account::plural;
+use pcs_sim::report::summary::{WIDTH, wrapped};
 use pcs_sim::run::RecordingMemory;
 use pcs_sim::shards::Folder;
 use pcs_sim::sweep::{Account, Note, Record, Sweep, Unkept};
@@ -135,7 +136,7 @@ pub fn account(record: &Record, before: usize, unkept: &Unkept) -> String {
         }
     }
     for (reason, count) in &reasons {
-        text += &format!("  {count} failed: {reason}\n");
+        text += &format!("  {}\n", wrapped(&format!("{count} failed: {reason}"), WIDTH - 4).replace('\n', "\n    "));
     }
     match failed - reasons.iter().map(|(_, count)| count).sum::<usize>() {
         0 => text,

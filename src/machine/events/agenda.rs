@@ -4,11 +4,16 @@
 /// wake up together by the one with the lower number.
 #[derive(Debug)]
 pub struct Agenda {
-    /// When each task wakes up; [`NEVER`] if it does not.
-    wakes: Vec<u64>,
-    /// The winner of each match, whose players are those of the matches 2n and 2n + 1: the first is the final, the last half are
-    /// the tasks themselves.
-    winners: Vec<u32>,
+    /// Who won each match, whose players are the winners of the matches 2n and 2n + 1: the first is the final, the last half are the tasks
+    /// themselves.
+    matches: Vec<Wake>,
+}
+
+/// A task and when it wakes up; [`NEVER`] if it does not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Wake {
+    at: u64,
+    task: u32,
 }
 
 const NEVER: u64 = u64::MAX;
@@ -17,19 +22,19 @@ impl Agenda {
     /// All tasks wake up at time 0.
     pub fn new(tasks: usize) -> Agenda {
         let width = tasks.next_power_of_two();
-        let mut wakes = vec![0; tasks];
-        wakes.resize(width, NEVER);
-        let mut winners: Vec<u32> = vec![0; width].into_iter().chain(0..width as u32).collect();
+        let at = |task: usize| if task < tasks { 0 } else { NEVER };
+        let players = (0..width).map(|task| Wake { at: at(task), task: task as u32 });
+        let mut matches: Vec<Wake> = vec![Wake { at: NEVER, task: 0 }; width].into_iter().chain(players).collect();
         for place in (1..width).rev() {
-            winners[place] = winners[2 * place];
+            matches[place] = matches[2 * place];
         }
-        Agenda { wakes, winners }
+        Agenda { matches }
     }
 
     /// A task wakes up at that time, unless it does so earlier.
     #[inline]
     pub fn wake(&mut self, task: usize, at: u64) {
-        if at < self.wakes[task] {
+        if at < self.matches[self.matches.len() / 2 + task].at {
             self.set(task, at);
         }
     }
@@ -37,23 +42,22 @@ impl Agenda {
     /// The next task that wakes up, and when. Of those that wake up together it is the one with the lowest number.
     #[inline]
     pub fn next(&mut self) -> Option<(u64, usize)> {
-        let task = self.winners[1] as usize;
-        let at = self.wakes[task];
+        let Wake { at, task } = self.matches[1];
         if at == NEVER {
             return None;
         }
-        self.set(task, NEVER);
-        Some((at, task))
+        self.set(task as usize, NEVER);
+        Some((at, task as usize))
     }
 
     #[inline]
     fn set(&mut self, task: usize, at: u64) {
-        self.wakes[task] = at;
-        let mut place = (self.winners.len() / 2 + task) / 2;
+        let mut place = self.matches.len() / 2 + task;
+        self.matches[place].at = at;
+        place /= 2;
         while place > 0 {
-            let (low, high) = (self.winners[2 * place], self.winners[2 * place + 1]);
-            let is_high = self.wakes[high as usize] < self.wakes[low as usize];
-            self.winners[place] = if is_high { high } else { low };
+            let (low, high) = (self.matches[2 * place], self.matches[2 * place + 1]);
+            self.matches[place] = if high.at < low.at { high } else { low };
             place /= 2;
         }
     }

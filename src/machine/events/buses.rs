@@ -1,5 +1,6 @@
 //! Buses that all tasks share.
 
+use super::network::Passage;
 use crate::measure::LinkStats;
 use crate::quantities::Cycles;
 
@@ -31,14 +32,19 @@ impl Buses {
         Cycles((u128::from(bytes) * u128::from(self.byte)).div_ceil(1000) as u64)
     }
 
-    /// Takes a message that is ready to go, and tells when it arrives.
-    pub(super) fn carry(&mut self, ready: u64, bytes: u64) -> u64 {
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Takes a message that is ready to go.
+    pub(super) fn carry(&mut self, ready: u64, bytes: u64) -> Passage {
         let time = self.time(bytes).0;
         let first = (0..self.free.len()).min_by_key(|&bus| self.free[bus]).unwrap_or(0);
-        let arrives = ready.max(self.free[first]) + time;
-        self.free[first] = arrives;
+        let starts = ready.max(self.free[first]);
+        self.free[first] = starts + time;
         self.busy[first] += time;
-        arrives
+        Passage { bus: first, starts, free: starts + time, arrives: starts + time }
     }
 
     /// How long each bus was busy.

@@ -1,5 +1,6 @@
 //! The links of a hypercube, by which a message has a circuit all the way to its receiver.
 
+use super::network::Passage;
 use crate::measure::{Actor, LinkStats};
 use crate::quantities::Cycles;
 
@@ -67,8 +68,13 @@ impl Cube {
         set_up + bytes.saturating_mul(self.times.byte_millicycles).div_ceil(1000)
     }
 
-    /// Takes a message that is ready to go, and tells when it arrives.
-    pub(super) fn carry(&mut self, (from, to): (usize, usize), ready: u64, bytes: u64) -> u64 {
+    /// How many links there are.
+    pub(super) fn count(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Takes a message that is ready to go.
+    pub(super) fn carry(&mut self, (from, to): (usize, usize), ready: u64, bytes: u64) -> Passage {
         let (from, to) = (self.place(from), self.place(to));
         let mut start = ready;
         self.way(from, to).for_each(|link| start = start.max(self.links[link].0));
@@ -78,10 +84,17 @@ impl Cube {
             self.links[link].1 += holds;
         }
         let set_up = if bytes > self.times.short_bytes { 0 } else { self.times.short.0 };
-        start + set_up + self.times.hop.0 * self.hops(from, to).saturating_sub(1) + holds
+        let free = start + holds;
+        let arrives = free + set_up + self.times.hop.0 * self.hops(from, to).saturating_sub(1);
+        Passage { bus: 0, starts: start, free, arrives }
     }
 
-    /// The links of a message's way.
+    /// The links of a message's way, from task to task.
+    pub(super) fn links_between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> + use<> {
+        self.way(self.place(from), self.place(to))
+    }
+
+    /// The links of a message's way, from place to place.
     fn way(&self, from: usize, to: usize) -> impl Iterator<Item = usize> + use<> {
         let (nodes, bits, host_links) = (self.nodes, self.bits, self.links.len() - 2);
         let from_host = (from == nodes).then_some(host_links);

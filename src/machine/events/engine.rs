@@ -4,17 +4,21 @@ use std::fmt;
 use std::ops::Range;
 
 use super::agenda::Agenda;
+use super::causes::Causes;
 use super::lanes::Lanes;
 use super::mailbox::{Mail, Mailbox, Sender};
 use super::network::Network;
-use crate::measure::{Measured, Observed, StateId, Topology};
+use crate::measure::{Measured, Observed, PathUnit, StateId, Topology};
 use crate::quantities::Cycles;
+use crate::seam::Unit;
 
 /// What a task does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act<M> {
     /// Spends some cycles in a state.
     Spend(StateId, Cycles),
+    /// The same, and says on what.
+    Work(StateId, Cycles, Work),
     /// Spends some cycles in one state, then in the next.
     SpendEach([(StateId, Cycles); MOST_SPELLS]),
     /// Sends a message.
@@ -39,6 +43,29 @@ pub enum Act<M> {
 
 /// States that a task can spend its time in, one after the other.
 pub const MOST_SPELLS: usize = 5;
+
+/// What time is spent on, where [causes](Events::explained) are followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// One unit of work.
+    Unit(Unit),
+    /// A piece of work, by its number, which consists of several units.
+    Piece(u32),
+}
+
+/// By what names causes are told.
+#[derive(Clone, Debug)]
+pub struct Explanation {
+    /// The units of work, and what each takes.
+    pub units: Vec<PathUnit>,
+    /// What a message takes as long as it has a bus or its links, and as long as it is on its way without.
+    pub carrying: [Unit; 2],
+    /// What each piece of work consists of: how many of each of the first units.
+    pub pieces: Vec<[u32; PIECE_UNITS]>,
+}
+
+/// As many units a piece of work can consist of.
+pub const PIECE_UNITS: usize = 8;
 
 /// A message that a task sends: first the task itself is at work on it, then a bus carries it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +119,8 @@ pub struct Events<M> {
     agenda: Agenda,
     network: Network,
     lanes: Lanes,
+    /// What follows from what, if that is asked for.
+    causes: Option<(Causes, fn(&M) -> Option<Unit>)>,
     /// The state of a task that is at work on a message, or whose message is on its way and held.
     sending: StateId,
     now: u64,
@@ -132,6 +161,7 @@ impl<M: Copy> Events<M> {
             agenda: Agenda::new(tasks),
             network: network.into(),
             lanes: Lanes::new(topology, idle),
+            causes: None,
             sending,
             now: 0,
         }
@@ -149,6 +179,13 @@ impl<M: Copy> Events<M> {
         self
     }
 
+    /// The same with its causes followed, of which all time is told as work: [`Act::Work`] says what.
+    /// `sending` tells the unit of work that a task spends on a message, by what is in it.
+    pub fn explained(mut self, explanation: Explanation, sending: fn(&M) -> Option<Unit>) -> Events<M> {
+        self.causes = Some((Causes::new(self.phases.len(), self.network.count(), explanation), sending));
+        self
+    }
+
     /// Lets the next task do what it can; `next` tells what that is, given the time and what the task has taken. False if no task has
     /// anything left to do.
     #[inline]
@@ -159,6 +196,9 @@ impl<M: Copy> Events<M> {
             while let Some(message) = self.act(task, next(task, Cycles(now), taken)) {
                 taken = message;
             }
+        }
+        if let Some((causes, _)) = self.causes.as_mut().filter(|(causes, _)| causes.is_full()) {
+            causes.reckon(self.mailboxes.iter_mut().flat_map(Mailbox::all).map(|mail| &mut mail.cause));
         }
         true
     }
@@ -189,6 +229,12 @@ impl<M: Copy> Events<M> {
     fn act(&mut self, task: usize, act: Act<M>) -> Option<Option<M>> {
         match act {
             Act::Spend(state, cycles) => self.spend(task, state, cycles, Phase::Busy).then_some(None),
+            Act::Work(state, cycles, work) => {
+                if let Some((causes, _)) = &mut self.causes {
+                    causes.work(task, cycles, work);
+                }
+                self.spend(task, state, cycles, Phase::Busy).then_some(None)
+            }
             Act::SpendEach(spells) => self.spend_each(task, spells, Phase::Busy).then_some(None),
             Act::Job(job, spells) => {
                 self.lanes.begin(task, job, self.now);
@@ -198,18 +244,18 @@ impl<M: Copy> Events<M> {
                     None
                 })
             }
-            Act::Send(message) => match self.spend(task, self.sending, message.time, Phase::Sends(message)) {
+            Act::Send(message) => match self.begin_to_send(task, message) {
                 true => self.send(task, message),
                 false => None,
             },
             Act::Receive(from, state) => self.receive(task, from, state),
-            Act::Poll => Some(self.mailboxes[task].take(Sender::Anyone, self.now).map(|mail| self.taken(mail))),
+            Act::Poll => Some(self.mailboxes[task].take(Sender::Anyone, self.now).map(|mail| self.taken(task, mail))),
             Act::Sleep(state) => {
                 self.phases[task] = Phase::Sleeps(state);
                 None
             }
             Act::Wake(other) => {
-                self.wake(other);
+                self.wake(task, other);
                 Some(None)
             }
             Act::Begin(job) => {
@@ -225,6 +271,16 @@ impl<M: Copy> Events<M> {
                 None
             }
         }
+    }
+
+    /// A task is at work on a message. True if that takes no time.
+    fn begin_to_send(&mut self, task: usize, message: Message<M>) -> bool {
+        if let Some((causes, sending)) = &mut self.causes
+            && let Some(unit) = sending(&message.content)
+        {
+            causes.work(task, message.time, Work::Unit(unit));
+        }
+        self.spend(task, self.sending, message.time, Phase::Sends(message))
     }
 
     /// True if that takes no time.
@@ -254,12 +310,15 @@ impl<M: Copy> Events<M> {
         false
     }
 
-    /// A task goes on that sleeps or waits for a message.
-    fn wake(&mut self, task: usize) {
+    /// A task goes on that sleeps or waits for a message, as another wakes it.
+    fn wake(&mut self, waker: usize, task: usize) {
         if let Phase::Sleeps(state) | Phase::Waits { state, .. } = self.phases[task] {
             self.lanes.spend(task, state, self.now);
             self.phases[task] = Phase::Busy;
             self.agenda.wake(task, self.now);
+            if let Some((causes, _)) = &mut self.causes {
+                causes.woken(task, waker);
+            }
         }
     }
 
@@ -281,8 +340,8 @@ impl<M: Copy> Events<M> {
 
     /// Lets the network carry a message, and tells when it arrives.
     fn carry(&mut self, task: usize, to: usize, is_held: bool, message: &Message<M>) -> u64 {
-        let at = self.network.carry((task, to), self.now, message.bytes);
-        self.deliver(to, Mail { at, from: task, is_held, content: message.content });
+        let (at, cause) = self.pass(task, to, message.bytes);
+        self.deliver(to, Mail { at, cause, from: task, is_held, content: message.content });
         at
     }
 
@@ -294,9 +353,19 @@ impl<M: Copy> Events<M> {
                 self.carry(task, other, false, message);
             });
         }
-        let at = self.network.carry((task, task), self.now, message.bytes);
-        let mail = Mail { at, from: task, is_held: false, content: message.content };
+        let (at, cause) = self.pass(task, task, message.bytes);
+        let mail = Mail { at, cause, from: task, is_held: false, content: message.content };
         others.for_each(|other| self.deliver(other, mail.clone()));
+    }
+
+    /// When a message that is ready to go arrives, and by what chain of causes.
+    fn pass(&mut self, task: usize, to: usize, bytes: u64) -> (u64, u32) {
+        let passage = self.network.carry((task, to), self.now, bytes);
+        let cause = self
+            .causes
+            .as_mut()
+            .map_or(0, |(causes, _)| causes.carry(task, &passage, &self.network.taken_by((task, to), &passage)));
+        (passage.arrives, cause)
     }
 
     fn deliver(&mut self, to: usize, mail: Mail<M>) {
@@ -311,7 +380,7 @@ impl<M: Copy> Events<M> {
     /// Takes a message, if there is one.
     fn receive(&mut self, task: usize, from: Sender, state: StateId) -> Option<Option<M>> {
         if let Some(mail) = self.mailboxes[task].take(from, self.now) {
-            return Some(Some(self.taken(mail)));
+            return Some(Some(self.taken(task, mail)));
         }
         self.phases[task] = Phase::Waits { from, state };
         if let Some(at) = self.mailboxes[task].arrival(from) {
@@ -321,7 +390,10 @@ impl<M: Copy> Events<M> {
     }
 
     /// What is in a message that a task takes, whose sender may wait for that.
-    fn taken(&mut self, mail: Mail<M>) -> M {
+    fn taken(&mut self, task: usize, mail: Mail<M>) -> M {
+        if let Some((causes, _)) = &mut self.causes {
+            causes.taken(task, &mail);
+        }
         if mail.is_held {
             self.agenda.wake(mail.from, self.now);
         }
@@ -336,7 +408,13 @@ impl<M: Copy> Events<M> {
                 self.lanes.spend(task, state, rests(task).map_or(self.now, |since| since.0));
             }
         }
-        self.lanes.finish(self.now, self.network.stats())
+        self.measured()
+    }
+
+    fn measured(self) -> (Measured, Observed) {
+        let (measured, observed) = self.lanes.finish(self.now, self.network.stats());
+        let path = self.causes.map(|(causes, _)| causes.finish(&measured.topology, self.now));
+        (measured, Observed { path, ..observed })
     }
 
     /// What was measured and seen, when all tasks have ended.
@@ -350,7 +428,7 @@ impl<M: Copy> Events<M> {
         let waiting: Vec<_> =
             self.phases.iter().enumerate().filter_map(|(task, phase)| Some((task, waits(phase)?))).collect();
         match waiting.is_empty() {
-            true => Ok(self.lanes.finish(self.now, self.network.stats())),
+            true => Ok(self.measured()),
             false => Err(Standstill(waiting)),
         }
     }

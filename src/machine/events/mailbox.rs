@@ -22,6 +22,8 @@ impl Sender {
 pub struct Mail<M> {
     /// When it arrives.
     pub at: u64,
+    /// The chain of causes by which it arrives, where these are followed.
+    pub cause: u32,
     /// Who sent it.
     pub from: usize,
     /// Whether the sender waits until it is taken.
@@ -44,6 +46,11 @@ impl<M> Mailbox<M> {
         let is_before = |other: &Mail<M>| (other.at, other.from) <= (mail.at, mail.from);
         let place = self.0.iter().rposition(is_before).map_or(0, |before| before + 1);
         self.0.insert(place, mail);
+    }
+
+    /// All of them.
+    pub fn all(&mut self) -> impl Iterator<Item = &mut Mail<M>> {
+        self.0.iter_mut()
     }
 
     /// When the first message of a sender arrives.

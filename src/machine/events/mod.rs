@@ -11,9 +11,11 @@
 //!   arrived together, that of the sender with the lowest number; of one sender's, the one that it sent first.
 //! - **Deterministic.** There are no threads, no random numbers, no tables without order, and no fractions.
 //! - **Accounted for.** Each cycle of a task is in one state, and its states sum to the run.
+//! - **Explained**, if that is asked for: each cycle of the run has one cause, on a chain from what is done last back to time 0.
 
 mod agenda;
 mod buses;
+mod causes;
 mod cube;
 mod engine;
 mod lanes;
@@ -23,6 +25,6 @@ mod recorder;
 
 pub use buses::Buses;
 pub use cube::{Cube, WireTimes};
-pub use engine::{Act, Delivery, Events, MOST_SPELLS, Message, Standstill, Waits};
+pub use engine::{Act, Delivery, Events, Explanation, MOST_SPELLS, Message, PIECE_UNITS, Standstill, Waits, Work};
 pub use mailbox::Sender;
 pub use network::Network;

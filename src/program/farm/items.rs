@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::pixels::Pixels;
+use super::pixels::{Counts, PixelWork, Pixels};
 use crate::error::InputError;
 use crate::host::camera::ImageSize;
 use crate::machine::Capitan;
@@ -43,6 +43,8 @@ pub struct Items {
     pub noun: &'static str,
     /// The times of all pixels, item by item.
     times: Vec<Cycles>,
+    /// What is counted on all pixels, item by item; nothing of a made-up scene.
+    counts: Vec<Counts>,
     /// For each item, where it ends among them.
     ends: Vec<u32>,
 }
@@ -55,7 +57,7 @@ impl Items {
             end += item.len() as u32;
             end
         });
-        Items { noun, ends: ends.collect(), times: items.concat() }
+        Items { noun, ends: ends.collect(), counts: Vec::new(), times: items.concat() }
     }
 
     /// An image cut up for a machine. `tile` is the side of a tile, in pixels, which the other kinds do not ask for.
@@ -64,19 +66,36 @@ impl Items {
     pub fn cut(pixels: &Pixels, kind: ItemKind, tile: u32, machine: &Capitan) -> Result<Items, InputError> {
         let times = pixels.priced(machine)?;
         let (count, width) = (times.len() as u32, pixels.size.width);
-        let noun = kind.noun();
         let until_next =
             |is_first: &dyn Fn(u32) -> bool| (1..=count).filter(|&at| at == count || is_first(at)).collect();
+        let counts = match &pixels.work {
+            PixelWork::Weights(_) => Vec::new(),
+            PixelWork::Counts(counts) => counts.clone(),
+        };
+        let items = |ends| Items { noun: kind.noun(), ends, times, counts };
         Ok(match kind {
-            ItemKind::Segments => Items { noun, ends: until_next(&|at| pixels.starts[at as usize]), times },
-            ItemKind::Lines => Items { noun, ends: until_next(&|at| at.is_multiple_of(width)), times },
-            ItemKind::Pixels => Items { noun, ends: (1..=count).collect(), times },
-            ItemKind::Tiles => {
-                let tiles: Vec<Vec<Cycles>> =
-                    tiles(pixels.size, tile.max(1)).map(|tile| tile.map(|pixel| times[pixel]).collect()).collect();
-                Items::new(noun, &tiles)
-            }
+            ItemKind::Segments => items(until_next(&|at| pixels.starts[at as usize])),
+            ItemKind::Lines => items(until_next(&|at| at.is_multiple_of(width))),
+            ItemKind::Pixels => items((1..=count).collect()),
+            ItemKind::Tiles => items(Vec::new()).in_tiles(pixels.size, tile.max(1)),
         })
+    }
+
+    /// The pixels of a whole image, line by line, as tiles.
+    fn in_tiles(self, size: ImageSize, side: u32) -> Items {
+        let mut order = Vec::with_capacity(self.times.len());
+        let ends = tiles(size, side).map(|tile| {
+            order.extend(tile);
+            order.len() as u32
+        });
+        let ends = ends.collect();
+        let counted = |pixel: &usize| self.counts.get(*pixel).copied();
+        Items {
+            noun: self.noun,
+            ends,
+            times: order.iter().map(|&pixel| self.times[pixel]).collect(),
+            counts: order.iter().filter_map(counted).collect(),
+        }
     }
 
     /// How many there are.
@@ -92,6 +111,11 @@ impl Items {
     /// The times of all pixels, item by item.
     pub fn pixels(&self) -> &[Cycles] {
         &self.times
+    }
+
+    /// What is counted on all pixels, item by item; nothing of a made-up scene.
+    pub fn counts(&self) -> &[Counts] {
+        &self.counts
     }
 
     /// Where an item's pixels are among all.

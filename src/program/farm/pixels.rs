@@ -43,11 +43,10 @@ impl Pixels {
         let times: Vec<Cycles> = match &self.work {
             PixelWork::Weights(weights) => shared(weights, machine.costs.pixel),
             PixelWork::Counts(counts) => {
-                let costs = work::costs(&work::vocabulary(false), &machine.times, None);
-                let prices: [u64; UNITS] = std::array::from_fn(|unit| costs.of(Unit(unit as u8)).0);
+                let prices = prices(machine);
                 let time = |counts: &Counts| {
                     let units = counts.iter().zip(prices);
-                    units.map(|(&count, price)| u128::from(count) * u128::from(price)).sum::<u128>()
+                    units.map(|(&count, price)| u128::from(count) * u128::from(price.0)).sum::<u128>()
                 };
                 counts.iter().map(|counts| Cycles(u64::try_from(time(counts)).unwrap_or(u64::MAX))).collect()
             }
@@ -59,6 +58,12 @@ impl Pixels {
                 .help("make the image smaller, or the machine faster")),
         }
     }
+}
+
+/// What each unit of work takes on a machine.
+pub(super) fn prices(machine: &Capitan) -> [Cycles; UNITS] {
+    let costs = work::costs(&work::vocabulary(false), &machine.times, None);
+    std::array::from_fn(|unit| costs.of(Unit(unit as u8)))
 }
 
 /// Shares out `mean` a pixel by their weights, so that the sum is exact.

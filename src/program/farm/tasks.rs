@@ -7,9 +7,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::items::Items;
-use crate::machine::events::{Act, Delivery, Message, Sender};
+use super::pixels::{UNITS, prices};
+use crate::machine::events::{Act, Delivery, Explanation, Message, PIECE_UNITS, Sender, Work};
 use crate::machine::{Capitan, Cycles};
-use crate::measure::{Names, Shape, State, StateId, StateKind, States, Topology};
+use crate::measure::{Names, PathUnit, Shape, State, StateId, StateKind, States, Topology};
+use crate::program::work;
+use crate::seam::Unit;
 
 /// How work items come to the workers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -66,6 +69,15 @@ const WAITING_MASTER: StateId = StateId(5);
 const WAITING_ANSWER: StateId = StateId(6);
 const WAITING_MAIL: StateId = StateId(7);
 const IDLE: StateId = StateId(8);
+
+/// The units of work of tasks are those of a pixel in a scene of polygons, and then these.
+const FIXED: Unit = Unit(UNITS as u8);
+const PER_CAP: Unit = Unit(UNITS as u8 + 1);
+const MESSAGE: Unit = Unit(UNITS as u8 + 2);
+const SEGMENT: Unit = Unit(UNITS as u8 + 3);
+const PIXEL: Unit = Unit(UNITS as u8 + 4);
+const COLOR: Unit = Unit(UNITS as u8 + 5);
+const BUS: Unit = Unit(UNITS as u8 + 6);
 
 /// The states of tasks: the waiting ones are for the scene, for a work item (called `noun`), until the master takes a message,
 /// for the answer of one task, and for a message of anyone.
@@ -187,6 +199,42 @@ impl<'a> Farm<'a> {
     /// The states of a task that sends, and of one that has ended.
     pub const SENDING_AND_IDLE: (StateId, StateId) = (SENDING, IDLE);
 
+    /// By what names its causes are told: those of what they take in the machine's file; `bus_message` is a message on a bus. Of a pixel that
+    /// is made up, and of a message on a bus, it tells about what they take.
+    pub fn explanation(&self) -> Explanation {
+        const { assert!(UNITS == PIECE_UNITS) };
+        let unit = |name: &str, state, cycles| PathUnit { name: name.to_owned(), state, cycles };
+        let vocabulary = work::vocabulary(false);
+        let of_pixel = vocabulary.units.iter().zip(prices(self.machine)).map(|(known, price)| {
+            let name = if known.name == "host_hit" { "shade_hit" } else { &known.name };
+            unit(name, COMPUTING, price)
+        });
+        let costs = &self.machine.costs;
+        let others = [
+            unit("fixed_ms", COMPUTING, costs.fixed),
+            unit("per_cap_ms", SENDING, costs.per_cap),
+            unit("message_ms", SENDING, costs.message),
+            unit("segment_ms", COMPUTING, costs.segment),
+            unit("pixel_ms", COMPUTING, costs.pixel),
+            unit("color_ms", RECEIVING, costs.color),
+            unit("bus_message", SENDING, self.machine.buses.time(self.machine.header_bytes)),
+        ];
+        Explanation {
+            units: of_pixel.chain(others).collect(),
+            carrying: [BUS, BUS],
+            pieces: self.items.counts().to_vec(),
+        }
+    }
+
+    /// What a task spends on a message, by what is in it: nothing on a colour.
+    pub fn sending(letter: &Letter) -> Option<Unit> {
+        match letter {
+            Letter::Scene => Some(PER_CAP),
+            Letter::Ready(_) | Letter::Item(_) | Letter::End => Some(MESSAGE),
+            Letter::Color => None,
+        }
+    }
+
     /// How many tasks there are.
     fn tasks(&self) -> usize {
         FIRST_WORKER + self.workers.len()
@@ -207,7 +255,7 @@ impl<'a> Farm<'a> {
         match self.station {
             Station::Reads => {
                 self.station = Station::GivesOut(MASTER);
-                Act::Spend(COMPUTING, costs.fixed)
+                Act::Work(COMPUTING, costs.fixed, Work::Unit(FIXED))
             }
             Station::GivesOut(to) if to < self.tasks() => {
                 let (delivery, next) = match self.scene_by {
@@ -223,7 +271,7 @@ impl<'a> Farm<'a> {
             }
             Station::Files(left) if taken.is_some() => {
                 self.station = Station::Files(left - 1);
-                Act::Spend(RECEIVING, costs.color)
+                Act::Work(RECEIVING, costs.color, Work::Unit(COLOR))
             }
             Station::Files(0) => Act::End,
             Station::Files(_) => Act::Receive(Sender::Anyone, WAITING_MAIL),
@@ -281,10 +329,11 @@ impl<'a> Farm<'a> {
             },
             Worker::Has(item) => (Worker::SetsUp(item), Act::Begin(item as u32)),
             Worker::SetsUp(item) => {
-                (Worker::Computes(item, self.items.range(item).start), Act::Spend(COMPUTING, costs.segment))
+                let set_up = Act::Work(COMPUTING, costs.segment, Work::Unit(SEGMENT));
+                (Worker::Computes(item, self.items.range(item).start), set_up)
             }
             Worker::Computes(item, pixel) if pixel < self.items.range(item).end => {
-                (Worker::Shows(item, pixel), Act::Spend(COMPUTING, self.items.pixels()[pixel]))
+                (Worker::Shows(item, pixel), self.compute(pixel))
             }
             Worker::Computes(item, _) => (self.after(item), Act::Done),
             Worker::Shows(item, pixel) => {
@@ -306,6 +355,12 @@ impl<'a> Farm<'a> {
 
     fn to_master(&self, letter: Letter) -> Act<Letter> {
         self.send(Delivery::Hold(MASTER, WAITING_MASTER), self.machine.costs.message, letter)
+    }
+
+    /// What it takes to compute a pixel.
+    fn compute(&self, pixel: usize) -> Act<Letter> {
+        let work = if self.items.counts().is_empty() { Work::Unit(PIXEL) } else { Work::Piece(pixel as u32) };
+        Act::Work(COMPUTING, self.items.pixels()[pixel], work)
     }
 
     fn send(&self, delivery: Delivery, time: Cycles, letter: Letter) -> Act<Letter> {

@@ -92,10 +92,7 @@ function drawArray() {
   markSelected();
 }
 
-{% else %}// A hypercube's host is no node.
-const shortName = (index) => run.cells[index].name === "host" ? "host" : `${index}`;
-
-// The {{ station }}s in rows{% if has_buses %}, each on the buses below it{% endif %}.
+{% else %}// The {{ station }}s in rows{% if has_buses %}, each on the buses below it{% endif %}.
 function drawArray() {
   const place = document.getElementById("array");
   const count = run.cells.length;

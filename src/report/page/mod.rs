@@ -58,7 +58,7 @@ impl PageError {
 }
 
 /// What draws it: templates, as they name what the machine is made of.
-const SCRIPTS: [&str; 11] = [
+const SCRIPTS: [&str; 12] = [
     include_str!("theme.js"),
     include_str!("window.js"),
     include_str!("array.js"),
@@ -67,6 +67,7 @@ const SCRIPTS: [&str; 11] = [
     include_str!("space_time.js"),
     include_str!("moment.js"),
     include_str!("steps.js"),
+    include_str!("store.js"),
     include_str!("ray.js"),
     include_str!("stepper.js"),
     include_str!("page.js"),
@@ -199,6 +200,7 @@ fn run_context(page: &Page<'_>, names: &Value) -> Value {
         has_window => page.recording.is_some(),
         why => page.path.map(|path| context! {
             sentence => why::sentence(path),
+            subject_to => why::subject_to(path),
             times => value(why::time_rows(path, false)),
             places => value(why::place_rows(path)),
         }),

@@ -32,3 +32,30 @@ function windowAround(cycle) {
   const from = Math.max(0, cycle - half);
   return `${from}..${from + 2 * half}`;
 }
+
+// A line in all charts at the stepper's cycle.
+function markMoment(cycle) {
+  for (const { chart } of charts) {
+    let line = chart.over.querySelector(".now-line");
+    if (!line) chart.over.append(line = element("div", { class: "now-line" }));
+    const left = chart.valToPos((cycle + 0.5) * run.cycle, "x");
+    line.hidden = !(left >= 0 && left <= chart.over.clientWidth);
+    line.style.left = `${left}px`;
+  }
+}
+
+function removeMoment() {
+  document.querySelectorAll(".now-line").forEach((line) => line.remove());
+}
+
+// Takes other cycles of the run in place of those that the page holds.
+function replaceWindow(window) {
+  tape = unrolled(window);
+  const at = charts.findIndex(({ place }) => place.parentElement.id === "space-time");
+  if (at >= 0) {
+    const [{ chart, place }] = charts.splice(at, 1);
+    chart.destroy();
+    place.remove();
+    addSpaceTime();
+  }
+}

@@ -105,10 +105,10 @@ const stateColors = () => run.states.map((state) => rgb(seen(state.color)));
 const statesOf = (shares, from, until, colors) => shares.map((share, at) => [mean(share, from, until) / 100, colors[at]]);
 
 function addPath() {
-  const where = (row) => row < count ? `cell ${row}` : "the host";
-  addOverview("where the critical path is, and why", count + 1, (row, from, until) => statesOf(path[row](), from, until, stateColors()), {
+  const where = (row) => row < count ? fullName(row) : "the host";
+  addOverview("where the critical path is, and why", path.length, (row, from, until) => statesOf(path[row](), from, until, stateColors()), {
     thin: "each in the colour of what takes most of it",
-    name: (row) => row < count ? `${row}` : "host",
+    name: (row) => row < count ? shortName(row) : "host",
     station: (row) => row < count ? row : null,
     describe: (row, bin) => `${where(row)}: ${describePath(row, bin) ?? "not on the critical path"}`,
   });
@@ -121,9 +121,9 @@ const shadeOf = (at) => mixed(ground("ground"), seen(run.colors.amount), at / 4)
 function addOverviews() {
   addOverview("all {{ station }}s: a click on one shows or hides its charts", count, (row, from, until) => statesOf(run.cells[row].shares(), from, until, stateColors()), {
     thin: "each in the colour of what takes most of the time",
-    name: (row) => {% if is_line %}`${row}`{% else %}shortName(row){% endif %},
+    name: shortName,
     station: (row) => row,
-    describe: (row, bin) => `{% if is_line %}cell ${row}{% else %}${run.cells[row].name}{% endif %}: ${describeCell(run.cells[row], bin)}`,
+    describe: (row, bin) => `${fullName(row)}: ${describeCell(run.cells[row], bin)}`,
   });
 {% if is_line %}  const inRgb = (color) => color.match(/\d+/g).map(Number);
   for (const [channel, fifos, first] of [["X", run.fifos.slice(0, count), 0], ["Y", run.fifos.slice(count, 2 * count), 1]]) {

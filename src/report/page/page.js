@@ -4,6 +4,9 @@
 const MOST_ALL = 8;
 // The run that is shown, and how many cells it has.
 let run = null, count = 0;
+// What a {{ station }} is called in a sentence, and where there is little room.
+const fullName = (index) => {% if is_line %}`cell ${index}`{% else %}run.cells[index].name{% endif %};
+const shortName = (index) => {% if is_line %}`${index}`{% else %}/\d+$/.exec(run.cells[index].name)?.[0] ?? run.cells[index].name.slice(0, 4){% endif %};
 const selected = new Set();
 
 function toggle(station) {

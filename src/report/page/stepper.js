@@ -8,26 +8,15 @@ const doors = { window: null, find: null, ray: null, look: null, instructions: n
 
 // As many cells are drawn at once.
 const MOST_DRAWN = 16;
+// As many stops of a ray.
+const MOST_STOPS = 48;
 const SPEEDS = [1, 5, 20, 100, 500, 2500, 12500, 62500];
-// Pixels that a FIFO's words have.
-const STORE = { width: 88, height: 30 };
-
 let stepper = null;
 
 function startStepper() {
   stepper?.end();
   const place = document.getElementById("stepper");
   stepper = place && tape && tape.until > tape.from && tape.stations.length ? new Stepper(place) : null;
-}
-
-// A ray's colour.
-const rayColor = (job) => job === null ? ground("line") : `hsl(${(job * 137.508) % 360} ${isDark() ? "62% 64%" : "68% 42%"})`;
-
-// A button that does something.
-function button(text, hint, action) {
-  const made = element("button", { type: "button", title: hint, "aria-label": hint }, text);
-  made.addEventListener("click", action);
-  return made;
 }
 
 class Stepper {
@@ -89,7 +78,7 @@ class Stepper {
 
     const asks = element("form", { class: "asks" });
     this.asked = element("input", { type: "text", size: 32, list: "stepper-asks", placeholder: "X1 is full, cell 2 waits, ray 17 …", "aria-label": "Go to a moment" });
-    const list = element("datalist", { id: "stepper-asks" }, ...this.examples().map((value) => element("option", { value })));
+    const list = element("datalist", { id: "stepper-asks" }, ...examples().map((value) => element("option", { value })));
     asks.append(element("label", {}, "go to ", this.asked), list, element("button", {}, "find"));
     asks.addEventListener("submit", (event) => { event.preventDefault(); this.seek(this.asked.value); });
     this.follower = element("input", { type: "number", min: 0, step: 1, "aria-label": "Follow a ray", class: "count" });
@@ -117,14 +106,6 @@ class Stepper {
     }
   }
 
-  // Questions to choose from.
-  examples() {
-    const fifos = tape.fifos.slice(0, 24).flatMap(({ name }) => [`${name} is full`, `${name} is empty`]);
-    const cells = tape.stations.slice(0, 16).flatMap((_, cell) => [`cell ${cell} waits`, `cell ${cell} is blocked`]);
-    const ray = tape.host.jobs().job[0] ?? 0;
-    return [...fifos.slice(0, 8), ...cells.slice(0, 8), `ray ${ray}`, `ray ${ray} comes to cell ${tape.stations.length - 1}`, `ray ${ray} comes back`, "pixel 0 0", ...fifos.slice(8), ...cells.slice(8)];
-  }
-
   key(event) {
     const { target, key, shiftKey } = event;
     if (event.ctrlKey || event.metaKey || event.altKey || target.matches("input, select, textarea")) return;
@@ -143,6 +124,7 @@ class Stepper {
 
   // Shows a cycle.
   go(cycle) {
+    this.began = null;
     this.cycle = Math.max(tape.from, Math.min(cycle, tape.until - 1));
     this.draw();
   }
@@ -151,7 +133,20 @@ class Stepper {
   async step(kind, direction) {
     this.pause();
     if (kind === "instruction") return this.instruct(direction);
-    const next = { cycle: () => this.cycle + direction, event: () => changeBeside(this.cycle, direction), op: () => opBeside(this.station, this.cycle, direction) }[kind]();
+    if (kind === "event") return this.stepEvent(direction);
+    return this.reachOrStop(direction, { cycle: () => this.cycle + direction, op: () => opBeside(this.station, this.cycle, direction) }[kind]());
+  }
+
+  // Events lead back the way that they led, to where the first step was taken, though nothing may have changed there.
+  async stepEvent(direction) {
+    const began = this.began ?? this.cycle, change = changeBeside(this.cycle, direction);
+    const isBetween = direction > 0 ? began > this.cycle && began < (change ?? Infinity) : began < this.cycle && began > (change ?? -1);
+    await this.reachOrStop(direction, isBetween && isOnTape(began) ? began : change);
+    this.began = began;
+  }
+
+  // Goes to a cycle; if there is none on the tape, to where it ends, or goes on with another one.
+  async reachOrStop(direction, next) {
     if (next !== null && isOnTape(next)) return this.go(next);
     const edge = direction > 0 ? tape.until : tape.from - 1;
     if (await this.reach(edge)) return this.go(edge);
@@ -332,7 +327,7 @@ class Stepper {
       this.row.replaceChildren(...parts);
     }
     for (const [key, box] of this.boxes) this.fillBox(key, box);
-    for (const store of this.stores) this.fillStore(store);
+    for (const store of this.stores) drawStore(store, this.cycle, this.followed);
   }
 
   // The FIFOs that lead into a cell, or to the host behind the last; and that which leads out of it to the left.
@@ -341,11 +336,9 @@ class Stepper {
     const writer = reader === null ? null : reader - 1;
     const fifos = tape.fifos.filter(({ group, from, to }) => group === "Z" ? from === reader && to === writer && reader !== null : to === reader && !(reader === null && group === "X"));
     for (const fifo of fifos) {
-      const scale = Math.max(devicePixelRatio, printing ? 3 : 1);
-      const canvas = element("canvas", { width: STORE.width * scale, height: STORE.height * scale, role: "img" });
-      const label = element("span", {});
-      link.append(element("div", { class: "store" }, label, canvas));
-      this.stores.push({ fifo, canvas, label });
+      const store = storeOf(fifo);
+      link.append(store.place);
+      this.stores.push(store);
     }
     return link;
   }
@@ -391,41 +384,12 @@ class Stepper {
     place.style.setProperty("--ray", job === null ? "transparent" : rayColor(job));
   }
 
-  // A FIFO's words, the oldest where they are read.
-  fillStore({ fifo, canvas, label }) {
-    const words = wordsIn(fifo, this.cycle), held = words.reduce((sum, [, count]) => sum + count, 0);
-    label.textContent = `${fifo.name}  ${grouped(held)} of ${grouped(fifo.capacity)}`;
-    label.classList.toggle("full", held >= fifo.capacity);
-    const rays = words.map(([job, count]) => `${count} of ${job === null ? "no ray" : `ray ${job}`}`);
-    canvas.setAttribute("aria-label", `${fifo.name} holds ${held} of ${fifo.capacity} words${rays.length ? `: ${rays.slice(0, 8).join(", ")}` : ""}`);
-    canvas.title = rays.length ? rays.slice(0, 12).join(", ") : "empty";
-    const context = canvas.getContext("2d"), { width, height } = canvas;
-    context.clearRect(0, 0, width, height);
-    // Places that are about square, in columns; where they would be smaller than a pixel, words stand in one row.
-    const side = Math.sqrt(width * height / fifo.capacity), rows = side < 1 ? 1 : Math.max(1, Math.round(height / Math.min(side, height)));
-    const columns = Math.ceil(fifo.capacity / rows), [across, down] = [width / columns, height / rows], gap = Math.min(across, down) > 4 ? 1 : 0;
-    const fill = (word, count) => {
-      if (rows === 1) return context.fillRect(fifo.group === "Z" ? word * across : width - (word + count) * across, 0, Math.max(count * across - gap, 0.5), height);
-      for (let at = word; at < word + count; at++) {
-        const column = Math.floor(at / rows), x = (fifo.group === "Z" ? column : columns - 1 - column) * across;
-        context.fillRect(x, (at % rows) * down, across - gap, down - gap);
-      }
-    };
-    let word = 0;
-    for (const [job, count] of words) {
-      context.fillStyle = rayColor(job);
-      context.globalAlpha = this.followed === null || job === this.followed ? 1 : 0.28;
-      fill(word, count);
-      word += count;
-    }
-    context.globalAlpha = 1;
-    context.fillStyle = ground("grid");
-    if (gap && rows > 1) fill(word, fifo.capacity - word);
-  }
-
   // Where the followed ray has been and comes to.
   drawWay() {
-    const stops = this.followed === null ? [] : wayOf(this.followed);
+    const all = this.followed === null ? [] : wayOf(this.followed);
+    // Of a long way those around the moment.
+    const here = all.filter(({ from }) => from <= this.cycle).length, first = Math.max(0, Math.min(here - MOST_STOPS / 2, all.length - MOST_STOPS));
+    const stops = all.slice(first, first + MOST_STOPS);
     this.way.hidden = this.followed === null;
     this.way.replaceChildren(...stops.map(({ name, from, until, station }) => {
       const isHere = from <= this.cycle && this.cycle < until;
@@ -537,32 +501,5 @@ class Stepper {
       element("p", {}, `Instruction ${grouped(at + 1)} of ${grouped(steps.length)}. `, button("‹ instruction", "Back by an instruction (,)", () => this.step("instruction", -1)), button("instruction ›", "On by an instruction (.)", () => this.step("instruction", 1))),
       element("div", { class: "table" }, element("table", { class: "listing" }, head, body)),
       element("p", { class: "registers", "aria-label": "Registers that are not 0" }, ...(chips.length ? chips : ["all registers are 0"])));
-  }
-}
-
-// A line in all charts at the stepper's cycle.
-function markMoment(cycle) {
-  for (const { chart } of charts) {
-    let line = chart.over.querySelector(".now-line");
-    if (!line) chart.over.append(line = element("div", { class: "now-line" }));
-    const left = chart.valToPos((cycle + 0.5) * run.cycle, "x");
-    line.hidden = !(left >= 0 && left <= chart.over.clientWidth);
-    line.style.left = `${left}px`;
-  }
-}
-
-function removeMoment() {
-  document.querySelectorAll(".now-line").forEach((line) => line.remove());
-}
-
-// Takes other cycles of the run in place of those that the page holds.
-function replaceWindow(window) {
-  tape = unrolled(window);
-  const at = charts.findIndex(({ place }) => place.parentElement.id === "space-time");
-  if (at >= 0) {
-    const [{ chart, place }] = charts.splice(at, 1);
-    chart.destroy();
-    place.remove();
-    addSpaceTime();
   }
 }

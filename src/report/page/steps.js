@@ -148,3 +148,11 @@ function opText(op, station) {
     b: "reads Z", z: "writes Z", a: `waits for answer ${grouped(op.count)}`,
   }[MOVES[op.code]];
 }
+
+// Questions to choose from.
+function examples() {
+  const fifos = tape.fifos.slice(0, 24).flatMap(({ name }) => [`${name} is full`, `${name} is empty`]);
+  const cells = tape.stations.slice(0, 16).flatMap((_, cell) => [`cell ${cell} waits`, `cell ${cell} is blocked`]);
+  const ray = tape.host.jobs().job[0] ?? 0;
+  return [...fifos.slice(0, 8), ...cells.slice(0, 8), `ray ${ray}`, `ray ${ray} comes to cell ${tape.stations.length - 1}`, `ray ${ray} comes back`, "pixel 0 0", ...fifos.slice(8), ...cells.slice(8)];
+}

@@ -22,3 +22,10 @@ const element = (name, attributes, ...children) => {
   made.append(...children);
   return made;
 };
+
+// A button that does something.
+function button(text, hint, action) {
+  const made = element("button", { type: "button", title: hint, "aria-label": hint }, text);
+  made.addEventListener("click", action);
+  return made;
+}

@@ -111,8 +111,8 @@ impl<'a> Bands<'a> {
         Bands { caption, what, scale, rows, topology, occurring: cells::occurring(&topology.states, all.iter()) }
     }
 
-    /// Where the critical path is, and why: a row for each cell that it stays in, and for the host, which is the last of
-    /// `all`. What is higher is there for more of the time, so that the rows add up to a full one.
+    /// Where the critical path is, and why: a row for each station that it stays in, and for the host of a line, which is the last
+    /// of `all`. What is higher is there for more of the time, so that the rows add up to a full one.
     pub fn of_path(
         caption: &'a Caption,
         scale: TimeScale,
@@ -125,10 +125,10 @@ impl<'a> Bands<'a> {
         let (places, visited): (Vec<usize>, Vec<Vec<StateTimes>>) =
             all.iter().cloned().enumerate().filter(|(_, bins)| stays_in(bins)).unzip();
         let name = |index: usize| match places[index] {
-            place if place + 1 == all.len() => "host".to_owned(),
+            place if place == topology.stations => "host".to_owned(),
             place => topology.station(place),
         };
-        let what = together(PATH, "cells", visited.len().div_ceil(MOST_ROWS).max(1));
+        let what = together(PATH, &format!("{}s", topology.names.station), visited.len().div_ceil(MOST_ROWS).max(1));
         let mut rows = rows(&visited, name, Vec::as_slice, StateTimes::sum);
         rows.iter_mut().for_each(|row| row.members = 1.0);
         Bands { caption, what, scale, rows, topology, occurring: cells::occurring(&topology.states, all.iter()) }

@@ -85,7 +85,10 @@ impl Figure for Latencies<'_> {
         let name = |tick: &f64| scale.name_of(*tick);
         mesh.max_light_lines(1).x_label_formatter(&name).y_label_formatter(&chart::number).y_labels(11);
         mesh.label_style(font(chart::SMALL)).axis_desc_style(font(chart::SMALL));
-        mesh.x_desc(format!("latency ({}), logarithmic", unit.name)).y_desc(format!("% of the {job}s")).draw()?;
+        let rounded = if self.is_rounded() { ", rounded up by 3 % at most" } else { "" };
+        mesh.x_desc(format!("latency ({}), logarithmic{rounded}", unit.name))
+            .y_desc(format!("% of the {job}s"))
+            .draw()?;
         let steps: Vec<(f64, f64)> = self.steps().into_iter().map(|(at, share)| (time(at), share)).collect();
         chart.draw_series(LineSeries::new(steps, rgb(palette::AMOUNT).stroke_width(2)))?;
         Ok(())
@@ -99,7 +102,7 @@ impl Latencies<'_> {
         let mut steps = vec![((*min).max(Cycles(1)), 0.0)];
         let (mut done, mut share) = (0, 0.0);
         for (bucket, &count) in buckets.iter().enumerate().filter(|(_, count)| **count > 0) {
-            let end = Cycles(Latency::start_of(bucket + 1).0 - 1).clamp((*min).max(Cycles(1)), *max);
+            let end = Latency::last_of(bucket).clamp((*min).max(Cycles(1)), *max);
             done += count;
             steps.push((end, share));
             share = 100.0 * done as f64 / (*jobs).max(1) as f64;
@@ -108,15 +111,28 @@ impl Latencies<'_> {
         steps
     }
 
+    /// Whether any lie in buckets of several latencies, so that only these are known.
+    fn is_rounded(&self) -> bool {
+        let buckets = self.latency.buckets.iter().enumerate();
+        let mut filled = buckets.filter(|(_, count)| **count > 0).map(|(bucket, _)| bucket);
+        filled.any(|bucket| Latency::last_of(bucket) > Latency::start_of(bucket))
+    }
+
+    /// A quantile is told by the bounds of its bucket, where these do not look alike.
     fn figures(&self) -> String {
         let latency = self.latency;
         let time = |cycles| summary::time(self.clock.seconds(cycles));
+        let quantile = |share| {
+            let (least, most) = latency.quantile(share);
+            let (least, most) = (time(least), time(most));
+            if least == most { most } else { format!("{least} to {most}") }
+        };
         format!(
-            "shortest {}, mean {}, half within {}, 99 % within {}, longest {}",
+            "shortest {}, mean {}, median {}, 99 % within {}, longest {}",
             time(latency.min),
             summary::time(self.clock.seconds_of(latency.mean())),
-            time(latency.quantile(0.5)),
-            time(latency.quantile(0.99)),
+            quantile(0.5),
+            quantile(0.99),
             time(latency.max),
         )
     }

@@ -32,6 +32,9 @@ pub enum Spread {
     Logarithmic,
 }
 
+/// Numbers that are farther from 1 cannot be drawn: their products leave what numbers can be.
+const FARTHEST: f64 = 1e150;
+
 /// Why a number has no place on a logarithmic axis.
 const NOT_ABOVE_0: &str = "a logarithmic axis has numbers above 0, and there are others: leave out log=";
 
@@ -42,6 +45,8 @@ pub struct Scale {
     high: f64,
     is_log: bool,
     ticks: Vec<f64>,
+    /// Whether ticks are so near each other that it takes all their digits to tell them apart.
+    all_digits: bool,
     words: Vec<String>,
 }
 
@@ -53,10 +58,11 @@ impl Scale {
             Positions::Words(words) => {
                 let last = words.len() as f64 - 1.0;
                 let ticks = (0..words.len()).map(|word| word as f64).collect();
-                Scale { low: -0.5, high: last + 0.5, is_log: false, ticks, words: words.clone() }
+                Scale { words: words.clone(), ..Scale::new((-0.5, last + 0.5), false, ticks) }
             }
             Positions::Numbers(numbers) => {
                 let (first, last) = (numbers[0], numbers[numbers.len() - 1]);
+                check(numbers.iter().copied())?;
                 if spread == Spread::Logarithmic && first <= 0.0 {
                     return Err(NOT_ABOVE_0.to_owned());
                 }
@@ -66,7 +72,7 @@ impl Scale {
                     let apart =
                         numbers.windows(2).all(|pair| scale.share(pair[1]) - scale.share(pair[0]) > CLOSEST_TICKS);
                     let at_each = apart && numbers.len() <= MOST_TICKS;
-                    if at_each { Scale { ticks: numbers.clone(), ..scale } } else { scale }
+                    if at_each { Scale::new((scale.low, scale.high), true, numbers.clone()) } else { scale }
                 } else {
                     let air = if last > first { 0.03 * (last - first) } else { 0.5 * last.max(1.0) };
                     Scale::linear(first - air, last + air)
@@ -79,6 +85,7 @@ impl Scale {
     ///
     /// Fails if it has to be logarithmic and cannot.
     pub fn of_values(values: impl Iterator<Item = f64> + Clone, spread: Spread) -> Result<Scale, String> {
+        check(values.clone())?;
         let low = values.clone().fold(f64::INFINITY, f64::min);
         let high = values.fold(f64::NEG_INFINITY, f64::max);
         if spread == Spread::Logarithmic && low <= 0.0 {
@@ -102,7 +109,7 @@ impl Scale {
         let step = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|step| *step >= rough);
         let step = step.unwrap_or(rough);
         let ticks = (low / step).ceil() as i64..=(high / step).floor() as i64;
-        Scale { low, high, is_log: false, ticks: ticks.map(|tick| tick as f64 * step).collect(), words: Vec::new() }
+        Scale::new((low, high), false, ticks.map(|tick| tick as f64 * step).collect())
     }
 
     /// By powers from one number above 0 to another.
@@ -115,7 +122,13 @@ impl Scale {
         let digits: &[f64] = if high / low > 1e4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let all = powers.flat_map(|power| digits.iter().map(move |digit| digit * 10f64.powi(power)));
         let ticks = all.filter(|tick| (low..=high).contains(tick)).collect();
-        Scale { low, high, is_log: true, ticks, words: Vec::new() }
+        Scale::new((low, high), true, ticks)
+    }
+
+    fn new((low, high): (f64, f64), is_log: bool, mut ticks: Vec<f64>) -> Scale {
+        ticks.dedup();
+        let all_digits = ticks.windows(2).any(|pair| number(pair[0]) == number(pair[1]));
+        Scale { low, high, is_log, ticks, all_digits, words: Vec::new() }
     }
 
     /// Whether it is logarithmic.
@@ -142,6 +155,7 @@ impl Scale {
     pub fn name_of(&self, tick: f64) -> String {
         match self.words.get(tick.round().max(0.0) as usize) {
             Some(word) => word.clone(),
+            None if self.words.is_empty() && self.all_digits => tick.to_string(),
             None if self.words.is_empty() => number(tick),
             None => String::new(),
         }
@@ -168,6 +182,17 @@ impl Ranged for Scale {
 
     fn range(&self) -> Range<f64> {
         self.low..self.high
+    }
+}
+
+/// Fails if a number cannot be drawn.
+fn check(mut numbers: impl Iterator<Item = f64>) -> Result<(), String> {
+    let is_beyond = |number: &f64| *number != 0.0 && !(1.0 / FARTHEST..=FARTHEST).contains(&number.abs());
+    match numbers.find(is_beyond) {
+        None => Ok(()),
+        Some(number) => {
+            Err(format!("{number:e} cannot be drawn, which takes numbers from {:e} to {FARTHEST:e}", 1.0 / FARTHEST))
+        }
     }
 }
 
@@ -198,6 +223,8 @@ fn number(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]
@@ -222,6 +249,13 @@ mod tests {
         assert_eq!(scale.ticks, [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]);
         let scale = Scale::of_values([700.0, 1234.0].into_iter(), Spread::OfItself).unwrap();
         assert_eq!(scale.ticks, [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0, 1200.0]);
+        let near = Scale::of_positions(&Positions::Numbers(vec![1.0, 1.0 + f64::EPSILON]), Spread::OfItself).unwrap();
+        let names: BTreeSet<String> = near.ticks.iter().map(|&tick| near.name_of(tick)).collect();
+        assert!(names.len() == near.ticks.len() && names.len() > 1, "{names:?}");
+        for beyond in [5e-324, 1e300, f64::INFINITY] {
+            assert!(Scale::of_positions(&Positions::Numbers(vec![1.0, beyond]), Spread::OfItself).is_err());
+            assert!(Scale::of_values([1.0, beyond].into_iter(), Spread::OfItself).is_err());
+        }
         let single = Scale::of_positions(&Positions::Numbers(vec![7.0]), Spread::OfItself).unwrap();
         assert!(single.ticks.contains(&7.0), "{single:?}");
     }

@@ -4,6 +4,10 @@ mod parquet;
 mod read;
 
 use std::io::Write;
+use std::path::Path;
+
+use crate::error::InputError;
+use crate::input::is_stream;
 
 pub use self::parquet::{ParquetError, write_parquet};
 pub use self::read::StoredTable;
@@ -53,6 +57,19 @@ impl Table<'_> {
     pub fn column(&self, index: usize) -> impl Iterator<Item = &str> {
         self.rows.iter().map(move |row| row[index].as_str())
     }
+}
+
+/// Fails if a table cannot have that name, which is written as CSV and as Parquet, side by side.
+pub fn check_name(path: &Path) -> Result<(), InputError> {
+    if is_stream(path) {
+        let error = InputError::in_file(path, "a table is several files, which standard output cannot be");
+        return Err(error.help("name it: table.csv"));
+    }
+    if path.extension().is_some_and(|ending| ending == "csv" || ending == "parquet") {
+        return Ok(());
+    }
+    let error = InputError::in_file(path, "a table's name must end in .csv or .parquet");
+    Err(error.help("it is written as both, side by side"))
 }
 
 /// Writes a table as CSV.

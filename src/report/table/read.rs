@@ -25,13 +25,16 @@ pub struct StoredTable {
 const PARQUET: &[u8] = b"PAR1";
 
 impl StoredTable {
-    /// Reads a table: Parquet, or CSV whose first line has the headings. `label` tells what columns of some names are called;
-    /// the others are called by their names.
+    /// Reads a table: Parquet, or CSV whose first line has the headings. `label` tells what columns of some names are called, given
+    /// all headings; the others are called by their names.
     ///
     /// # Errors
     ///
     /// If the file cannot be read or is no table, for example as a row is longer or shorter than the headings.
-    pub fn read(path: &Path, label: impl Fn(&str) -> Option<&'static str>) -> Result<StoredTable, InputError> {
+    pub fn read(
+        path: &Path,
+        label: impl Fn(&[String], &str) -> Option<&'static str>,
+    ) -> Result<StoredTable, InputError> {
         let faulty = |error: String| InputError::in_file(path, format!("is no table: {error}"));
         let bytes = fields::read_bytes(path)?;
         let (headings, kinds, rows) = if bytes.starts_with(PARQUET) {
@@ -39,7 +42,8 @@ impl StoredTable {
         } else {
             of_csv(&fields::text_of(path, bytes)?).map_err(|error| faulty(error.to_string()))?
         };
-        let called = |heading: &String| label(heading).map_or_else(|| heading.replace('_', " "), str::to_owned);
+        let called =
+            |heading: &String| label(&headings, heading).map_or_else(|| heading.replace('_', " "), str::to_owned);
         let labels = headings.iter().map(called).collect();
         Ok(StoredTable { headings, labels, kinds, rows })
     }

@@ -250,8 +250,7 @@ impl CubeSpec {
                 let order = order(spec, scene.graph.trees.len());
                 let mut nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), rules);
                 let events = watched(nodes.topology(), 0, machine, watching);
-                let run = (RegionNodes::next as fn(&mut _, _, _, _) -> _, RegionNodes::is_over as fn(&_) -> _);
-                let events = drive(&mut nodes, events, run, cancel)?;
+                let events = drive(&mut nodes, events, (RegionNodes::next, RegionNodes::is_over), cancel)?;
                 if !nodes.is_over() {
                     return Err(nodes.stuck().into());
                 }
@@ -264,8 +263,7 @@ impl CubeSpec {
                     return Err(InputError::new("it was not recorded which pages the rays read").into());
                 };
                 let events = watched(nodes.topology(), nodes.helpers(), machine, watching);
-                let run = (MemoryNodes::next as fn(&mut _, _, _, _) -> _, MemoryNodes::is_over as fn(&_) -> _);
-                let events = drive(&mut nodes, events, run, cancel)?;
+                let events = drive(&mut nodes, events, (MemoryNodes::next, MemoryNodes::is_over), cancel)?;
                 let (stats, observed) = events.stop(|task| nodes.rests(task));
                 (stats, observed, nodes.seen)
             }
@@ -409,14 +407,11 @@ fn watched<M: Copy>(topology: Topology, helpers: usize, machine: &Ipsc2, watchin
     }
 }
 
-/// What a task does next, and whether all is over.
-type Program<P, M> = (fn(&mut P, usize, Cycles, Option<M>) -> Act<M>, fn(&P) -> bool);
-
-/// Lets nodes run until all is over, or none can go on.
+/// Lets nodes run until all is over, or none can go on. Of them is known what a task does next, and whether all is over.
 fn drive<P, M: Copy>(
     nodes: &mut P,
     mut events: Events<M>,
-    (next, is_over): Program<P, M>,
+    (next, is_over): (impl Fn(&mut P, usize, Cycles, Option<M>) -> Act<M>, impl Fn(&P) -> bool),
     cancel: &Cancel,
 ) -> Result<Events<M>, RunError<Infallible>> {
     loop {

@@ -183,6 +183,9 @@ fn run(
     if watching.profile {
         events = events.probed();
     }
+    if watching.path {
+        events = events.explained(farm.explanation(), Farm::sending);
+    }
     if let Some(window) = &watching.recording {
         events = events.recorded(window.clone(), Recording::MOST_EVENTS);
     }

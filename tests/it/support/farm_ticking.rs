@@ -37,8 +37,8 @@ enum Text {
 
 #[derive(Clone, Copy, Debug)]
 enum Instruction {
-    /// Be in a state for some time.
-    Be(&'static str, u64),
+    /// Be in a state for some time, on work of that name.
+    Be(&'static str, u64, &'static str),
     /// Send to a task, and wait in a state until it has the message.
     Hand(usize, &'static str, Text),
     /// Send to some tasks, and go on.
@@ -49,15 +49,64 @@ enum Instruction {
 
 struct Message {
     number: usize,
+    /// The passage on a bus by which it came.
+    passage: usize,
     arrives: u64,
     from: usize,
     to: usize,
     text: Text,
 }
 
+/// What a task has done.
+#[derive(Clone, Copy, Debug)]
+pub enum Deed {
+    /// It worked.
+    Worked(&'static str, u64),
+    /// It took what came by a passage, having waited since some time.
+    Took { passage: usize, since: u64 },
+    /// A message of its own was taken, that came by a passage.
+    WasTaken { passage: usize },
+}
+
+/// A passage on a bus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    pub bus: usize,
+    pub from: usize,
+    /// When it was ready to go, set out and arrived.
+    pub ready: u64,
+    pub starts: u64,
+    pub arrives: u64,
+    /// How much its sender had done before.
+    pub after: usize,
+    /// Who took it, and as its how manieth deed; of a broadcast nobody asks.
+    pub taken: Option<(usize, usize)>,
+}
+
+/// All that happened: what each task did, and until when; and all passages in the order in which they had a bus.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    pub deeds: Vec<Vec<(Deed, u64)>>,
+    pub passages: Vec<Passage>,
+}
+
+impl History {
+    /// Who came before whom: all that may change when times do, beside the times themselves.
+    pub fn order(&self) -> (Vec<Vec<Option<usize>>>, Vec<(usize, usize, usize)>) {
+        let taken = |deed: &(Deed, u64)| match deed.0 {
+            Deed::Took { passage, .. } => Some(passage),
+            _ => None,
+        };
+        let taken = self.deeds.iter().map(|deeds| deeds.iter().map(taken).collect()).collect();
+        (taken, self.passages.iter().map(|passage| (passage.bus, passage.from, passage.after)).collect())
+    }
+}
+
 #[derive(Default)]
 struct Task {
     todo: VecDeque<Instruction>,
+    /// Since when it waits for a message.
+    since: Option<u64>,
     /// How long it is still busy.
     busy: u64,
     /// The message that it waits to have taken.
@@ -80,8 +129,11 @@ struct Farm<'a> {
     plan: &'a Plan,
     tasks: Vec<Task>,
     under_way: Vec<Message>,
+    /// The passage of each message.
+    passage_of: Vec<usize>,
     sent: usize,
     bus_free: Vec<u64>,
+    history: History,
     now: u64,
     next_item: usize,
     asked: Vec<bool>,
@@ -91,13 +143,20 @@ struct Farm<'a> {
 
 /// Ticks a farm to its end.
 pub fn tick(plan: &Plan) -> Ticked {
+    tick_recorded(plan).0
+}
+
+/// The same, with all that happened.
+pub fn tick_recorded(plan: &Plan) -> (Ticked, History) {
     let tasks = plan.workers + 2;
     let mut farm = Farm {
         plan,
         tasks: (0..tasks).map(|_| Task::default()).collect(),
         under_way: Vec::new(),
+        passage_of: Vec::new(),
         sent: 0,
         bus_free: vec![0; plan.buses],
+        history: History { deeds: vec![Vec::new(); tasks], passages: Vec::new() },
         now: 0,
         next_item: 0,
         asked: vec![false; plan.workers],
@@ -108,7 +167,7 @@ pub fn tick(plan: &Plan) -> Ticked {
     loop {
         while (0..tasks).any(|task| farm.goes_on(task)) {}
         if farm.tasks.iter().all(|task| task.ended) {
-            return Ticked { time: farm.now, tasks: spent };
+            return (Ticked { time: farm.now, tasks: spent }, farm.history);
         }
         for (task, spent) in farm.tasks.iter_mut().zip(&mut spent) {
             let state = if task.ended { "idle" } else { task.state };
@@ -145,6 +204,8 @@ impl Farm<'_> {
             }
             self.tasks[task].handed = None;
             self.tasks[task].todo.pop_front();
+            let passage = self.passage_of[number];
+            self.history.deeds[task].push((Deed::WasTaken { passage }, self.now));
             return true;
         }
         let Some(&instruction) = self.tasks[task].todo.front() else {
@@ -152,7 +213,8 @@ impl Farm<'_> {
             return true;
         };
         match instruction {
-            Instruction::Be(state, time) => {
+            Instruction::Be(state, time, work) => {
+                self.history.deeds[task].push((Deed::Worked(work, time), self.now + time));
                 self.tasks[task].state = state;
                 self.tasks[task].busy = time;
                 self.tasks[task].todo.pop_front();
@@ -171,13 +233,19 @@ impl Farm<'_> {
             }
             Instruction::Take(from, state) => {
                 self.tasks[task].state = state;
+                let since = *self.tasks[task].since.get_or_insert(self.now);
                 let is_for = |message: &&Message| {
                     message.to == task && message.arrives <= self.now && from.is_none_or(|from| from == message.from)
                 };
                 let first = self.under_way.iter().filter(is_for).min_by_key(|m| (m.arrives, m.from, m.number));
                 let Some(number) = first.map(|message| message.number) else { return false };
                 let place = self.under_way.iter().position(|message| message.number == number).unwrap();
-                self.tasks[task].told = Some(self.under_way.remove(place).text);
+                let message = self.under_way.remove(place);
+                let passage = message.passage;
+                self.history.passages[passage].taken = Some((task, self.history.deeds[task].len()));
+                self.history.deeds[task].push((Deed::Took { passage, since }, self.now));
+                self.tasks[task].told = Some(message.text);
+                self.tasks[task].since = None;
                 self.tasks[task].todo.pop_front();
                 true
             }
@@ -194,10 +262,14 @@ impl Farm<'_> {
         };
         let time = ((self.plan.header + inside) * self.plan.byte_ps).div_ceil(1000);
         let bus = (0..self.bus_free.len()).min_by_key(|&bus| (self.bus_free[bus], bus)).unwrap();
-        let arrives = self.now.max(self.bus_free[bus]) + time;
+        let starts = self.now.max(self.bus_free[bus]);
+        let arrives = starts + time;
         self.bus_free[bus] = arrives;
+        let (passage, after) = (self.history.passages.len(), self.history.deeds[from].len());
+        self.history.passages.push(Passage { bus, from, ready: self.now, starts, arrives, after, taken: None });
         for to in to {
-            self.under_way.push(Message { number: self.sent, arrives, from, to, text });
+            self.passage_of.push(passage);
+            self.under_way.push(Message { number: self.sent, passage, arrives, from, to, text });
             self.sent += 1;
         }
     }
@@ -222,14 +294,14 @@ impl Farm<'_> {
         let plan = self.plan;
         let tasks = plan.workers + 2;
         if stage == 0 {
-            let mut todo = vec![Instruction::Be("computing", plan.fixed)];
+            let mut todo = vec![Instruction::Be("computing", plan.fixed, "fixed_ms")];
             match plan.scene_by {
                 SceneBy::Copies => (1..tasks).for_each(|task| {
-                    todo.push(Instruction::Be("sending", plan.per_cap));
+                    todo.push(Instruction::Be("sending", plan.per_cap, "per_cap_ms"));
                     todo.push(Instruction::Hand(task, "waiting answer", Text::Scene));
                 }),
                 SceneBy::Broadcast => {
-                    todo.push(Instruction::Be("sending", plan.per_cap));
+                    todo.push(Instruction::Be("sending", plan.per_cap, "per_cap_ms"));
                     todo.push(Instruction::Post(1, tasks, Text::Scene));
                 }
             }
@@ -237,7 +309,7 @@ impl Farm<'_> {
         }
         if told == Some(Text::Color) {
             self.filed += 1;
-            return Some(vec![Instruction::Be("receiving", plan.color)]);
+            return Some(vec![Instruction::Be("receiving", plan.color, "color_ms")]);
         }
         let all: usize = plan.items.iter().map(Vec::len).sum();
         (self.filed < all).then(|| vec![Instruction::Take(None, "waiting mail")])
@@ -261,7 +333,7 @@ impl Farm<'_> {
             }
         };
         let mut todo = vec![
-            Instruction::Be("sending", self.plan.message),
+            Instruction::Be("sending", self.plan.message, "message_ms"),
             Instruction::Hand(worker, "waiting answer", text),
             Instruction::Take(Some(worker), "waiting answer"),
         ];
@@ -284,8 +356,10 @@ impl Farm<'_> {
 
     fn worker(&mut self, task: usize, stage: usize, told: Option<Text>) -> Option<Vec<Instruction>> {
         let plan = self.plan;
-        let says =
-            [Instruction::Be("sending", plan.message), Instruction::Hand(1, "waiting master", Text::Ready(task))];
+        let says = [
+            Instruction::Be("sending", plan.message, "message_ms"),
+            Instruction::Hand(1, "waiting master", Text::Ready(task)),
+        ];
         let asks = [&says[..], &[Instruction::Take(Some(1), "waiting item")]].concat();
         if stage == 0 {
             return Some([&[Instruction::Take(Some(0), "waiting scene")], &asks[..]].concat());
@@ -295,9 +369,9 @@ impl Farm<'_> {
             Some(Text::Item(first)) => {
                 let step = if plan.hand_out == HandOut::Dealt { plan.workers } else { plan.items.len() };
                 for item in plan.items[first..].iter().step_by(step) {
-                    todo.push(Instruction::Be("computing", plan.segment));
+                    todo.push(Instruction::Be("computing", plan.segment, "segment_ms"));
                     for &time in item {
-                        todo.push(Instruction::Be("computing", time));
+                        todo.push(Instruction::Be("computing", time, "pixel_ms"));
                         todo.push(Instruction::Post(0, 1, Text::Color));
                     }
                 }

@@ -67,7 +67,7 @@ pub fn run<P, M: Copy>(
             let mut taken = None;
             let mut later = None;
             match act {
-                Act::Spend(state, cycles) => {
+                Act::Spend(state, cycles) | Act::Work(state, cycles, _) => {
                     *all[task].spent.entry(state.0).or_default() += cycles.0;
                     later = (cycles.0 > 0).then_some((now + cycles.0, Doing::Something));
                 }

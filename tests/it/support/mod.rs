@@ -3,6 +3,7 @@
 pub mod browser;
 pub mod command;
 pub mod cube_ticking;
+pub mod farm_looking_back;
 pub mod farm_ticking;
 pub mod heap_events;
 pub mod intervals;

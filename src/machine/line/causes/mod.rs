@@ -7,11 +7,10 @@
 //! Which of all ways the run will end with is known only at its end, but it is one that goes on from where a cell stands or
 //! from a word or a place that somebody may still wait for. Whenever the ops have come to a certain number, the ways back
 //! from all of these are followed to where they come together, and added up in between: that is all that is
-//! kept ([`chains`]), and the ops are dropped. So the memory is bounded whatever the length of the run.
+//! kept ([`chains`](crate::machine::chains)), and the ops are dropped. So the memory is bounded whatever the length of the run.
 
-mod chains;
+mod code;
 mod moment;
-mod tally;
 mod waits;
 mod way;
 mod window;
@@ -21,22 +20,17 @@ use std::sync::Arc;
 use super::cell::Cell;
 use super::hold::Held;
 use super::watcher::Watcher;
+use crate::machine::chains::{Chains, Code, Entry};
+use crate::machine::timeline::bins_for;
 use crate::measure::{Actor, Cause, CriticalPath, PathPart, Snapshot, StateId, Topology, When};
 use crate::quantities::Cycles;
 use crate::seam::{Channel, OpBatch, Vocabulary};
-use chains::Chains;
 use moment::Look;
-use tally::{Code, Entry};
 use waits::Waits;
 use way::Way;
 use window::{NOW, Point};
 
 pub(super) use window::Past;
-
-/// Bins of a run on few cells; those of large arrays have fewer, as a profile's.
-const MOST_BINS: u64 = 1024;
-const ALL_BINS: u64 = 1 << 15;
-const LEAST_BINS: u64 = 16;
 
 /// What a stream counts for that has no ops.
 const STREAM_OPS: usize = 16;
@@ -110,10 +104,9 @@ impl Stand {
 impl Causes {
     /// Follows an array of `cells` cells, and holds about `most_ops` ops at a time.
     pub fn new(cells: usize, most_ops: usize) -> Causes {
-        let bins = (ALL_BINS / cells.next_power_of_two() as u64).clamp(LEAST_BINS, MOST_BINS);
         Causes {
             stations: (0..=cells).map(|_| Station::default()).collect(),
-            chains: Chains::new(bins),
+            chains: Chains::new(bins_for(cells) as u64),
             ops: 0,
             most_ops,
             live: (0..=cells).map(|station| ((station, NOW), 0)).collect(),

@@ -111,7 +111,7 @@ fn doing(past: &Past<'_>, index: usize, station: &Station, at: u64) -> Option<Fo
     if !(station.start.clock..past.stands[index].clock).contains(&at) {
         return None;
     }
-    let last = last_before(&station.waits, at);
+    let last = last_before(&station.waits, at, station.waits.len());
     let start = last.map_or(station.start, |last| station.waits[last.row].stand(last.number));
     let mut walk = Walk { past, station: index, at: start };
     let next = next_after(&station.waits, last).map(|next| (&station.waits[next.row], next.number));

@@ -74,9 +74,21 @@ impl Waits {
     }
 }
 
-/// The last wait that is over at the beginning of a cycle.
-pub(super) fn last_before(waits: &[Waits], cycle: u64) -> Option<Wait> {
-    let row = waits.partition_point(|row| row.first() <= cycle).checked_sub(1)?;
+/// The last wait that is over at the beginning of a cycle. It is looked for around row `near`, to the left in steps that double: who
+/// goes back in time finds it beside the one before.
+pub(super) fn last_before(waits: &[Waits], cycle: u64, near: usize) -> Option<Wait> {
+    let is_over = |row: &Waits| row.first() <= cycle;
+    let near = near.min(waits.len());
+    // In the end the rows before `start` are over, and those from `end` on are not.
+    let (mut start, mut end, mut step) = (near, near, 1);
+    if waits.get(near).is_some_and(is_over) {
+        end = waits.len();
+    }
+    while start > 0 && !is_over(&waits[start - 1]) {
+        (start, end) = (start.saturating_sub(step), start - 1);
+        step *= 2;
+    }
+    let row = (start + waits[start..end].partition_point(is_over)).checked_sub(1)?;
     Some(Wait { row, number: waits[row].last_before(cycle) })
 }
 

@@ -1,10 +1,9 @@
 //! The way back from some points, through the ops since the last reckoning.
 
-use super::chains::Chains;
-use super::tally::Code;
 use super::waits::{Wait, Waits, last_before};
 use super::window::{NOW, Past, Point};
 use super::{Stand, Station};
+use crate::machine::chains::{Chains, Code};
 use crate::seam::{Op, OpKind};
 
 /// All points since the last reckoning that some points lead back to.
@@ -38,7 +37,8 @@ impl<'a> Way<'a> {
         }
         let mut first = Vec::with_capacity(reached.len());
         for station in &mut reached {
-            station.cycles.sort_unstable();
+            // They mostly came one before the other, which this sort makes use of.
+            station.cycles.sort();
             station.cycles.dedup();
             first.push(next);
             next += station.cycles.len() as u32;
@@ -114,11 +114,13 @@ struct Reached<'a> {
     /// Whether the way that begins behind a row of waits has been come to; the first begins with the window.
     seen: Vec<bool>,
     cycles: Vec<u64>,
+    /// Behind the row that was found last.
+    near: usize,
 }
 
 impl<'a> Reached<'a> {
     fn new(waits: &'a [Waits]) -> Reached<'a> {
-        Reached { waits, seen: vec![false; waits.len() + 1], cycles: Vec::new() }
+        Reached { waits, seen: vec![false; waits.len() + 1], cycles: Vec::new(), near: waits.len() }
     }
 
     /// The points in order, each with the wait before it.
@@ -136,7 +138,8 @@ impl<'a> Reached<'a> {
     /// Comes to a point. Returns the wait before it, if no point behind that has been come to (inside a row it may have been).
     fn come_to(&mut self, cycle: u64) -> Option<Wait> {
         self.cycles.push(cycle);
-        let last = last_before(self.waits, cycle);
+        let last = last_before(self.waits, cycle, self.near);
+        self.near = last.map_or(0, |wait| wait.row + 1);
         let Some(wait) = last else {
             self.seen[0] = true;
             return None;

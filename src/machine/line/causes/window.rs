@@ -3,9 +3,8 @@
 use std::collections::VecDeque;
 
 use super::Stand;
-use super::chains::Chains;
-use super::tally::Code;
 use super::waits::Waits;
+use crate::machine::chains::{Chains, Code};
 use crate::machine::line::hold::Hold;
 use crate::machine::line::link::Link;
 use crate::machine::line::prices::Prices;

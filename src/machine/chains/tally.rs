@@ -2,35 +2,13 @@
 
 use std::ops::Range;
 
-use crate::seam::{Channel, Unit, Vocabulary};
-
-/// What cycles of a path are spent on, as a number below 128.
+/// What cycles of a path are spent on, as a number below 128, which each machine has its own of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Code(pub u8);
-
-impl Code {
-    pub const MOVE: Code = Code(Vocabulary::MOST_UNITS as u8);
-
-    pub fn work(unit: Unit) -> Code {
-        Code(unit.0)
-    }
-
-    pub fn latency(channel: Channel) -> Code {
-        Code(Code::MOVE.0 + 1 + channel as u8)
-    }
-
-    pub fn wire(channel: Channel) -> Code {
-        Code(Code::MOVE.0 + 4 + channel as u8)
-    }
-
-    pub fn slot(channel: Channel) -> Code {
-        Code(Code::MOVE.0 + 7 + channel as u8)
-    }
-}
+pub struct Code(pub u8);
 
 /// Cycles of one cause, at one station, in one bin.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
+pub struct Entry {
     /// Bin, station and cause, in the order in which they sort.
     key: u64,
     pub cycles: u64,
@@ -66,7 +44,7 @@ impl Entry {
 }
 
 /// Sorts entries and adds up those of one key.
-pub(super) fn normalize(entries: &mut Vec<Entry>, from: usize) {
+pub fn normalize(entries: &mut Vec<Entry>, from: usize) {
     entries[from..].sort_unstable_by_key(|entry| entry.key);
     let mut end = from;
     for index in from..entries.len() {
@@ -84,7 +62,7 @@ pub(super) fn normalize(entries: &mut Vec<Entry>, from: usize) {
 
 /// Writes entries, adding up those of one bin and one station as long as it stays with these.
 #[derive(Debug)]
-pub(super) struct Pen {
+pub struct Pen {
     pub entries: Vec<Entry>,
     /// The piece under way begins here.
     piece: usize,

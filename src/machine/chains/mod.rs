@@ -1,12 +1,16 @@
-//! The chains of causes that a run may yet come to end with: a tree, as all begin in cycle 0.
+//! The chains of causes that a run may yet come to end with: a tree, as all begin in cycle 0. What follows from what is the
+//! machine's own; here it is added up, and forgotten.
+
+mod tally;
 
 use std::ops::Range;
 
-use super::tally::{Entry, Pen, normalize};
+use tally::normalize;
+pub use tally::{Code, Entry, Pen};
 
 /// A point of a chain: somebody at the beginning of a cycle.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
+pub struct Node {
     /// The point that it follows from; none for the first of all.
     pub parent: Option<u32>,
     /// What lies between that and this.
@@ -16,7 +20,7 @@ pub(super) struct Node {
 /// The tree. Where chains have one way only, it is one edge, whose pieces have been added up: there are at the most twice as
 /// many nodes as chains. What all chains have in common is settled, whatever comes.
 #[derive(Debug)]
-pub(super) struct Chains {
+pub struct Chains {
     nodes: Vec<Node>,
     /// The pieces of all nodes.
     pub pen: Pen,
