@@ -163,6 +163,11 @@ impl Prepared {
         self.tested.iter().map(|&samples| f64::from(samples)).sum::<f64>() / self.tested.len().max(1) as f64
     }
 
+    /// The number of the ray that is sent in a place, from 0: of a camera's its pixel's, line by line.
+    pub fn number(&self, place: usize) -> usize {
+        self.numbers.number(place)
+    }
+
     /// How many rays there are, with those that are not sent.
     pub fn count(&self) -> usize {
         self.count

@@ -29,6 +29,9 @@ fn on_small_built_in_scenes() {
         ("shells", 3),
         ("teapot", 4),
         ("room", 1),
+        ("table", 1),
+        ("valve", 1),
+        ("chapel", 1),
         ("reference", 2),
     ] {
         let (scene, rays) = scene(name, size, 20);
