@@ -12,6 +12,7 @@ use super::args::{
 use super::cell_args::{AsmArgs, CalibrateArgs, DisasmArgs, Figure7Args, StepArgs};
 use super::farm_args::FarmArgs;
 use super::ipsc2_args::{CalibrateIpsc2Args, Ipsc2Args};
+use super::lab::LabArgs;
 use super::why_args::{SizeArgs, WhyArgs};
 
 /// Simulates ray tracing on a linear array of PCS processors (INRIA RR-0992, 1989), exact to the cycle.
@@ -67,6 +68,8 @@ pub enum Command {
     Sweep(Box<SweepArgs>),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
     Model(Box<ModelArgs>),
+    /// Serves a page on this machine, on which runs are changed by sliders, seen and compared.
+    Lab(LabArgs),
     /// Draws one column of a table over another.
     Plot(PlotArgs),
     /// Tells in what two statistics files differ, and by how much: exit status 1 where they do.

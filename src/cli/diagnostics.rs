@@ -8,13 +8,33 @@ use pcs_sim::error::{InputError, Place, Spot};
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
 
-use super::is_dumb;
+use super::{Failure, is_dumb};
 
 /// Longer source lines are cut down to this many characters around the fault.
 const WIDEST_SOURCE: usize = 160;
 
+/// Why a command failed, in lines.
+pub fn drawn(failure: &Failure) -> String {
+    text(failure, &renderer())
+}
+
+/// The same without colours.
+pub fn plain(failure: &Failure) -> String {
+    text(failure, &Renderer::plain())
+}
+
+fn text(failure: &Failure, renderer: &Renderer) -> String {
+    match failure {
+        Failure::Input(error) => draw(error, renderer) + "\n",
+        Failure::Stuck(stuck) => draw_stuck(stuck),
+        Failure::Fault(fault) => draw_fault(fault, renderer) + "\n",
+        Failure::Output(message) => format!("error: {message}\n"),
+        Failure::Differ => String::new(),
+    }
+}
+
 /// Draws an error with its place: the line with a caret under the fault, or just the file.
-pub fn draw(error: &InputError) -> String {
+fn draw(error: &InputError, renderer: &Renderer) -> String {
     let title = Level::ERROR.primary_title(error.message.as_str());
     let path = error.place.as_ref().map(|place| place.file.display().to_string()).unwrap_or_default();
     let excerpt = error.place.as_ref().and_then(excerpt);
@@ -33,7 +53,7 @@ pub fn draw(error: &InputError) -> String {
     if let Some(help) = &error.help {
         group = group.element(Level::HELP.message(help.as_str()));
     }
-    renderer().render(&[group])
+    renderer.render(&[group])
 }
 
 /// With colours on a terminal, unless it has none or the user wants none (<https://no-color.org>).
@@ -64,11 +84,10 @@ fn excerpt(place: &Place) -> Option<Excerpt> {
 }
 
 /// Draws a fault of a cell's program: what is wrong, and the line of source that was executed.
-pub fn draw_fault(fault: &Fault) -> String {
+fn draw_fault(fault: &Fault, renderer: &Renderer) -> String {
     let Fault { kind, cell, message, address, source } = fault;
     let title = format!("{kind}: cell {cell}, ray {message}, address {address}");
     let title = Level::ERROR.primary_title(title);
-    let renderer = renderer();
     let Some(source) = source else { return renderer.render(&[annotate_snippets::Group::with_title(title)]) };
     let path = source.path.display().to_string();
     let annotation = AnnotationKind::Primary.span(0..source.text.len());
@@ -77,7 +96,7 @@ pub fn draw_fault(fault: &Fault) -> String {
 }
 
 /// Draws a standstill: the chain of waits, one a line.
-pub fn draw_stuck(stuck: &Stuck) -> String {
+fn draw_stuck(stuck: &Stuck) -> String {
     let mut text = format!("error: {}\n", stuck.kind);
     for wait in &stuck.waits {
         let _ = writeln!(text, "  {wait}");

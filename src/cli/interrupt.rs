@@ -1,6 +1,6 @@
 //! Ctrl-C, for every command alike: it stops at once, leaves no file half-written, and says how far it came.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 use indicatif::ProgressBar;
@@ -23,6 +23,9 @@ static STAGE: Mutex<Option<Stage>> = Mutex::new(None);
 
 /// The result files of the command.
 static OUTPUTS: LazyLock<Outputs> = LazyLock::new(Outputs::default);
+
+/// The folder of a server, which is removed when it ends.
+static SERVING: Mutex<Option<PathBuf>> = Mutex::new(None);
 
 /// Held by who ends the process: the command, or the signal.
 static ENDING: Mutex<()> = Mutex::new(());
@@ -51,9 +54,17 @@ pub fn listen() -> Result<(), Failure> {
             stage.bar.finish_and_clear();
         }
         eprintln!("stopped{told}");
+        if let Some(folder) = SERVING.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            let _ = std::fs::remove_dir_all(folder);
+        }
         std::process::exit(130);
     });
     handler.map_err(|error| Failure::Output(format!("cannot listen for signals: {error}")))
+}
+
+/// Notes that this process serves until it is stopped, and what is then removed.
+pub fn serving(folder: &Path) {
+    *SERVING.lock().unwrap_or_else(PoisonError::into_inner) = Some(folder.to_owned());
 }
 
 /// Notes what is under way: the bar shows how far it is, `counts` says what the bar counts.

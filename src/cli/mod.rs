@@ -17,6 +17,7 @@ mod image;
 mod interrupt;
 mod ipsc2;
 mod ipsc2_args;
+mod lab;
 mod manual;
 mod model;
 mod outputs;
@@ -201,6 +202,7 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
         Some(Command::Why(args)) => why::why(args, typed),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Model(args)) => model::model(args, typed),
+        Some(Command::Lab(args)) => lab::lab(args),
         Some(Command::Plot(args)) => plot::plot(args),
         Some(Command::Compare(args)) => compare::compare(args),
         Some(Command::Figure7(args)) => figure7::figure7(args),
@@ -216,25 +218,8 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
 }
 
 fn report(failure: &Failure) -> ExitCode {
-    match failure {
-        Failure::Input(error) => {
-            eprintln!("{}", diagnostics::draw(error));
-            ExitCode::from(2)
-        }
-        Failure::Stuck(stuck) => {
-            eprint!("{}", diagnostics::draw_stuck(stuck));
-            ExitCode::from(1)
-        }
-        Failure::Fault(fault) => {
-            eprintln!("{}", diagnostics::draw_fault(fault));
-            ExitCode::from(1)
-        }
-        Failure::Output(message) => {
-            eprintln!("error: {message}");
-            ExitCode::from(1)
-        }
-        Failure::Differ => ExitCode::from(1),
-    }
+    eprint!("{}", diagnostics::drawn(failure));
+    ExitCode::from(if matches!(failure, Failure::Input(_)) { 2 } else { 1 })
 }
 
 /// Whether standard output is for a result's file, or for nothing.

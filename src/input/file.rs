@@ -37,6 +37,7 @@ pub(crate) fn open(path: &Path) -> std::io::Result<File> {
 /// The bytes of a file of up to `gib` GiB; of one that is no regular file, up to 256 MiB.
 pub(crate) fn read(path: &Path, gib: u64) -> Result<Vec<u8>, InputError> {
     let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
+    reading::check(path)?;
     if is_stream(path) {
         return read_stream(path, std::io::stdin().lock());
     }

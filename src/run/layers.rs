@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::options::{CellsRun, Switch};
 use super::recording_memory::RecordingMemory;
-use super::timed::{RunError, Watching, replay_watched};
+use super::timed::{Outcome, RunError, Watching, replay_watched, run_watched};
 use super::trace::{TracedBatch, trace};
 use super::{RunSpec, Workers, trees};
 use crate::cancel::{Cancel, Cancelled};
@@ -24,6 +24,9 @@ use crate::measure::Measured;
 use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, sub_sample, work};
 use crate::scene::Scene;
 use crate::seam::{Costs, OpBatch};
+
+/// How many rays of all kinds a cut looks at, at the most: it looks at them again and again.
+const MOST_SAMPLED: usize = 4096;
 
 /// What a layer of a run depends on. Two layers with the same key are the same, as long as the files that they read are.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -160,6 +163,11 @@ impl Prepared {
         self.tested.iter().map(|&samples| f64::from(samples)).sum::<f64>() / self.tested.len().max(1) as f64
     }
 
+    /// The number of the ray that is sent in a place, from 0: of a camera's its pixel's, line by line.
+    pub fn number(&self, place: usize) -> usize {
+        self.numbers.number(place)
+    }
+
     /// How many rays there are, with those that are not sent.
     pub fn count(&self) -> usize {
         self.count
@@ -186,8 +194,8 @@ pub struct Traced {
 
 /// The layers of the run that was made last, for the next one to take what it can of them.
 ///
-/// A file that changes between two runs is not read again.
-#[derive(Debug, Default)]
+/// A file that changes between two runs is not read again. A clone shares what there is.
+#[derive(Clone, Debug, Default)]
 pub struct Layers {
     scene: Kept<Scene>,
     prepared: Kept<Prepared>,
@@ -299,7 +307,8 @@ impl Layers {
         let workload = Workload::of(Arc::new(layout), &one_cell, run.machine.times);
         let scene = self.scene(run)?;
         let shader = Shader::new(&scene, workload.polygons(), image.limits());
-        Ok(trees::rays(&shader, &workload, primary, cancel)?)
+        let all = trees::rays(&shader, &workload, primary, cancel)?;
+        Ok(all.iter().step_by(all.len().div_ceil(MOST_SAMPLED).max(1)).copied().collect())
     }
 
     /// What the array has to do: the scene laid out for its program, with the cells' programs if they run any.
@@ -325,6 +334,64 @@ impl Layers {
         }
     }
 
+    /// How many of them a run could take over, the scene alone being one.
+    pub fn shared(&self, run: &PlannedRun) -> usize {
+        let Keys { scene, prepared, laid_out, traced, timed: _ } = &run.keys;
+        let shared = [
+            find(&self.scene, scene).is_some(),
+            find(&self.prepared, prepared).is_some(),
+            find(&self.laid_out, laid_out).is_some(),
+            self.traced.as_ref().is_some_and(|kept| kept.0 == *traced),
+        ];
+        shared.into_iter().filter(|shared| *shared).count()
+    }
+
+    /// What the cells do, if it is at hand for a run.
+    pub fn kept(&self, run: &PlannedRun) -> Option<&Arc<Traced>> {
+        self.traced.as_ref().filter(|kept| kept.0 == run.keys.traced).map(|kept| &kept.1)
+    }
+
+    /// The memory that is taken by what the cells do, in bytes.
+    pub fn recorded(&self) -> u64 {
+        self.traced.as_ref().map_or(0, |kept| kept.1.bytes)
+    }
+
+    /// Runs primary rays. What the cells do is taken from the run before, if it was the same, and is kept for the next if it fits
+    /// into the memory. `observe` sees each batch once, in order: its ops and, of rays that are traced now, its hits.
+    ///
+    /// # Errors
+    ///
+    /// As [`Layers::traced`] and [`run_watched`].
+    pub fn run(
+        &mut self,
+        run: &PlannedRun,
+        watching: &Watching,
+        (workers, memory): (&Workers, RecordingMemory),
+        mut observe: impl FnMut(&OpBatch, &[Hit]),
+    ) -> Result<Outcome, RunError<Infallible>> {
+        if let Some(traced) = self.kept(run).cloned() {
+            let (stats, observed) = traced.time(&run.machine, watching, &workers.cancel)?;
+            traced.batches.iter().for_each(|batch| observe(batch, &[]));
+            return Ok(Outcome { stats, counts: traced.counts, hits: traced.hits.clone(), observed });
+        }
+        let workload = self.workload(run, &workers.cancel)?;
+        let rays = &self.prepared(run)?;
+        self.traced = None;
+        let (mut batches, mut bytes) = (Some(Vec::new()), 0);
+        let outcome = run_watched(&workload, (&run.machine.spec, watching), &rays.rays, workers, |batch, _| {
+            observe(&batch.ops, &batch.hits);
+            bytes += batch.ops.bytes() + (batch.hits.len() * size_of::<Hit>()) as u64;
+            batches = batches.take().filter(|_| bytes <= memory.0);
+            if let Some(batches) = &mut batches {
+                batches.push(batch.ops.clone());
+            }
+            Ok(())
+        })?;
+        let kept = |batches| Traced { workload, batches, counts: outcome.counts, hits: outcome.hits.clone(), bytes };
+        self.traced = batches.map(|batches| (run.keys.traced.clone(), Arc::new(kept(batches))));
+        Ok(outcome)
+    }
+
     /// All that the cells do for the rays of a run of primary rays: kept in memory, to be timed any number of times.
     ///
     /// # Errors
@@ -346,7 +413,7 @@ impl Layers {
         workers: &Workers,
         memory: RecordingMemory,
     ) -> Result<Option<Arc<Traced>>, RunError<Infallible>> {
-        if let Some((_, traced)) = self.traced.as_ref().filter(|kept| kept.0 == run.keys.traced) {
+        if let Some(traced) = self.kept(run) {
             return Ok(Some(traced.clone()));
         }
         let workload = self.workload(run, &workers.cancel)?;

@@ -58,4 +58,4 @@ pub use trees::{ByKind, KindCounts};
 pub use workers::Workers;
 
 pub use crate::input::fields::read_text;
-pub use crate::input::reading::{FileRead, noting};
+pub use crate::input::reading::{FileRead, noting, within};

@@ -27,7 +27,8 @@ let view = { min: 0, max: 0 };
 // Makes the run's figures ready to be drawn.
 function loadCharts() {
   times = Array.from({ length: run.bins }, (_, bin) => bin * run.bin).concat([run.end]);
-  view = { min: 0, max: run.end };
+  axisEnd = run.end;
+  view = { min: 0, max: axisEnd };
   run.cells.forEach((cell) => { cell.shares = memo(() => cell.states.map(shares)); });
   run.fifos.forEach((fifo) => {
     fifo.levels = memo(() => ({
@@ -39,14 +40,43 @@ function loadCharts() {
   deepest = Math.max(1, ...run.fifos.map(({ capacity }) => capacity));
 }
 
-// Shows a part of the run in all charts.
+// How far the axis of time goes: to the end of the run, or beyond, beside one that takes longer.
+let axisEnd = 0;
+
+// Shows a part of the run in all charts, and where another run is beside it, there too.
 function zoom(min, max) {
-  const length = Math.min(Math.max(max - min, run.end * 1e-9, run.cycle), run.end);
-  const start = Math.max(0, Math.min(min, run.end - length));
+  zoomHere(min, max);
+  if (globalThis.onZoom) onZoom(seconds(view.min), seconds(view.max));
+}
+
+function zoomHere(min, max) {
+  const length = Math.min(Math.max(max - min, run.end * 1e-9, run.cycle), axisEnd);
+  const start = Math.max(0, Math.min(min, axisEnd - length));
   view = { min: start, max: start + length };
   for (const { chart, range } of charts) chart.setScale("x", range(view));
   if (stepper) markMoment(stepper.cycle);
   tellWindow();
+}
+
+// The same in seconds, for those who show another run.
+function zoomSeconds(min, max) {
+  zoomHere(min / secondsOfUnit(), max / secondsOfUnit());
+}
+
+function zoomedTo() {
+  return [seconds(view.min), seconds(view.max)];
+}
+
+// How long the run is, in seconds; nothing where none is shown.
+function secondsShown() {
+  return run && seconds(run.end);
+}
+
+// Lets the axis go on to a time in seconds, if the run ends before.
+function extend(end) {
+  const isWhole = view.max - view.min > 0.999 * axisEnd;
+  axisEnd = Math.max(run.end, end / secondsOfUnit());
+  if (isWhole) zoomHere(0, axisEnd);
 }
 
 // Zooms about a place, which stays where it is.
@@ -149,7 +179,7 @@ function addMoves(chart) {
     addEventListener("mousemove", move);
     addEventListener("mouseup", stop);
   }, true);
-  chart.over.addEventListener("dblclick", () => zoom(0, run.end));
+  chart.over.addEventListener("dblclick", () => zoom(0, axisEnd));
   // A click that is no drag chooses the moment.
   let down = null;
   chart.over.addEventListener("mousedown", ({ clientX }) => { down = clientX; });
@@ -185,7 +215,7 @@ function addKeys(chart, place, rows) {
       ArrowUp: rows > 1 && (() => go(0, -1)), ArrowDown: rows > 1 && (() => go(0, 1)),
       Enter: () => chooseMoment(chart),
       "+": () => zoomAbout(middle(), 0.75), "=": () => zoomAbout(middle(), 0.75), "-": () => zoomAbout(middle(), 1 / 0.75),
-      a: () => along(-0.25), d: () => along(0.25), 0: () => zoom(0, run.end),
+      a: () => along(-0.25), d: () => along(0.25), 0: () => zoom(0, axisEnd),
     }[event.key];
     if (!action) return;
     event.preventDefault();

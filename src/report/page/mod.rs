@@ -52,7 +52,8 @@ pub struct Page<'a> {
 pub struct PageError(String);
 
 impl PageError {
-    fn new(error: impl std::fmt::Display) -> PageError {
+    /// Why, in a sentence.
+    pub fn new(error: impl std::fmt::Display) -> PageError {
         PageError(error.to_string())
     }
 }
@@ -122,6 +123,12 @@ pub fn look(setup: &Setup, ray: u32) -> Result<String, PageError> {
     serde_json::to_string(&looks::LookedAt::new(setup, ray)).map_err(PageError::new)
 }
 
+/// What the rays of a recording's beginning come to as JSON, for a page whose data were made without a [`Page::setup`]: it takes
+/// longer than all else.
+pub fn looks(setup: &Setup, recording: &Recording) -> Result<String, PageError> {
+    serde_json::to_string(&looks::Looks::new(setup, recording, window::end(recording))).map_err(PageError::new)
+}
+
 /// The instructions that a cell executes for a ray as JSON, for a page that steps through them. `null` if cells run no programs.
 pub fn instructions(setup: &Setup, cell: usize, ray: u32) -> Result<String, PageError> {
     let sent = setup.prepared.rays.get(ray as usize).filter(|_| setup.workload.executable(cell).is_some());
@@ -146,7 +153,13 @@ pub const CHART_SCRIPT: &str = include_str!("../../../assets/uplot.min.js");
 /// How its charts look.
 pub const CHART_STYLE: &str = include_str!("../../../assets/uplot.min.css");
 
-const STYLE: &str = concat!(include_str!("page.css"), include_str!("stepper.css"));
+/// The colours of pages on white and on black, and what scripts make of them.
+pub const THEME_SCRIPT: &str = include_str!("theme.js");
+
+/// The same for what is not drawn by scripts.
+pub const THEME_STYLE: &str = include_str!("theme.css");
+
+const STYLE: &str = concat!(include_str!("theme.css"), include_str!("page.css"), include_str!("stepper.css"));
 
 /// Only of a line is it drawn who waits for whom.
 fn of_line<'a>(page: &Page<'a>) -> Page<'a> {

@@ -80,7 +80,7 @@ function drawEntries(id, entries) {
 }
 
 function drawButtons() {
-  const buttons = [["whole run", () => zoom(0, run.end)], ["{% if is_line %}busiest cells{% else %}some {{ station }}s{% endif %}", () => select(telling())], ["no {{ station }}s", () => select([])]];
+  const buttons = [["whole run", () => zoom(0, axisEnd)], ["{% if is_line %}busiest cells{% else %}some {{ station }}s{% endif %}", () => select(telling())], ["no {{ station }}s", () => select([])]];
   if (count <= 32) buttons.splice(1, 0, ["all {{ station }}s", () => select(all())]);
   if (tape) buttons.splice(1, 0, ["cycles held one by one", () => zoom(tape.from * run.cycle, tape.until * run.cycle)]);
   for (const [name, action] of buttons) {

@@ -7,6 +7,7 @@ pub mod farm_looking_back;
 pub mod farm_ticking;
 pub mod heap_events;
 pub mod intervals;
+pub mod lab;
 pub mod looking_back;
 pub mod memory_ticking;
 pub mod random_ops;

@@ -1,0 +1,364 @@
+//! The lab as those who ask it see it: what it answers, whom it refuses, and that nothing is left of who goes away.
+
+use std::io::Read;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use crate::support::command::Folder;
+use crate::support::lab::{Answer, Lab};
+
+/// Bytes as a page sends them.
+fn base64(bytes: &[u8]) -> String {
+    use base64::Engine;
+    base64::engine::general_purpose::STANDARD.encode(bytes)
+}
+
+fn files(files: &[(&str, &[u8])]) -> Value {
+    let files: Vec<Value> =
+        files.iter().map(|(name, bytes)| json!({ "name": name, "base64": base64(bytes) })).collect();
+    json!({ "files": files })
+}
+
+#[test]
+fn a_run_is_what_the_command_makes_of_the_same_parameters() {
+    let (lab, folder) = (Lab::start(""), Folder::new());
+    let run = lab.get("/run?scene=room&mode=broadcast&cells=4&size=24x18&fifo_words=8");
+    let done = run.done();
+    assert_eq!(done["command"], "pcs-sim --scene room --mode broadcast --cells 4 --size 24x18 --fifo-words 8");
+    let flags = done["command"].as_str().unwrap().strip_prefix("pcs-sim ").unwrap();
+    let stats: Value = serde_json::from_str(&folder.run(&format!("{flags} --json")).success()).unwrap();
+    assert_eq!(done["stats"], stats);
+    assert_eq!(done["replayed"], false);
+    // What a page of the command draws, the lab's page is told to draw.
+    let mut figures: Value = serde_json::from_str(&run.event("figures")).unwrap();
+    figures["looks"] = serde_json::from_str(&run.event("looks")).unwrap();
+    folder.run(&format!("{flags} --page page.html")).success();
+    let page = folder.read("page.html");
+    let drawn = page.rsplit("show(").next().unwrap().split(");</script>").next().unwrap();
+    assert_eq!(figures, serde_json::from_str::<Value>(drawn).unwrap());
+}
+
+#[test]
+fn what_only_the_clockwork_changes_is_replayed() {
+    let lab = Lab::start("");
+    let replayed = |query: &str| lab.get(&format!("/run?scene=room&size=16x16&{query}")).done()["replayed"].clone();
+    assert_eq!(replayed("mode=broadcast"), false);
+    for change in ["fifo_words=4", "grid_voxel=3.9", "link_mb_s=20", "latency_cycles=9", "clock_ns=100"] {
+        assert_eq!(replayed(&format!("mode=broadcast&{change}")), true, "{change}");
+    }
+    for change in ["mode=pipeline", "mode=broadcast&cells=4", "mode=broadcast&grid_coefficient=7"] {
+        assert_eq!(replayed(change), false, "{change}");
+    }
+    assert_eq!(replayed("mode=broadcast"), true, "runs before the last one are at hand, too");
+}
+
+#[test]
+fn the_critical_path_is_told_when_it_is_asked_for() {
+    let lab = Lab::start("");
+    let [with, without] = ["why", "run"].map(|path| lab.get(&format!("/{path}?scene=room&size=8x8")));
+    assert!(with.done()["stats"].get("why").is_some() && without.done()["stats"].get("why").is_none());
+    let is_told = |answer: &Answer| answer.event("text").contains("The critical path:");
+    assert!(is_told(&with) && !is_told(&without));
+}
+
+#[test]
+fn what_makes_no_run_is_refused_in_the_commands_words() {
+    let (lab, folder) = (Lab::start(""), Folder::new());
+    let refused = |query: &str| {
+        let answer = lab.get(&format!("/run?{query}"));
+        assert_eq!(answer.status, 422, "{}", answer.body);
+        answer.body
+    };
+    for (query, flags) in [("cells=8", "--cells 8"), ("clock_ns=0", "--clock-ns 0"), ("fifo_words=0", "--fifo-words 0")]
+    {
+        assert_eq!(refused(query), folder.run(flags).refused());
+    }
+    assert!(refused("fifo_wrods=8").contains("unknown parameter `fifo_wrods`"));
+    assert!(refused("fifo_wrods=8").contains("fifo_words"));
+    assert!(refused("samples=4").contains("unknown parameter `samples`"));
+    assert!(refused("cells=3&cells=3").contains("given twice"));
+    assert!(refused("size=4096x4096").contains("at most 4194304 pixels"));
+    for query in ["rays=/etc/passwd", "machine=/etc/passwd", "cell_programs=/etc", "program=/etc/passwd"] {
+        let refusal = refused(query);
+        assert!(refusal.contains("names a file") && !refusal.contains("root:"), "{refusal}");
+    }
+    for query in ["scene=/etc/passwd", "scene=../x.obj", "scene=x.obj", "scene=-.obj"] {
+        assert!(refused(query).contains("is not at hand"), "{query}");
+    }
+}
+
+#[test]
+fn what_a_run_does_not_look_at_is_told_and_in_no_command() {
+    let lab = Lab::start("");
+    let done = lab.get("/run?scene=room&size=8x8&partition=work&resolution=9").done();
+    let moot: Vec<&String> = done["moot"].as_object().unwrap().keys().collect();
+    assert_eq!(moot, ["partition", "resolution"]);
+    assert_eq!(done["command"], "pcs-sim --scene room --size 8x8");
+}
+
+#[test]
+fn a_run_that_cannot_go_on_says_so_in_the_commands_words() {
+    let (lab, folder) = (Lab::start(""), Folder::new());
+    let answer = lab.get("/run?scene=room&size=8x8&stop_words=64&fifo_words=31");
+    let command = folder.run("--scene room --size 8x8 --stop-words 64 --fifo-words 31");
+    assert_ne!(command.status, 0);
+    assert_eq!(answer.event("failed").trim_end(), command.stderr.trim_end());
+}
+
+#[test]
+fn a_scene_that_is_dropped_is_run_and_one_that_is_wrong_is_told_as_by_the_command() {
+    let (lab, folder) = (Lab::start(""), Folder::new());
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
+    let taken = lab.post("/scenes", &files(&[("a.mtl", b"newmtl red\nKd 1 0 0\n"), ("a.obj", obj.as_bytes())]));
+    assert_eq!(taken.status, 200, "{}", taken.body);
+    let scene = serde_json::from_str::<Value>(&taken.body).unwrap()["scene"].as_str().unwrap().to_owned();
+    let done = lab.get(&format!("/run?scene={scene}&size=8x8")).done();
+    assert!(done["title"].as_str().unwrap().contains("scene a (1 polygons)"), "{done}");
+    assert_eq!(done["command"], "pcs-sim --scene a.obj --size 8x8");
+    // The same again has the same address, in this lab as in any.
+    let again =
+        Lab::start("").post("/scenes", &files(&[("a.mtl", b"newmtl red\nKd 1 0 0\n"), ("a.obj", obj.as_bytes())]));
+    assert_eq!(again.body, taken.body);
+
+    let wrong: [(&str, &str); 4] = [
+        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+        ("b.ron", "(camera: (eye: (0, 0, 5), look_at: (0, 0, 0), fov: 40), meshes: [(faces: 1)])"),
+        ("c.nff", "s 0 0 zero 1\n"),
+        ("d.ply", "ply\nformat ascii 1.0\nelement vertex x\n"),
+    ];
+    for (name, text) in wrong {
+        folder.file(name, text);
+        let told = lab.post("/scenes", &files(&[(name, text.as_bytes())]));
+        assert_eq!(told.status, 422);
+        assert_eq!(told.body, folder.run(&format!("--scene {name}")).refused(), "{name}");
+    }
+    // As Ctrl-C ends the lab, what was dropped goes too.
+    let places = || std::fs::read_dir(std::env::temp_dir()).unwrap().flatten();
+    let ours = || places().filter(|place| place.path().join(scene.split('/').next().unwrap()).exists()).count();
+    assert_eq!(ours(), 1);
+    assert_eq!(lab.interrupt(), Some(130));
+    assert_eq!(ours(), 0);
+}
+
+#[test]
+fn a_scene_that_is_dropped_reads_nothing_else() {
+    let (lab, folder) = (Lab::start(""), Folder::new());
+    let secret = folder.file("secret.obj", "the secret\n");
+    let ron = |file: &str| format!(r#"(meshes: [(shape: File("{file}"))])"#);
+    let up = format!("../../../../..{}", secret.display());
+    for file in [secret.display().to_string(), up, "/dev/zero".to_owned()] {
+        let told = lab.post("/scenes", &files(&[("a.ron", ron(&file).as_bytes())]));
+        assert!(!told.body.contains("the secret"), "{}", told.body);
+        assert_eq!(told.status, 422, "{}", told.body);
+        assert!(told.body.contains("beside the scene"), "{}", told.body);
+    }
+    folder.file("a.ron", ron(&secret.display().to_string()));
+    assert!(folder.run("--scene a.ron").refused().contains("the secret"), "the command reads it");
+    // With a file that came along it is a scene.
+    let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let told = lab.post("/scenes", &files(&[("b.obj", obj), ("a.ron", ron("b.obj").as_bytes())]));
+    assert_eq!(told.status, 200, "{}", told.body);
+    for name in ["../a.obj", "/a.obj", "a/b.obj", "-.obj", ".obj", ""] {
+        let told = lab.post("/scenes", &files(&[(name, b"v 0 0 0\n")]));
+        assert!(told.status == 422 && told.body.contains("is no name of a file"), "{name}: {}", told.body);
+    }
+}
+
+#[test]
+fn scenes_have_a_limit() {
+    let lab = Lab::start("--max-upload 1");
+    let large = "# nothing\n".repeat(200_000);
+    let told = lab.post("/scenes", &files(&[("large.obj", large.as_bytes())]));
+    assert_eq!(told.status, 413);
+    assert!(told.body.contains("up to 1 Mbyte") || told.body.is_empty(), "{}", told.body);
+    assert_eq!(lab.get("/run?scene=room&size=4x4").status, 200, "the lab goes on");
+}
+
+#[test]
+fn other_sites_get_nothing() {
+    let lab = Lab::start("");
+    let host = &lab.host;
+    let port = host.rsplit(':').next().unwrap();
+    let status = |path: &str, lines: &str| lab.ask(&format!("GET {path} HTTP/1.1\r\n{lines}"), "").status;
+    assert_eq!(status("/", &format!("Host: {host}\r\n")), 200);
+    assert_eq!(status("/", &format!("Host: localhost:{port}\r\n")), 200);
+    assert_eq!(status("/run?size=4x4", &format!("Host: {host}\r\nOrigin: http://{host}\r\n")), 200);
+    for foreign in [
+        "example.org",
+        &format!("example.org:{port}"),
+        "127.0.0.1",
+        "127.0.0.1:1",
+        &format!("127.0.0.1.example.org:{port}"),
+    ] {
+        assert_eq!(status("/", &format!("Host: {foreign}\r\n")), 403, "{foreign}");
+    }
+    for foreign in ["http://example.org", "null", &format!("https://{host}"), &format!("http://{host}.example.org")] {
+        assert_eq!(status("/run", &format!("Host: {host}\r\nOrigin: {foreign}\r\n")), 403, "{foreign}");
+    }
+    assert_eq!(status("/run", &format!("Host: {host}\r\nSec-Fetch-Site: cross-site\r\n")), 403);
+    assert_eq!(
+        status("/", &format!("Host: {host}\r\nSec-Fetch-Site: cross-site\r\n")),
+        200,
+        "a lecture can link to it"
+    );
+    assert_eq!(status("/run?size=4x4", &format!("Host: {host}\r\nSec-Fetch-Site: same-origin\r\n")), 200);
+    let page = lab.get("/");
+    assert!(page.head.contains("frame-ancestors 'self'") && page.head.contains("nosniff"), "{}", page.head);
+    assert!(!page.body.contains("https://") && !page.body.contains("http://"), "it asks the network for nothing");
+    assert_eq!(lab.get("/secret.html").status, 404);
+}
+
+#[test]
+fn a_sweep_is_the_commands_table_point_by_point() {
+    let (lab, folder) = (Lab::start(""), Folder::new());
+    let sweep = json!({ "scene": "room", "size": "12x12", "mode": "broadcast", "cells": 4, "fifo_words": [1, 4, 512] });
+    let events = lab.post("/sweep", &sweep).events();
+    let names: Vec<&str> = events.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["columns", "point", "point", "point", "done"]);
+    folder.file("sweep.ron", r#"(scene: "room", size: "12x12", mode: "broadcast", cells: 4, fifo_words: [1, 4, 512])"#);
+    folder.run("sweep sweep.ron -o table.csv").success();
+    let mut rows: Vec<String> = events[1..4]
+        .iter()
+        .map(|(_, data)| {
+            let row = serde_json::from_str::<Value>(data).unwrap()["row"].clone();
+            row.as_array().unwrap().iter().map(|cell| cell.as_str().unwrap().to_owned()).collect::<Vec<_>>().join(",")
+        })
+        .collect();
+    rows.sort();
+    let mut table: Vec<String> = folder.read("table.csv").lines().skip(1).map(str::to_owned).collect();
+    table.sort();
+    assert_eq!(rows, table);
+    let refused = |sweep: Value| {
+        let answer = lab.post("/sweep", &sweep);
+        assert_eq!(answer.status, 422, "{}", answer.body);
+        answer.body
+    };
+    assert!(refused(json!({ "fifo_wrods": [1] })).contains("unknown parameter"));
+    assert!(refused(json!({ "fifo_words": { "from": 1, "to": 5000, "step": 1 } })).contains("up to 1000"));
+    assert!(refused(json!({ "machine": ["/etc/passwd"] })).contains("names a file"));
+    assert!(refused(json!({ "scene": ["room", "/etc/passwd"] })).contains("is not at hand"));
+    assert!(refused(json!({ "farm": true })).contains("are of arrays"));
+}
+
+#[test]
+fn two_runs_are_compared_as_by_the_command() {
+    let (lab, folder) = (Lab::start(""), Folder::new());
+    let [a, b] =
+        ["size=8x8", "size=8x8&grid_voxel=3.9"].map(|query| lab.get(&format!("/run?scene=room&{query}")).done());
+    let told = lab.post("/compare", &json!({ "a": a["stats"], "b": b["stats"] })).body;
+    folder.file("a.json", a["stats"].to_string());
+    folder.file("b.json", b["stats"].to_string());
+    let compared = folder.run("compare a.json b.json");
+    assert_eq!(compared.status, 1);
+    assert!(compared.stdout.ends_with(&told), "{told}");
+}
+
+/// What a process has, as Linux tells it.
+#[cfg(target_os = "linux")]
+#[derive(Debug)]
+struct Held {
+    threads: usize,
+    files: usize,
+    kilobytes: usize,
+}
+
+#[cfg(target_os = "linux")]
+impl Held {
+    fn by(lab: &Lab) -> Held {
+        let folder = format!("/proc/{}", lab.pid());
+        let status = std::fs::read_to_string(format!("{folder}/status")).unwrap();
+        let number = |name: &str| {
+            let line = status.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+            line.split_whitespace().next().unwrap().parse().unwrap()
+        };
+        let files = std::fs::read_dir(format!("{folder}/fd")).unwrap().count();
+        Held { threads: number("Threads:"), files, kilobytes: number("VmRSS:") }
+    }
+
+    /// What it has once it has no more threads and files than before.
+    fn settled(lab: &Lab, before: &Held) -> Held {
+        let begun = Instant::now();
+        loop {
+            let held = Held::by(lab);
+            if held.threads <= before.threads && held.files <= before.files || begun.elapsed() > Duration::from_secs(60)
+            {
+                return held;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn who_goes_away_stops_what_they_have_asked_for() {
+    let lab = Lab::start("");
+    lab.get("/run?scene=room&size=4x4").done();
+    std::thread::sleep(Duration::from_millis(1500));
+    let before = Held::by(&lab);
+    // It would take minutes.
+    let head = format!("GET /run?scene=reference&size=2048x2048&mode=pipeline HTTP/1.1\r\nHost: {}\r\n", lab.host);
+    let mut stream = lab.send(&head, "");
+    let (mut heard, mut bytes) = (String::new(), [0; 4096]);
+    while !heard.contains("event: progress") {
+        let count = stream.read(&mut bytes).unwrap();
+        assert!(count > 0, "{heard}");
+        heard += &String::from_utf8_lossy(&bytes[..count]);
+    }
+    assert!(Held::by(&lab).threads > before.threads);
+    drop(stream);
+    let after = Held::settled(&lab, &before);
+    assert!(after.threads <= before.threads && after.files <= before.files, "{before:?} {after:?}");
+}
+
+/// Ten tabs, in which sliders are moved a thousand times, each time before the run before is over, for the most part.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_thousand_slider_moves_in_ten_tabs_leave_nothing_behind() {
+    let lab = Lab::start("");
+    let query = |tab: usize, at: usize| {
+        let mode = ["pipeline", "broadcast", "hybrid"][(tab + at / 20) % 3];
+        format!("/run?scene=teapot&size=64x64&mode={mode}&fifo_words={}&grid_coefficient={}", 1 + at % 600, 5 + at % 7)
+    };
+    let move_sliders = |moves: usize| {
+        std::thread::scope(|scope| {
+            for tab in 0..10 {
+                let (lab, query) = (&lab, &query);
+                scope.spawn(move || {
+                    for at in 0..moves / 10 {
+                        let head = format!("GET {} HTTP/1.1\r\nHost: {}\r\n", query(tab, at), lab.host);
+                        let mut stream = lab.send(&head, "");
+                        // The last one of every ten is waited for.
+                        if at % 10 == 9 {
+                            let mut bytes = Vec::new();
+                            stream.read_to_end(&mut bytes).unwrap();
+                            assert!(String::from_utf8_lossy(&bytes).contains("event: done"), "tab {tab}, move {at}");
+                        } else {
+                            std::thread::sleep(Duration::from_millis(at as u64 % 7));
+                        }
+                    }
+                });
+            }
+        });
+        std::thread::sleep(Duration::from_millis(1500));
+    };
+    let places = || {
+        std::fs::read_dir(std::env::temp_dir())
+            .unwrap()
+            .flatten()
+            .filter(|place| place.file_name().to_string_lossy().starts_with("pcs-sim-lab-"))
+            .count()
+    };
+    let at_first = Held::by(&lab);
+    move_sliders(1000);
+    let before = Held::settled(&lab, &at_first);
+    let folders = places();
+    move_sliders(1000);
+    let after = Held::settled(&lab, &at_first);
+    println!("at first {at_first:?}, after 1000 moves {before:?}, after 1000 more {after:?}");
+    assert!(after.threads <= at_first.threads && after.files <= at_first.files, "{at_first:?} {after:?}");
+    // What is kept of runs has a bound, and so has what ten runs take at once, of which the allocator gives back what it likes.
+    assert!(after.kilobytes <= before.kilobytes * 3 / 2, "{before:?} {after:?}");
+    assert!(places() <= folders);
+}
