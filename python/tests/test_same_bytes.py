@@ -18,6 +18,7 @@ RUNS: list[dict[str, Any]] = [
     {"scene": "room", "size": "24x18", "mode": "broadcast", "cells": 4, "fifo_words": 16, "link_mb_s": 40.0},
     {"scene": "tetra", "size": "20x20", "mode": "hybrid", "cells": 4, "partition": "work", "grid_coefficient": 5.5},
     {"scene": "room", "size": "16x12", "program": "hybrid-3", "groups": 2, "mailbox": True, "y_fifo_words": 64},
+    {"scene": "room", "size": "16x12", "mode": "broadcast", "partition": "measured", "numbering": "front", "bounded_walk": True},
     {"scene": "room", "size": "24x18", "mode": "broadcast", "cells": 8, "order": "shuffle:5"},
     {"scene": "room", "size": "6x4", "cells_run": "programs", "instruction_limit": 100000},
     {"scene": "tree", "size_factor": 2, "size": "16x12", "screen_rectangles": "objects", "host_filter_us": 2.5},

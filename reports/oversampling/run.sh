@@ -52,5 +52,5 @@ rm truth.pfm image.png image.txt stats.json
 table table table.awk valve.csv
 table scenes scenes.awk images.csv
 table means means.awk scenes.csv
-plot scenes scenes "Macro-pipeline: times as long as one sample a pixel, and the mean square of the error against 8 x 8" \
-    x=times_as_long y=mean_square by=by mode=pipeline
+plot means means "All scenes: times as long as one sample a pixel, and the share of the squared error that is left" \
+    x=times_as_long y=error_left by=mode log=y

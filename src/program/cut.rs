@@ -1,5 +1,6 @@
 //! Cutting a scene into sub-volumes (§4.1, §4.2), one for each group of cells, and laying it out so.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::cancel::Cancel;
@@ -19,7 +20,10 @@ const SAMPLE_EVERY: usize = 67;
 
 /// How often the parts are cut again at the most, and how often in a row to no avail.
 const MOST_ROUNDS: usize = 24;
-const ROUNDS_IN_VAIN: usize = 4;
+const ROUNDS_IN_VAIN: usize = 6;
+
+/// Of how many rounds the measurements count, each half of the one after it: from the last one alone parts swing to and fro.
+const ROUNDS_REMEMBERED: usize = 4;
 
 /// The rays that a cut looks at, of those of a run.
 pub fn sub_sample(rays: &[Ray]) -> Vec<Ray> {
@@ -131,12 +135,10 @@ impl Cut<'_> {
         weighted: impl Fn(Vec<Weight>) -> Vec<Bounds>,
     ) -> Result<Vec<Bounds>, NotLaidOut> {
         let (mut best, mut least, mut in_vain) = (boxes.clone(), f64::INFINITY, 0);
+        let mut rounds: VecDeque<Vec<Weight>> = VecDeque::new();
         for _ in 0..MOST_ROUNDS {
             let mut work = self.work(self.program, &boxes)?;
             let busiest = work.groups.iter().flatten().copied().fold(0.0, f64::max);
-            if std::env::var("CUT_TRACE").is_ok() {
-                eprintln!("{busiest}");
-            }
             if busiest < least {
                 (best, least, in_vain) = (boxes, busiest, 0);
             } else {
@@ -148,7 +150,13 @@ impl Cut<'_> {
             // The stage that has most to do is the one to be evened out.
             let total = |stage: usize| work.groups.iter().map(|cells| cells[stage]).sum::<f64>();
             let stage = (0..work.stages.len()).max_by(|&a, &b| total(a).total_cmp(&total(b))).unwrap_or(0);
-            boxes = weighted(work.stages.swap_remove(stage));
+            rounds.push_front(work.stages.swap_remove(stage));
+            rounds.truncate(ROUNDS_REMEMBERED);
+            let aged = |(age, weights): (usize, &Vec<Weight>)| {
+                let share = 0.5f64.powi(age as i32);
+                weights.iter().map(|weight| Weight { amount: weight.amount * share, ..*weight }).collect::<Vec<_>>()
+            };
+            boxes = weighted(rounds.iter().enumerate().flat_map(aged).collect());
         }
         Ok(best)
     }

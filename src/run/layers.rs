@@ -25,6 +25,9 @@ use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workloa
 use crate::scene::Scene;
 use crate::seam::{Costs, OpBatch};
 
+/// How many rays of all kinds a cut looks at, at the most: it looks at them again and again.
+const MOST_SAMPLED: usize = 4096;
+
 /// What a layer of a run depends on. Two layers with the same key are the same, as long as the files that they read are.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Key(String);
@@ -158,6 +161,11 @@ impl Prepared {
     /// How many samples the host has tested for a ray that it sent, on average.
     pub(super) fn samples_per_ray(&self) -> f64 {
         self.tested.iter().map(|&samples| f64::from(samples)).sum::<f64>() / self.tested.len().max(1) as f64
+    }
+
+    /// The number of the ray that is sent in a place, from 0: of a camera's its pixel's, line by line.
+    pub fn number(&self, place: usize) -> usize {
+        self.numbers.number(place)
     }
 
     /// How many rays there are, with those that are not sent.
@@ -299,7 +307,8 @@ impl Layers {
         let workload = Workload::of(Arc::new(layout), &one_cell, run.machine.times);
         let scene = self.scene(run)?;
         let shader = Shader::new(&scene, workload.polygons(), image.limits());
-        Ok(trees::rays(&shader, &workload, primary, cancel)?)
+        let all = trees::rays(&shader, &workload, primary, cancel)?;
+        Ok(all.iter().step_by(all.len().div_ceil(MOST_SAMPLED).max(1)).copied().collect())
     }
 
     /// What the array has to do: the scene laid out for its program, with the cells' programs if they run any.

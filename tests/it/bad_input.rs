@@ -97,6 +97,9 @@ refusals! {
     program_stop_words_of_0: "p.ron", &PROGRAM.replace("stop_words: None", "stop_words: Some(0)"), "--program p.ron --scene room";
     flag_stop_words_to_itself: "x", "", "--mode broadcast --stop-words 4 --scene room";
     flag_stop_words_need_deeper_fifos: "x", "", "--mode pipeline --stop-words 64 --fifo-words 31 --scene room";
+    flag_bounded_walk_of_one_group: "x", "", "--mode pipeline --bounded-walk --scene room";
+    flag_numbering_of_one_group: "x", "", "--mode broadcast --cells 1 --numbering front --scene room";
+    flag_unknown_numbering: "x", "", "--mode broadcast --numbering back --scene room";
     image_of_rays_ahead: "x", "", "image room -o i.png --size 4x4 --mode broadcast --cells 2 --forward-ahead 2";
     image_of_a_ray_file: "x", "", "--scene room --rays rays_ok.csv --image i.png";
 }

@@ -12,7 +12,7 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::geometry::{Bounds, Grid, Polygons, Ray};
 use pcs_sim::model::cost::{self, Filter, KernelTime};
 use pcs_sim::model::{Footprint, Prediction, Survey, grid, slabs};
-use pcs_sim::program::{ArrayProgram, Kernel, Surfaces};
+use pcs_sim::program::{ArrayProgram, Kernel, Surfaces, sub_sample};
 use pcs_sim::run::array_model;
 use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
@@ -74,7 +74,7 @@ fn random_lines(volume: Bounds, count: usize) -> Vec<Ray> {
 fn predict(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray], coefficient: f64) -> Prediction {
     let machine = machine();
     let surfaces = Arc::new(Surfaces::new(mesh, rays));
-    let parts = surfaces.sub_volumes(program, machine.times, rays, &Cancel::default()).unwrap();
+    let parts = surfaces.sub_volumes(program, machine.times, &sub_sample(rays), &Cancel::default()).unwrap();
     let array = array_model(program, &machine);
     Survey::new(surfaces.polygons(), &parts, rays).predict(&array, coefficient).unwrap()
 }
@@ -396,7 +396,7 @@ fn the_best_coefficient_is_good() {
             let program = program(mode, 1);
             let machine = machine();
             let surfaces = Arc::new(Surfaces::new(&scene.mesh, &rays));
-            let parts = surfaces.sub_volumes(&program, machine.times, &rays, &Cancel::default()).unwrap();
+            let parts = surfaces.sub_volumes(&program, machine.times, &sub_sample(&rays), &Cancel::default()).unwrap();
             let array = array_model(&program, &machine);
             let (chosen, _) = Survey::new(surfaces.polygons(), &parts, &rays).best_coefficient(&array).unwrap();
             let counted = |&grid_coefficient: &f64| {

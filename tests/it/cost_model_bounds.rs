@@ -248,7 +248,7 @@ fn deep_fifos_come_up_to_the_bound() {
 #[test]
 fn real_scenes_stay_under_their_bounds() {
     let (scene, rays) = scene("reference", 5, 48);
-    for partition in [Partition::Regular, Partition::Polygons, Partition::Work] {
+    for partition in [Partition::Regular, Partition::Polygons, Partition::Work, Partition::Measured] {
         for (mode, groups) in [("broadcast", 2), ("broadcast", 16), ("hybrid", 5), ("hybrid-3", 4)] {
             let program = ArrayProgram { partition, ..program(mode, groups) };
             let mut last = u64::MAX;

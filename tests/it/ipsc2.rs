@@ -62,7 +62,8 @@ fn a_configuration_makes_the_image_again() {
     let folder = Folder::new();
     for (name, flags) in [
         ("regions", "--nodes 6 --flow block --queue-rays 500 --short-us 700 --termination token"),
-        ("memory", "--nodes 6 --mode shared-memory --page-bytes 512"),
+        ("memory", "--nodes 6 --mode shared-memory --page-bytes 512 --distribution tiles"),
+        ("own", "--nodes 6 --grids own --grant handshake --queue-rays memory"),
     ] {
         folder.run(&format!("image room --on ipsc2 --size 24x16 {flags} --stats {name}.json --threads 1")).success();
         folder.run(&format!("ipsc2 --config {name}.json --stats {name}-again.json --threads 3")).success();
@@ -115,6 +116,11 @@ fn what_cannot_be_is_refused() {
         "--flow unlimited --queue-rays 9",
         "--page-bytes 512",
         "--mode shared-memory --flow block",
+        "--queue-rays 0",
+        "--queue-rays all",
+        "--flow block --grant handshake",
+        "--distribution tiles",
+        "--mode shared-memory --grids own",
         "--mode hybrid-7",
         "--adaptive",
         "--why",
@@ -134,7 +140,7 @@ fn an_image_on_a_hypercube_has_all_views() {
     let folder = Folder::new();
     let image = "image teapot --on ipsc2 --size 24x24 --nodes 4";
     let stdout = folder.run(&format!("{image} --plot plots --page run.html --trace run.vcd")).success();
-    for name in ["nodes", "legs", "latency"] {
+    for name in ["nodes", "legs", "latency", "regions"] {
         assert!(stdout.contains(&format!("wrote plots/{name}.svg\nwrote plots/{name}.png\n")), "{stdout}");
     }
     let page = folder.read("run.html");
@@ -142,6 +148,41 @@ fn an_image_on_a_hypercube_has_all_views() {
         assert!(page.contains(told), "{told}");
     }
     folder.run(&format!("{image} --trace run.pftrace")).success();
+}
+
+/// A run without a command says on which machine it is, and names its scene by a flag as others do; without one it is the teapot.
+#[test]
+fn a_run_on_the_ipsc2_needs_no_command() {
+    let folder = Folder::new();
+    for (typed, meant) in [
+        ("--on ipsc2 --mode regions --nodes 4 --size 16x16", "image teapot --on ipsc2 --nodes 4 --size 16x16"),
+        ("--on=ipsc2 --scene room --nodes 4 --size 16x16", "ipsc2 room --nodes 4 --size 16x16"),
+        (
+            "--scene=gears --mode shared-memory --size 16x16 --on ipsc2 --distribution tiles",
+            "image gears --on ipsc2 --mode shared-memory --distribution tiles --size 16x16",
+        ),
+    ] {
+        folder.run(&format!("{typed} --stats typed.json --force")).success();
+        folder.run(&format!("{meant} --stats meant.json --force")).success();
+        assert_eq!(folder.read("typed.json"), folder.read("meant.json"), "{typed}");
+    }
+}
+
+/// With grids of their own regions hit the same, and their losses add up even where all nodes have less to do than one.
+#[test]
+fn grids_of_their_own_hit_the_same() {
+    let folder = Folder::new();
+    for scene in ["gears", "room", "rings"] {
+        let image = format!("image {scene} --on ipsc2 --node-kbyte 99999 --nodes 12 --size 24x24 --force");
+        folder.run(&format!("{image} --hits one.csv --stats one.json")).success();
+        folder.run(&format!("{image} --grids own --hits own.csv --stats own.json")).success();
+        assert!(folder.read("one.csv") == folder.read("own.csv"), "{scene}");
+        let stats = |name: &str| serde_json::from_str::<Value>(&folder.read(name)).unwrap();
+        let (one, own) = (stats("one.json"), stats("own.json"));
+        assert_eq!(one["one_node_seconds"], own["one_node_seconds"]);
+        let losses: f64 = own["losses"].as_object().unwrap().values().map(|share| share.as_f64().unwrap()).sum();
+        assert!((losses - 100.0).abs() < 1e-9, "{losses}");
+    }
 }
 
 /// A row of nodes is an array like another.
@@ -159,7 +200,8 @@ fn recorded_tasks_are_timed_again() {
     let folder = Folder::new();
     for (name, flags, changed) in [
         ("regions", "--nodes 5", "--short-us 700 --flow block --queue-rays 900 --pixel-order strided"),
-        ("memory", "--nodes 5 --mode shared-memory", "--nodes 3 --lookup-us 20"),
+        ("memory", "--nodes 5 --mode shared-memory", "--nodes 3 --lookup-us 20 --distribution tiles"),
+        ("own", "--nodes 5 --grids own", "--grant handshake --queue-rays memory"),
     ] {
         let image = format!("image teapot --on ipsc2 --size 20x16 {flags}");
         folder.run(&format!("{image} --tasks {name}.tasks --stats traced.json --force")).success();
@@ -199,6 +241,11 @@ fn images_on_hypercubes_are_swept_and_drawn() {
     folder.file("speedup.ron", sweep);
     folder.run("sweep speedup.ron -o speedup.csv --plot x=nodes y=efficiency by=mode").success();
     insta::assert_snapshot!(folder.read("speedup.csv"));
+    let slots =
+        "(scene: \"teapot\", size: 8, nodes: 4, queue_rays: [64, \"memory\"], grant: [\"known\", \"handshake\"])";
+    folder.file("slots.ron", slots);
+    folder.run("sweep slots.ron -o slots.csv").success();
+    assert!(folder.read("slots.csv").contains(",memory,handshake,"), "{}", folder.read("slots.csv"));
     folder.file("both.ron", "(nodes: [1, 2], cells: 4)");
     folder.file("line.ron", "(on: \"ipsc2\", mode: \"broadcast\", cells: [1, 2], scene: \"teapot\", size: 8)");
     let error = folder.run("sweep both.ron -o both.csv").refused();

@@ -55,10 +55,12 @@ const CHANGES: &[(&str, &str, Layer)] = &[
     ("cells", "4", Layer::LaidOut),
     ("groups", "3", Layer::LaidOut),
     ("partition", "polygons", Layer::LaidOut),
+    ("numbering", "front", Layer::LaidOut),
     ("grid_coefficient", "20", Layer::LaidOut),
     ("mailbox", "true", Layer::Traced),
     ("stop_words", "3", Layer::Traced),
     ("forward_ahead", "2", Layer::Traced),
+    ("bounded_walk", "true", Layer::Traced),
     ("masks", "boxes", Layer::Traced),
     ("edges", "closed", Layer::Prepared),
     ("cells_run", "programs", Layer::Traced),
@@ -121,6 +123,31 @@ fn a_cut_by_work_reads_the_times_that_it_weighs_by() {
     let one = [("mode", "broadcast"), ("cells", "1")];
     let regular = planned(&[&one[..], &[("partition", "regular")]].concat());
     assert_eq!(first_change(&regular.keys, &planned(&[&one[..], &[("partition", "work")]].concat()).keys), Layer::None);
+}
+
+/// A cut that is measured in the parts reads all that their cells do; of an image it reads the light too, as a numbering from front to
+/// back does.
+#[test]
+fn a_measured_cut_reads_what_the_cells_do() {
+    let base = [("mode", "hybrid"), ("groups", "2"), ("partition", "measured")];
+    let image = |parameters: &[(&str, &str)]| {
+        let mut options = RunOptions::default();
+        parameters.iter().for_each(|(name, value)| options.set(name, value).unwrap());
+        PlannedRun::new(RunSpec::of_image(&options, None).unwrap()).unwrap().keys
+    };
+    let change = |name, value| {
+        let changed = [&base[..], &[(name, value)]].concat();
+        (first_change(&planned(&base).keys, &planned(&changed).keys), first_change(&image(&base), &image(&changed)))
+    };
+    for (name, value) in [("grid_start", "1"), ("mailbox", "true"), ("stop_words", "3"), ("bounded_walk", "true")] {
+        assert_eq!(change(name, value), (Layer::LaidOut, Layer::LaidOut), "{name}");
+    }
+    assert_eq!(change("forward_ahead", "3").0, Layer::Traced);
+    assert_eq!(change("fifo_words", "8").0, Layer::Timed);
+    assert_eq!(change("depth", "1"), (Layer::None, Layer::LaidOut));
+    let light = |base: &[(&str, &str)]| first_change(&image(base), &image(&[base, &[("depth", "1")]].concat()));
+    assert_eq!(light(&[("mode", "broadcast"), ("partition", "work")]), Layer::Traced);
+    assert_eq!(light(&[("mode", "broadcast"), ("numbering", "front")]), Layer::LaidOut);
 }
 
 /// Cells that run programs read what instructions cost, and not Figure 7's times.

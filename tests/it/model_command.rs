@@ -45,6 +45,7 @@ fn what_it_would_not_look_at_is_refused() {
     assert!(refused("--mailbox").contains("knows no mailbox"));
     assert!(refused("--mode pipeline --stop-words 2").contains("knows neither stop words"));
     assert!(refused("--forward-ahead 1").contains("nor rays forwarded ahead"));
+    assert!(refused("--mode broadcast --bounded-walk").contains("knows no walk that is bounded"));
     let ordered = Folder::new().run("model room --predict-only --order shuffle:1 --size 8x8").success();
     assert!(ordered.contains("in the order shuffle:1") && ordered.contains("knows no order of the rays"), "{ordered}");
     assert!(refused("--predict-only --fifo-words 64").contains("--fifo-words is about the simulation"));

@@ -2,12 +2,12 @@
 
 use crate::support::{bits, hits, program, program_hits, scene};
 use glam::Vec3;
-use pcs_sim::geometry::{Partition, Polygons, Ray, brute_force};
+use pcs_sim::geometry::{Numbering, Partition, Polygons, Ray, brute_force};
 use pcs_sim::program::ArrayProgram;
 use pcs_sim::scene::{Mesh, builtin};
 use proptest::prelude::*;
 
-const PARTITIONS: [Partition; 3] = [Partition::Regular, Partition::Polygons, Partition::Work];
+const PARTITIONS: [Partition; 4] = [Partition::Regular, Partition::Polygons, Partition::Work, Partition::Measured];
 
 fn by_brute_force(mesh: &Mesh, rays: &[Ray]) -> Vec<[u32; 4]> {
     let polygons = Polygons::new(mesh);
@@ -29,6 +29,9 @@ fn on_small_built_in_scenes() {
         ("shells", 3),
         ("teapot", 4),
         ("room", 1),
+        ("table", 1),
+        ("valve", 1),
+        ("chapel", 1),
         ("reference", 2),
     ] {
         let (scene, rays) = scene(name, size, 20);
@@ -45,7 +48,14 @@ fn on_small_built_in_scenes() {
                 ("hybrid", 3),
                 ("hybrid-3", 5),
             ] {
-                let program = ArrayProgram { partition, ..program(mode, groups) };
+                // A measured cut lays the scene out again and again.
+                if partition == Partition::Measured && groups != 3 && groups != 7 {
+                    continue;
+                }
+                // Bounded walks and numbers from front to back for about half of them.
+                let bounded_walk = groups % 3 == 0 || mode == "hybrid-3" || groups == 16;
+                let numbering = if groups % 2 == 1 { Numbering::Front } else { Numbering::Cut };
+                let program = ArrayProgram { partition, numbering, bounded_walk, ..program(mode, groups) };
                 let threads = 1 + groups % 3;
                 let found = hits(&scene.mesh, &program, &rays, threads);
                 assert_eq!(found, expected, "{name}, {mode} in {groups} groups, {partition}, {threads} threads");
@@ -213,6 +223,14 @@ fn ray(mesh: &Mesh, plan: &RayPlan) -> Option<Ray> {
     (direction.is_finite() && direction != Vec3::ZERO).then_some(Ray { origin, direction, t_max })
 }
 
+/// The rays, and those that hit something once more, ending just there: a cell whose walk is bounded has such rays.
+fn and_ending_where_they_hit(mesh: &Mesh, mut rays: Vec<Ray>) -> Vec<Ray> {
+    let polygons = Polygons::new(mesh);
+    let ending: Vec<Ray> = rays.iter().map(|ray| ray.until(brute_force(&polygons, ray).t)).collect();
+    rays.extend(ending.into_iter().filter(|ray| ray.t_max.is_finite()));
+    rays
+}
+
 fn case() -> impl Strategy<Value = (Mesh, Vec<Ray>)> {
     (soup(), prop::collection::vec(ray_plan(), 1..60)).prop_map(|(mesh, plans)| {
         let rays = plans.iter().filter_map(|plan| ray(&mesh, plan)).collect();
@@ -232,8 +250,11 @@ proptest! {
         mailbox: bool,
         stop_words in prop::option::of(prop_oneof![1u32..6, 1u32..80]),
         forward_ahead in prop_oneof![Just(0u32), 1u32..70],
+        numbering in prop::sample::select(&[Numbering::Cut, Numbering::Front][..]),
+        bounded_walk: bool,
     ) {
         let groups = cells.min(mesh.faces().len());
+        let rays = and_ending_where_they_hit(&mesh, rays);
         let expected = by_brute_force(&mesh, &rays);
         for name in ["pipeline", "broadcast", "hybrid", "hybrid-3"] {
             let groups = if name == "pipeline" { 1 } else { groups };
@@ -244,6 +265,8 @@ proptest! {
                 partition,
                 stop_words,
                 forward_ahead,
+                numbering,
+                bounded_walk,
                 ..program(name, groups)
             };
             prop_assert_eq!(&hits(&mesh, &program, &rays, 1), &expected, "{}", name);
@@ -260,12 +283,14 @@ proptest! {
         cells in 1usize..9,
         coefficient in prop_oneof![Just(50.0), Just(1.0), Just(0.01), Just(500.0)],
         mailbox: bool,
+        bounded_walk: bool,
     ) {
         let groups = cells.min(mesh.faces().len());
         let expected = by_brute_force(&mesh, &rays);
         for name in ["pipeline", "broadcast", "hybrid", "hybrid-3"] {
             let groups = if name == "pipeline" { 1 } else { groups };
-            let program = ArrayProgram { grid_coefficient: coefficient, mailbox, ..program(name, groups) };
+            let program =
+                ArrayProgram { grid_coefficient: coefficient, mailbox, bounded_walk, ..program(name, groups) };
             prop_assert_eq!(&program_hits(&mesh, &program, &rays), &expected, "{}", name);
         }
     }

@@ -59,11 +59,15 @@ fn in_every_split() {
     for (name, size) in [("tetra", 3), ("gears", 1), ("room", 1), ("teapot", 4)] {
         let (scene, rays) = scene(name, size, 24);
         for stages in &splits {
-            for (groups, mailbox, partition) in [(1, false, Partition::Regular), (3, true, Partition::Work)] {
-                let program =
-                    ArrayProgram { stages: stages.clone(), mailbox, partition, ..program("hybrid-3", groups) };
+            for (groups, mailbox, partition, bounded_walk) in [
+                (1, false, Partition::Regular, false),
+                (3, true, Partition::Work, false),
+                (4, false, Partition::Measured, true),
+            ] {
+                let stages = stages.clone();
+                let program = ArrayProgram { stages, mailbox, partition, bounded_walk, ..program("hybrid-3", groups) };
                 let [timings, programs] = both(&scene.mesh, &program, &rays);
-                let what = format!("{name}, {stages:?} in {groups} groups");
+                let what = format!("{name}, {:?} in {groups} groups", program.stages);
                 assert_eq!(hits_and_counts(&programs), hits_and_counts(&timings), "{what}");
             }
         }

@@ -22,6 +22,7 @@ fn gives_the_very_stats_of_the_run() {
     for mode in [
         "--mode pipeline",
         "--mode broadcast --cells 6",
+        "--mode broadcast --cells 6 --bounded-walk --partition measured --numbering front",
         "--mode hybrid",
         "--program hybrid-3 --groups 2",
         "--mode pipeline --stop-words 6",

@@ -36,6 +36,7 @@ fn a_rays_visit_is_what_the_run_counts() {
         program("hybrid", 2),
         ArrayProgram { mailbox: true, ..program("pipeline", 1) },
         ArrayProgram { mailbox: true, ..program("hybrid", 3) },
+        ArrayProgram { bounded_walk: true, ..program("broadcast", 3) },
     ];
     for program in programs {
         let workload = workload(&scene.mesh, &program, &rays);

@@ -42,18 +42,23 @@ proptest! {
 fn on_real_scenes() {
     for (scene, size) in [("room", 1), ("teapot", 3)] {
         let (scene, rays) = crate::support::scene(scene, size, 7);
-        for (mode, groups, stop_words, forward_ahead) in [
-            ("pipeline", 1, None, 0),
-            ("broadcast", 3, None, 0),
-            ("hybrid", 2, None, 0),
-            ("hybrid-3", 2, None, 0),
-            ("pipeline", 1, Some(1), 0),
-            ("pipeline", 1, Some(10), 0),
-            ("hybrid", 2, Some(4), 1),
-            ("hybrid-3", 2, Some(2), 3),
-            ("broadcast", 3, None, 4),
+        for (mode, groups, stop_words, forward_ahead, bounded_walk) in [
+            ("pipeline", 1, None, 0, false),
+            ("broadcast", 3, None, 0, false),
+            ("hybrid", 2, None, 0, false),
+            ("hybrid-3", 2, None, 0, false),
+            ("pipeline", 1, Some(1), 0, false),
+            ("pipeline", 1, Some(10), 0, false),
+            ("hybrid", 2, Some(4), 1, false),
+            ("hybrid-3", 2, Some(2), 3, false),
+            ("broadcast", 3, None, 4, false),
+            ("broadcast", 5, None, 0, true),
+            ("broadcast", 3, None, 4, true),
+            ("hybrid", 2, None, 0, true),
+            ("hybrid-3", 2, Some(2), 0, true),
         ] {
-            let program = ArrayProgram { stop_words, forward_ahead, ..crate::support::program(mode, groups) };
+            let program =
+                ArrayProgram { stop_words, forward_ahead, bounded_walk, ..crate::support::program(mode, groups) };
             let workload = crate::support::workload(&scene.mesh, &program, &rays);
             let batches = crate::support::ops(&workload, &rays);
             for (fifo_words, link_mb_s) in [(512, 80.0), (64, 80.0), (5, 27.0)] {

@@ -116,6 +116,9 @@ class RunParameters(MachineParameters, total=False):
     partition: str | None
     """Partition of the scene."""
 
+    numbering: str | None
+    """Numbering of the groups."""
+
     grid_coefficient: float | None
     """Grid coefficient (voxels a polygon)."""
 
@@ -127,6 +130,9 @@ class RunParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    bounded_walk: bool | None
+    """Walk bounded by the hit from the left."""
 
     masks: str | None
     """Masks of the sub-volumes."""
@@ -176,6 +182,9 @@ class ImageParameters(MachineParameters, total=False):
     partition: str | None
     """Partition of the scene."""
 
+    numbering: str | None
+    """Numbering of the groups."""
+
     grid_coefficient: float | None
     """Grid coefficient (voxels a polygon)."""
 
@@ -187,6 +196,9 @@ class ImageParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    bounded_walk: bool | None
+    """Walk bounded by the hit from the left."""
 
     masks: str | None
     """Masks of the sub-volumes."""
@@ -269,6 +281,9 @@ class ModelParameters(MachineParameters, total=False):
     partition: str | None
     """Partition of the scene."""
 
+    numbering: str | None
+    """Numbering of the groups."""
+
     grid_coefficient: float | None
     """Grid coefficient (voxels a polygon)."""
 
@@ -280,6 +295,9 @@ class ModelParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    bounded_walk: bool | None
+    """Walk bounded by the hit from the left."""
 
     masks: str | None
     """Masks of the sub-volumes."""

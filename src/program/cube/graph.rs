@@ -1,8 +1,5 @@
 //! The task graph of an image: what each ray makes the nodes do, recorded without a clock.
 
-use std::hint::black_box;
-
-use super::regions::Visit;
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::machine::KernelTimes;
@@ -143,13 +140,6 @@ impl TaskGraph {
     /// The rays of a tree, by their numbers.
     pub fn tree(&self, tree: usize) -> std::ops::Range<u32> {
         self.trees[tree]..self.trees.get(tree + 1).copied().unwrap_or(self.rays.len() as u32)
-    }
-
-    /// Reads what will be asked of a visit, so that it is in the processor's cache by then. A large graph lies far away, and nodes
-    /// come to its rays in no order that the processor could foresee.
-    #[inline]
-    pub(super) fn touch(&self, visit: Visit) {
-        black_box((self.legs[visit.leg as usize].voxels, self.rays[visit.ray as usize].first_leg));
     }
 
     /// The region in which a ray starts.

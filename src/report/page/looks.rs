@@ -116,7 +116,6 @@ impl Looks {
         let (workload, rays) = (&setup.workload, &setup.prepared.rays);
         let seen: BTreeSet<u32> = jobs(recording, until).filter(|&job| (job as usize) < rays.len()).collect();
         let (first, last) = (seen.first().copied().unwrap_or(0), seen.last().copied().unwrap_or(0));
-        let sequence = setup.spec.sequence(rays.len());
         let pixels = (first..=last).filter(|&ray| (ray as usize) < rays.len());
         let volume = |grid: &crate::geometry::Grid| Volume {
             low: grid.volume().low.to_array(),
@@ -126,7 +125,7 @@ impl Looks {
         let mut looks = Looks {
             size: setup.spec.rays.is_none().then_some([setup.spec.size.width, setup.spec.size.height]),
             first,
-            pixels: Packed::new(pixels.map(|ray| sequence.number(ray as usize) as u64)),
+            pixels: Packed::new(pixels.map(|ray| setup.prepared.number(ray as usize) as u64)),
             sides: sides(workload),
             volumes: workload.grids().map(volume).collect(),
             visits: BTreeMap::new(),

@@ -206,6 +206,8 @@ class Stepper {
     this.pause();
     const asked = question(text);
     if (!asked) return this.say(`“${text}” is no moment. Ask for a cycle, a time as 1.5 ms, X1 is full, cell 2 waits, ray 17, ray 17 comes to cell 3, ray 17 comes back, pixel 3 4.`);
+    const missing = missingOf(asked);
+    if (missing) return this.say(`“${text.trim()}” is no moment: there is no ${missing}.`);
     if (asked.pixel) {
       const ray = this.rayOf(asked.pixel) ?? (doors.ray ? await doors.ray(asked.pixel) : null);
       if (ray === null) return this.say(`The ray of pixel ${asked.pixel.join(", ")} is not among those of the cycles that the page holds.`);
@@ -248,6 +250,7 @@ class Stepper {
   }
 
   choose(station) {
+    if (!recordOf(station)) return;
     this.station = station;
     this.draw();
   }

@@ -114,6 +114,13 @@ function question(text) {
   return null;
 }
 
+// What a question is about that there is not; null if there is all.
+function missingOf({ fifo, station, cell }) {
+  if (fifo !== undefined && !tape.fifos.some(({ name }) => name.toLowerCase() === fifo)) return `FIFO ${fifo.toUpperCase()}`;
+  const asked = [station, cell].find((which) => which != null && which >= tape.stations.length);
+  return asked === undefined ? null : `cell ${asked}`;
+}
+
 // The first cycle behind one of which a question holds; of a ray's, the one at which it holds. null if the tape has none.
 function find(asked, cycle) {
   if (asked.cycle !== undefined) return isOnTape(asked.cycle) ? asked.cycle : null;

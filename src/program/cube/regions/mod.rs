@@ -375,9 +375,6 @@ impl<'a> RegionNodes<'a> {
         let time = self.graph.time(visit.ray, visit.leg, &self.machine.times);
         self.seen.nodes[task].legs += 1;
         let node = &mut self.nodes[task];
-        if let Some(next) = node.own.last().or_else(|| node.received.front()) {
-            self.graph.touch(*next);
-        }
         node.next = Next::Places(Placing { visit, is_new: false, placed: 0 });
         let spells = [
             (RECEIVING, receiving),
