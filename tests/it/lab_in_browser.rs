@@ -207,10 +207,10 @@ fn the_frame_steps_to_cycles_that_it_does_not_hold() {
     page.eval(&format!("stepper.seek('{far}')"));
     page.wait_for(&format!("stepper.cycle === {far}"));
     let there = page.eval(&format!("stateAt({far})"));
-    folder.run(&format!(
-        "--scene teapot --size 64x64 --mode hybrid --cells 4 --fifo-words 16 --page far.html --trace-window {far}..{}",
-        far + 1000
-    ));
+    let window = page.eval("`${tape.from}..${tape.until}`");
+    let window = window.as_str().unwrap();
+    let flags = "--scene teapot --size 64x64 --mode hybrid --cells 4 --fifo-words 16";
+    folder.run(&format!("{flags} --page far.html --trace-window {window}")).success();
     let written = browser.open_file(&folder.path("far.html"), (1280, 800));
     let of_page = written.eval(&format!("stateAt({far})"));
     assert_eq!(there["stations"], of_page["stations"]);

@@ -17,13 +17,13 @@ const active = () => sides[isPair() && document.querySelector("[name=which]:chec
 // The whole of what is shown: the first run's parameters as the query, the second's behind a #.
 const addressOf = () => `?${queryOf(sides.a.parameters)}${isPair() ? `#${queryOf(sides.b.parameters)}` : ""}`;
 
-// Runs what has changed: at once, and what is under way is dropped. Several changes before the screen is drawn again are one.
+// Runs what has changed: at once, and what is under way is dropped. Several changes in one go are one.
 function changed(side) {
   history.replaceState(null, "", addressOf());
   if (side.isDue) return;
   side.isDue = true;
   side.since = performance.now();
-  requestAnimationFrame(() => { side.isDue = false; run(side); });
+  setTimeout(() => { side.isDue = false; run(side); });
 }
 
 // The events of an answer, as they come.

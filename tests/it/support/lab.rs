@@ -81,8 +81,10 @@ impl Lab {
 
 impl Drop for Lab {
     fn drop(&mut self) {
-        let _ = Command::new("kill").args(["-INT", &self.pid().to_string()]).status();
-        let _ = self.child.wait();
+        if let Ok(None) = self.child.try_wait() {
+            let _ = Command::new("kill").args(["-INT", &self.pid().to_string()]).status();
+            let _ = self.child.wait();
+        }
     }
 }
 
