@@ -16,7 +16,7 @@ use crate::outputs;
 use crate::request::{Of, Request, cube_request, farm_request, replay_configuration};
 use crate::run::Run;
 use crate::trouble::wrong;
-use crate::work::{Crew, work};
+use crate::work::{Crew, Task, work};
 
 /// Runs a scene's primary rays on the array.
 ///
