@@ -24,9 +24,10 @@ impl Prices {
         self.0[unit.0 as usize % Vocabulary::MOST_UNITS]
     }
 
-    /// All units of a vocabulary, by their places.
+    /// The units of a vocabulary that ops name, by their places.
     pub fn units(&self, vocabulary: &Vocabulary) -> Vec<PathUnit> {
-        let units = vocabulary.units.iter().zip(0..);
+        let end = vocabulary.units.iter().rposition(|unit| unit.used).map_or(0, |last| last + 1);
+        let units = vocabulary.units[..end].iter().zip(0..);
         let priced = units.map(|(unit, place)| {
             let (cycles, state) = self.of(Unit(place));
             PathUnit { name: unit.name.clone(), state, cycles: Cycles(cycles) }

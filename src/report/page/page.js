@@ -139,8 +139,8 @@ function show(next, text = null) {
   }
   drawArray();
   tellWindow();
-  startStepper();
-  document.body.dataset.charts = charts.length;
+{% if is_line %}  startStepper();
+{% endif %}  document.body.dataset.charts = charts.length;
   if (before) scrollTo(0, scrolled);
 }
 

@@ -1,5 +1,5 @@
 "use strict";
-// What single rays come to: the walk through the scene, seen from the side, and the instructions that cells execute for a ray.
+{% if is_line %}// What single rays come to: the walk through the scene, seen from the side, and the instructions that cells execute for a ray.
 
 // What becomes of a candidate, in the order of its codes: in words, and the colour's name.
 const SAID = [["had before", "line"], ["stopped", "line"], ["dropped by its slabs", "slabs"], ["missed", "missed"], ["hit behind", "behind"], ["nearest by then", "hit"]];
@@ -144,3 +144,5 @@ function placeOf(look, cell, ray, cycle) {
   }
   return null;
 }
+
+{% endif %}

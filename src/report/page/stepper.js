@@ -1,5 +1,5 @@
 "use strict";
-// Steps through the cycles that the page holds: draws the array as it stands in one of them, and follows rays through it.
+// Steps through the cycles that a page of a row of cells holds: draws it as it stands in one of them, and follows rays through it.
 
 // What a page with a server behind it asks there; null where there is none.
 // `window(from, until)` gives other cycles, `find(question, cycle)` a cycle, `ray([x, y])` a pixel's ray, `look(ray)` a ray's way,
@@ -13,7 +13,7 @@ const MOST_STOPS = 48;
 const SPEEDS = [1, 5, 20, 100, 500, 2500, 12500, 62500];
 let stepper = null;
 
-function startStepper() {
+{% if is_line %}function startStepper() {
   stepper?.end();
   const place = document.getElementById("stepper");
   stepper = place && tape && tape.until > tape.from && tape.stations.length ? new Stepper(place) : null;
@@ -506,3 +506,5 @@ class Stepper {
       element("p", { class: "registers", "aria-label": "Registers that are not 0" }, ...(chips.length ? chips : ["all registers are 0"])));
   }
 }
+
+{% endif %}

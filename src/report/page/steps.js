@@ -1,5 +1,5 @@
 "use strict";
-// The array in one cycle of the tape: the op that each station is at, whose words each FIFO holds, and when something comes next.
+{% if is_line %}// The array in one cycle of the tape: the op that each station is at, whose words each FIFO holds, and when something comes next.
 
 // The letters of ops that move words or wait, in the order of their codes; behind them come the units of work.
 const MOVES = "xiorwabz";
@@ -163,3 +163,5 @@ function examples() {
   const ray = tape.host.jobs().job[0] ?? 0;
   return [...fifos.slice(0, 8), ...cells.slice(0, 8), `ray ${ray}`, `ray ${ray} comes to cell ${tape.stations.length - 1}`, `ray ${ray} comes back`, "pixel 0 0", ...fifos.slice(8), ...cells.slice(8)];
 }
+
+{% endif %}

@@ -1,5 +1,5 @@
 "use strict";
-// A FIFO, word by word.
+{% if is_line %}// A FIFO, word by word.
 
 // Pixels that a FIFO's words have.
 const STORE = { width: 88, height: 30 };
@@ -45,3 +45,5 @@ function drawStore({ fifo, canvas, label }, cycle, followed) {
   context.fillStyle = ground("grid");
   if (gap && rows > 1) fill(word, fifo.capacity - word);
 }
+
+{% endif %}

@@ -92,13 +92,14 @@ pub struct History {
 
 impl History {
     /// Who came before whom: all that may change when times do, beside the times themselves.
-    pub fn order(&self) -> (Vec<Vec<Option<usize>>>, Vec<(usize, usize, usize)>) {
+    pub fn order(&self) -> impl PartialEq + use<> {
         let taken = |deed: &(Deed, u64)| match deed.0 {
             Deed::Took { passage, .. } => Some(passage),
             _ => None,
         };
-        let taken = self.deeds.iter().map(|deeds| deeds.iter().map(taken).collect()).collect();
-        (taken, self.passages.iter().map(|passage| (passage.bus, passage.from, passage.after)).collect())
+        let taken: Vec<Vec<_>> = self.deeds.iter().map(|deeds| deeds.iter().map(taken).collect()).collect();
+        let passages: Vec<_> = self.passages.iter().map(|passage| (passage.bus, passage.from, passage.after)).collect();
+        (taken, passages)
     }
 }
 
