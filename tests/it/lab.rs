@@ -343,13 +343,7 @@ fn a_thousand_slider_moves_in_ten_tabs_leave_nothing_behind() {
         });
         std::thread::sleep(Duration::from_millis(1500));
     };
-    let places = || {
-        std::fs::read_dir(std::env::temp_dir())
-            .unwrap()
-            .flatten()
-            .filter(|place| place.file_name().to_string_lossy().starts_with("pcs-sim-lab-"))
-            .count()
-    };
+    let places = || std::fs::read_dir(lab.places.path()).unwrap().count();
     // Threads that share work are there from the first run on.
     lab.get(&query(0, 0)).done();
     std::thread::sleep(Duration::from_millis(1500));
@@ -361,7 +355,8 @@ fn a_thousand_slider_moves_in_ten_tabs_leave_nothing_behind() {
     let after = Held::settled(&lab, &at_first);
     println!("at first {at_first:?}, after 1000 moves {before:?}, after 1000 more {after:?}");
     assert!(after.threads <= at_first.threads && after.files <= at_first.files, "{at_first:?} {after:?}");
-    // What is kept of runs has a bound, and so has what ten runs take at once, of which the allocator gives back what it likes.
-    assert!(after.kilobytes <= before.kilobytes * 3 / 2, "{before:?} {after:?}");
+    // What is kept of runs has a bound, and so has what ten runs take at once: how much that is, is chance, and what the allocator
+    // gives back of it is its own affair. Were something of each run kept, the second thousand would take as much as the first.
+    assert!(after.kilobytes - at_first.kilobytes < 2 * (before.kilobytes - at_first.kilobytes), "{before:?} {after:?}");
     assert!(places() <= folders);
 }

@@ -9,6 +9,8 @@ use serde_json::Value;
 /// A lab that is served, until it goes out of scope.
 pub struct Lab {
     child: Child,
+    /// Where it puts scenes that are dropped on it.
+    pub places: tempfile::TempDir,
     /// `127.0.0.1:PORT`.
     pub host: String,
 }
@@ -23,13 +25,14 @@ pub struct Answer {
 impl Lab {
     pub fn start(flags: &str) -> Lab {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pcs-sim"));
-        let command = command.args(["lab", "--port", "0"]).args(flags.split_whitespace());
+        let places = tempfile::tempdir().unwrap();
+        let command = command.args(["lab", "--port", "0"]).args(flags.split_whitespace()).env("TMPDIR", places.path());
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
         let host =
             line.split("http://").nth(1).unwrap_or_else(|| panic!("{line}")).split('/').next().unwrap().to_owned();
-        Lab { child, host }
+        Lab { child, places, host }
     }
 
     pub fn pid(&self) -> u32 {
