@@ -108,7 +108,7 @@ fn a_run_that_cannot_go_on_says_so_in_the_commands_words() {
 
 #[test]
 fn a_scene_that_is_dropped_is_run_and_one_that_is_wrong_is_told_as_by_the_command() {
-    let (lab, folder) = (Lab::start(""), Folder::new());
+    let (mut lab, folder) = (Lab::start(""), Folder::new());
     let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
     let taken = lab.post("/scenes", &files(&[("a.mtl", b"newmtl red\nKd 1 0 0\n"), ("a.obj", obj.as_bytes())]));
     assert_eq!(taken.status, 200, "{}", taken.body);
@@ -134,11 +134,10 @@ fn a_scene_that_is_dropped_is_run_and_one_that_is_wrong_is_told_as_by_the_comman
         assert_eq!(told.body, folder.run(&format!("--scene {name}")).refused(), "{name}");
     }
     // As Ctrl-C ends the lab, what was dropped goes too.
-    let places = || std::fs::read_dir(std::env::temp_dir()).unwrap().flatten();
-    let ours = || places().filter(|place| place.path().join(scene.split('/').next().unwrap()).exists()).count();
-    assert_eq!(ours(), 1);
+    let places = |lab: &Lab| std::fs::read_dir(lab.places.path()).unwrap().count();
+    assert_eq!(places(&lab), 1);
     assert_eq!(lab.interrupt(), Some(130));
-    assert_eq!(ours(), 0);
+    assert_eq!(places(&lab), 0);
 }
 
 #[test]

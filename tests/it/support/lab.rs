@@ -76,7 +76,7 @@ impl Lab {
     }
 
     /// Ends it as Ctrl-C does, and tells how it ended.
-    pub fn interrupt(mut self) -> Option<i32> {
+    pub fn interrupt(&mut self) -> Option<i32> {
         Command::new("kill").args(["-INT", &self.pid().to_string()]).status().unwrap();
         self.child.wait().unwrap().code()
     }
