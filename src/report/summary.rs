@@ -1,5 +1,7 @@
 //! What a person reads after a run.
 
+use std::ops::Range;
+
 use comfy_table::{CellAlignment, Table};
 
 use super::time_unit::TimeUnit;
@@ -118,7 +120,8 @@ pub fn fifo_rows(run: &Measured) -> Rows {
     }
 }
 
-/// The cells' table as text, in 80 columns where it can: in percent, without the states in which no cell ever was.
+/// The cells' table as text: in percent, without the states in which no cell ever was. What does not fit beside the names stands
+/// in a table of its own below.
 pub fn cells(run: &Measured, names: &[String]) -> String {
     let Rows { header, rows } = cell_rows(run, names);
     let seen = |state: &State| run.stations.iter().any(|times| times.of(state.id).0 > 0);
@@ -129,9 +132,33 @@ pub fn cells(run: &Measured, names: &[String]) -> String {
     };
     let mut header = shown(header, narrow);
     header[0] += ", %";
-    let mut table = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
-    table.add_rows(rows.into_iter().map(|row| shown(row, |cell| cell.replace(" %", ""))));
-    spaced(table, &[], (1, 0))
+    let rows: Vec<Vec<String>> = rows.into_iter().map(|row| shown(row, |cell| cell.replace(" %", ""))).collect();
+    let tables = fitting(&header, &rows).into_iter().map(|columns| {
+        let of = |row: &[String]| std::iter::once(&row[0]).chain(&row[columns.clone()]).cloned().collect::<Vec<_>>();
+        let mut table = table(&of(&header).iter().map(String::as_str).collect::<Vec<_>>());
+        table.add_rows(rows.iter().map(|row| of(row)));
+        spaced(table, &[], (1, 0))
+    });
+    tables.collect::<Vec<_>>().join("\n")
+}
+
+/// The columns behind the first, in stretches that fit beside it.
+fn fitting(header: &[String], rows: &[Vec<String>]) -> Vec<Range<usize>> {
+    let width = |column: usize| {
+        let cells = std::iter::once(&header[column]).chain(rows.iter().map(|row| &row[column]));
+        cells.flat_map(|cell| cell.lines()).map(|line| line.chars().count()).max().unwrap_or(0)
+    };
+    let (mut stretches, mut start, mut taken) = (Vec::new(), 1, width(0));
+    for column in 1..header.len() {
+        let more = 1 + width(column);
+        if taken + more > WIDTH && column > start {
+            stretches.push(start..column);
+            (start, taken) = (column, width(0));
+        }
+        taken += more;
+    }
+    stretches.push(start..header.len());
+    stretches
 }
 
 /// A heading in two lines, if it has two words or a long one.

@@ -133,6 +133,8 @@ fn results_fit_80_columns() {
         "image room --size 8x6 -o i.png --why",
         "farm rectangles --size 40x30 --tasks 3",
         "farm rectangles --size 40x30 --tasks 1..3",
+        "farm rectangles --size 40x30 --tasks 3 --why",
+        "ipsc2 room --size 16x16 --nodes 4 --mode shared-memory",
         "replay a.ops --fifo-words 8",
         "size-fifos --ops a.ops",
         "why a.ops --cell 1 --at 20000",

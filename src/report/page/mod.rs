@@ -95,7 +95,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
         .map_err(PageError::new)
 }
 
-/// What a page shows of one run: its text as HTML, and the data that the page's [`script`] draws, as JSON.
+/// What a page shows of one run: its text as HTML, and the data that its script ([`line_script`]) draws, as JSON.
 #[derive(Clone, Debug)]
 pub struct Shown {
     /// What stands in the page's `main`.
