@@ -60,7 +60,10 @@ def text() -> str:
     return (
         HEADING
         + group(
-            "MachineChanges", "TypedDict, total=False", "Changes to a machine.", of("machine", without=["on", "machine"])
+            "MachineChanges",
+            "TypedDict, total=False",
+            "Changes to a machine.",
+            of("machine", without=["on", "machine"]),
         )
         + group(
             "MachineParameters",

@@ -18,7 +18,14 @@ RUNS: list[dict[str, Any]] = [
     {"scene": "room", "size": "24x18", "mode": "broadcast", "cells": 4, "fifo_words": 16, "link_mb_s": 40.0},
     {"scene": "tetra", "size": "20x20", "mode": "hybrid", "cells": 4, "partition": "work", "grid_coefficient": 5.5},
     {"scene": "room", "size": "16x12", "program": "hybrid-3", "groups": 2, "mailbox": True, "y_fifo_words": 64},
-    {"scene": "room", "size": "16x12", "mode": "broadcast", "partition": "measured", "numbering": "front", "bounded_walk": True},
+    {
+        "scene": "room",
+        "size": "16x12",
+        "mode": "broadcast",
+        "partition": "measured",
+        "numbering": "front",
+        "bounded_walk": True,
+    },
     {"scene": "room", "size": "24x18", "mode": "broadcast", "cells": 8, "order": "shuffle:5"},
     {"scene": "room", "size": "6x4", "cells_run": "programs", "instruction_limit": 100000},
     {"scene": "tree", "size_factor": 2, "size": "16x12", "screen_rectangles": "objects", "host_filter_us": 2.5},
@@ -31,7 +38,14 @@ IMAGES: list[dict[str, Any]] = [
     {"scene": "tetra", "size": "12x12", "mode": "broadcast", "cells": 2, "samples": 2, "adaptive": True, "depth": 2},
     {"scene": "room", "size": "12x8", "policy": "generation", "in_flight": 5, "host_hit_us": 10.0},
     {"scene": "room", "size": "12x8", "samples": 2, "adaptive_by": "whitted", "threshold": 30, "masks": "boxes"},
-    {"scene": "balls", "size_factor": 1, "size": "12x8", "samples": 2, "adaptive_by": "lao", "screen_rectangles": "scene"},
+    {
+        "scene": "balls",
+        "size_factor": 1,
+        "size": "12x8",
+        "samples": 2,
+        "adaptive_by": "lao",
+        "screen_rectangles": "scene",
+    },
 ]
 
 FILES = ["stats.json", "hits.csv", "image.png", "page.html", "trace.vcd"]
@@ -88,11 +102,11 @@ def test_few_colors(two: Path) -> None:
         made = "image room --size 24x16 --timing off --colors 24 --palette".split()
         assert command(two / "theirs", *made, palette, "-o", f"{palette}.png").status == 0
         same(two, [f"{palette}.png"])
-    for wrong in [lambda: run.few_colors(0), lambda: run.few_colors(1 << 17), lambda: run.few_colors(9, "oil")]:
+    for colors, palette in [(0, "peano"), (1 << 17, "peano"), (9, "oil")]:
         with pytest.raises(pcs_sim.InputError):
-            wrong()
+            run.few_colors(colors, palette)
     with pytest.raises(pcs_sim.InputError):
-        run.save(stats="s.json", colors=9)
+        run.save(colors=9)
 
 
 @pytest.mark.parametrize("parameters", IMAGES)
@@ -192,7 +206,7 @@ def test_farms(two: Path, parameters: dict[str, Any]) -> None:
 def test_why_farms_take_as_long(two: Path) -> None:
     run = pcs_sim.farm(size=24, tasks=2, why=True)
     run.save(stats="stats.json", page="page.html", plot="plots")
-    asked = "farm rectangles --size 24 --tasks 2 --why --stats stats.json --page page.html --plot plots"
+    asked = "farm rectangles --size 24x24 --tasks 2 --why --stats stats.json --page page.html --plot plots"
     ended = command(two / "theirs", *asked.split())
     assert ended.status == 0, ended.err
     same(two, ["stats.json", "page.html", "plots/critical-path.svg"])

@@ -550,8 +550,8 @@ def sweep(
 def parameters() -> Table:
     """The parameters.
 
-    `name`, `kind` (text, size, truth, whole, whole or word, number), what it is (`label`, with its unit), for each call whether it
-    takes it (`run`, `image`, `replay`, `model`, `farm`, `ipsc2`), and whether it is one of a `machine`.
+    `name`, `kind` (text, size, truth, whole, whole or word, number), what it is (`label`, with its unit), for each call
+    whether it takes it (`run`, `image`, `replay`, `model`, `farm`, `ipsc2`), and whether it is one of a `machine`.
     """
 
 def scenes() -> Table:

@@ -287,18 +287,6 @@ class ModelParameters(MachineParameters, total=False):
     grid_coefficient: float | None
     """Grid coefficient (voxels a polygon)."""
 
-    mailbox: bool | None
-    """Mailbox in the grid."""
-
-    stop_words: int | None
-    """Voxels ahead of the stop words."""
-
-    forward_ahead: int | None
-    """Rays passed on ahead."""
-
-    bounded_walk: bool | None
-    """Walk bounded by the hit from the left."""
-
     masks: str | None
     """Masks of the sub-volumes."""
 
@@ -340,9 +328,6 @@ class FarmParameters(TypedDict, total=False):
 
     samples: int | None
     """Samples along a side of a pixel."""
-
-    adaptive: bool | None
-    """Samples only where they tell."""
 
     adaptive_by: str | None
     """What asks for samples."""
@@ -457,9 +442,6 @@ class CubeParameters(TypedDict, total=False):
 
     samples: int | None
     """Samples along a side of a pixel."""
-
-    adaptive: bool | None
-    """Samples only where they tell."""
 
     adaptive_by: str | None
     """What asks for samples."""
