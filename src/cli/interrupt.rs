@@ -49,12 +49,13 @@ pub fn listen() -> Result<(), Failure> {
         let _ending = ENDING.lock();
         let finished = OUTPUTS.abandon();
         let stage = STAGE.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let told = told(stage.as_ref(), &finished);
+        let folder = SERVING.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let told = if folder.is_some() { String::new() } else { told(stage.as_ref(), &finished) };
         if let Some(stage) = stage {
             stage.bar.finish_and_clear();
         }
         eprintln!("stopped{told}");
-        if let Some(folder) = SERVING.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        if let Some(folder) = folder {
             let _ = std::fs::remove_dir_all(folder);
         }
         std::process::exit(130);

@@ -21,7 +21,7 @@ use crate::scene::builtin;
 pub const ALWAYS_REFUSED: [(&str, &[&str]); 6] = [
     ("run", &["host_hit_us"]),
     ("replay", &["memory_words"]),
-    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk"]),
+    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk", "masks"]),
     ("size-fifos", &DEPTHS),
     ("farm", &["adaptive", "enough"]),
     ("ipsc2", &["adaptive", "why", "enough"]),

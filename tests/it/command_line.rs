@@ -3,6 +3,7 @@
 use pcs_sim::run::moot;
 
 use crate::support::command::Folder;
+use crate::support::pictures::decoded;
 
 #[test]
 fn the_summary_tells_what_ran_and_what_limits_it() {
@@ -30,9 +31,8 @@ fn results_are_files_and_the_last_lines_name_them() {
     assert_eq!(hits.lines().count(), 49);
     insta::assert_snapshot!("first hits", hits.lines().take(5).collect::<Vec<_>>().join("\n"));
     insta::assert_snapshot!("first ops", folder.read("a.ops").lines().take(18).collect::<Vec<_>>().join("\n"));
-    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path("i.png")).unwrap()));
-    let reader = decoder.read_info().unwrap();
-    assert_eq!((reader.info().width, reader.info().height), (8, 6));
+    let info = decoded(&folder.path("i.png")).info;
+    assert_eq!((info.width, info.height), (8, 6));
 }
 
 #[test]

@@ -14,7 +14,8 @@ use pcs_sim::program::cube::{
 use pcs_sim::run::{CubeMode, CubeRunOptions, CubeSpec, Workers};
 use proptest::prelude::*;
 
-use crate::support::cube_ticking::{Stopped, Ticked, tick};
+use crate::support::cube_ticking::{Stopped, tick};
+use crate::support::cube_wires::Ticked;
 use crate::support::{heap_events, memory_ticking};
 
 /// What a run came to, in the oracle's terms.
@@ -109,7 +110,15 @@ struct Maker<'a> {
     graph: TaskGraph,
 }
 
-impl Maker<'_> {
+impl<'a> Maker<'a> {
+    /// So many trees on so many nodes, each with up to so many rays.
+    fn of(numbers: &'a [u32], nodes: usize, trees: usize, most: usize) -> Maker<'a> {
+        let graph = TaskGraph { regions: nodes, ..TaskGraph::default() };
+        let mut maker = Maker { numbers: numbers.iter().cycle(), nodes: nodes as u32, graph };
+        (0..trees).for_each(|_| maker.tree(most));
+        maker
+    }
+
     fn below(&mut self, end: u32) -> u32 {
         self.numbers.next().copied().unwrap_or(0) % end.max(1)
     }
@@ -158,13 +167,7 @@ impl Maker<'_> {
 }
 
 fn graph(numbers: &[u32], nodes: usize, trees: usize) -> TaskGraph {
-    let mut maker = Maker {
-        numbers: numbers.iter().cycle(),
-        nodes: nodes as u32,
-        graph: TaskGraph { regions: nodes, ..TaskGraph::default() },
-    };
-    (0..trees).for_each(|_| maker.tree(60 / trees.max(1)));
-    maker.graph
+    Maker::of(numbers, nodes, trees, 60 / trees.max(1)).graph
 }
 
 /// Small times, many of which are zero.
@@ -242,13 +245,7 @@ proptest! {
         times in times(),
         asks_for_slots in any::<bool>(),
     ) {
-        let mut maker = Maker {
-            numbers: numbers.iter().cycle(),
-            nodes: nodes as u32,
-            graph: TaskGraph { regions: nodes, ..TaskGraph::default() },
-        };
-        (0..trees).for_each(|_| maker.tree(40));
-        let graph = maker.graph;
+        let graph = Maker::of(&numbers, nodes, trees, 40).graph;
         let owners: Vec<u16> = graph.trees.iter().map(|&ray| graph.start_of(ray)).collect();
         let rules = Rules { flow: Flow::Classes(highest_rank(&graph) + 1), ends: Ends::Credit, asks_for_slots, pixels_first: true };
         let ended = run(&machine(nodes, times), &graph, &owners, rules);
@@ -272,12 +269,7 @@ proptest! {
         room in 1u64..20,
         tile in prop::option::of(1usize..4),
     ) {
-        let mut maker = Maker {
-            numbers: numbers.iter().cycle(),
-            nodes: 1,
-            graph: TaskGraph { regions: 1, ..TaskGraph::default() },
-        };
-        (0..trees).for_each(|_| maker.tree(60 / trees));
+        let mut maker = Maker::of(&numbers, 1, trees, 60 / trees);
         let mut uses = PageUses { pages, page_bytes: 64, ..PageUses::default() };
         for _ in 0..maker.graph.rays.len() {
             let mut read: Vec<u32> = (0..maker.below(5)).map(|_| maker.below(pages)).collect();

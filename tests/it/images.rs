@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::support::command::Folder;
 use crate::support::ticking::{self, Ticked};
 use crate::support::whitted::Judge;
-use crate::support::{fifo, spent};
+use crate::support::{fifo, glass, spent};
 use glam::{DVec3, Vec3};
 use pcs_sim::geometry::{Polygons, Ray, brute_force};
 use pcs_sim::host::camera::ImageSize;
@@ -21,10 +21,6 @@ use pcs_sim::scene::{Material, Mesh, ReadOptions, Scene, builtin};
 use pcs_sim::seam::{OpBatch, OpKind};
 
 const POLICIES: [Policy; 3] = [Policy::SecondariesFirst, Policy::PrimariesFirst, Policy::ByGeneration];
-
-fn glass() -> Scene {
-    pcs_sim::scene::load(Path::new("tests/data/glass.ron"), &ReadOptions::default()).unwrap()
-}
 
 fn workload(scene: &Scene, program: &str, groups: usize, times: KernelTimes) -> Workload {
     Workload::new(&scene.mesh, &crate::support::program(program, groups), times, &[]).unwrap()

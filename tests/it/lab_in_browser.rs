@@ -92,7 +92,8 @@ fn what_makes_no_run_is_told_and_the_page_goes_on() {
 fn a_long_run_grows_and_stops() {
     let Some(browser) = Browser::start() else { return };
     let lab = Lab::start("");
-    let page = browser.open(&lab.url("?scene=reference&size=1024x1024"), (1280, 800));
+    let page = browser
+        .open(&lab.url("?scene=reference&size=1024x1024&mode=broadcast&cells=16&cells_run=programs"), (1280, 800));
     page.wait_for("!sides.a.growing.hidden && sides.a.growing.querySelector('img').naturalWidth === 1024");
     assert_eq!(page.eval("document.getElementById('stop').disabled"), false);
     page.wait_for("document.getElementById('progress').value > 0");
@@ -183,6 +184,13 @@ fn scenes_are_dropped_on_the_page() {
     page.wait_for("location.search.includes('mine.obj') && !isBusy()");
     assert_eq!(page.eval("sides.a.command.textContent"), "pcs-sim --scene mine.obj --size 16x16");
     assert!(shown(&page, "a").0.contains("scene mine (1 polygons)"));
+    page.eval(
+        "{ const dataTransfer = new DataTransfer();
+           dataTransfer.items.add(new File(['v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nv 1 1 0\\nf 1 2 3\\nf 2 3 4\\n'], 'dropped.obj'));
+           document.body.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true })); }",
+    );
+    page.wait_for("location.search.includes('dropped.obj') && !isBusy()");
+    assert!(shown(&page, "a").0.contains("scene dropped (2 polygons)"));
     choose("wrong.obj");
     page.wait_for("!sides.a.failure.hidden");
     assert_eq!(page.eval("sides.a.failure.textContent"), folder.run("--scene wrong.obj").refused().trim_end());

@@ -13,7 +13,7 @@ use pcs_sim::run::{self, Picture, Seen, Timed, Watching, Workers};
 
 use crate::support::command::Folder;
 use crate::support::ticking::{self, Ticked};
-use crate::support::{bits, machine, program, scene, workload};
+use crate::support::{bits, glass, machine, program, scene, workload};
 
 const BOTH: [Masks; 2] = [Masks::Boxes, Masks::Rectangles];
 
@@ -118,7 +118,7 @@ fn a_mask_of_ones_changes_nothing_but_its_word() {
 /// Secondary rays too, and the host's time for each box, as ticking every cycle gives it.
 #[test]
 fn images_are_the_same_and_timed_as_their_ops_say() {
-    let scene = pcs_sim::scene::load(std::path::Path::new("tests/data/glass.ron"), &Default::default()).unwrap();
+    let scene = glass();
     let (size, sampling, limits) = (ImageSize { width: 10, height: 8 }, Sampling::default(), Limits::default());
     let mut times = machine().times;
     let render = |masks: Option<Masks>, times| {

@@ -12,6 +12,8 @@ use pcs_sim::run::{self, Picture, Rendered, Workers};
 use pcs_sim::scene::{self, Camera, Light, Scene, builtin};
 
 use crate::support::command::Folder;
+use crate::support::glass;
+use crate::support::pictures::decoded;
 
 const SIDE: u32 = 24;
 
@@ -77,10 +79,6 @@ fn the_edge_of_a_half_plane_asks_for_the_pixels_beside_it() {
     assert_eq!(refined(&slanted, Criterion::Lao, SIDE), has(&eight));
     assert_eq!(refined(&slanted, WHITTED, SIDE), has(&eight));
     assert_eq!((has(&four).len() as u32, has(&eight).len() as u32), (2 * SIDE - 1, 4 * SIDE - 4));
-}
-
-fn glass() -> Scene {
-    scene::load(std::path::Path::new("tests/data/glass.ron"), &Default::default()).unwrap()
 }
 
 #[test]
@@ -191,12 +189,7 @@ fn the_command_tells_what_was_oversampled() {
         let lines = text.lines().filter(|line| line.contains("oversampled") || line.starts_with("off from"));
         report += &format!("{by}\n{}\n", lines.collect::<Vec<_>>().join("\n"));
         let stats: serde_json::Value = serde_json::from_str(&folder.read("s.json")).unwrap();
-        let mut reader =
-            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.path("mask.png")).unwrap()))
-                .read_info()
-                .unwrap();
-        let mut mask = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut mask).unwrap();
+        let mask = decoded(&folder.path("mask.png")).bytes;
         let white = mask.iter().filter(|value| **value == 255).count() as u64;
         assert_eq!(stats["refined_pixels"].as_u64(), Some(white), "{by}");
         assert_eq!(mask.len(), 24 * 24);

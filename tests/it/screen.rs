@@ -17,6 +17,7 @@ use pcs_sim::scene::{Camera, Scene, builtin};
 use proptest::prelude::*;
 
 use crate::support::command::Folder;
+use crate::support::glass;
 use crate::support::ticking::{self, Ticked};
 
 const BOTH: [ScreenRectangles; 2] = [ScreenRectangles::Scene, ScreenRectangles::Objects];
@@ -215,8 +216,8 @@ fn a_picture_of_nothing_sends_nothing() {
     }
 }
 
-fn glass() -> Scene {
-    let mut scene = pcs_sim::scene::load(std::path::Path::new("tests/data/glass.ron"), &Default::default()).unwrap();
+fn far_glass() -> Scene {
+    let mut scene = glass();
     // From farther off, so that much of the picture is empty.
     scene.camera.from = scene.camera.at + (scene.camera.from - scene.camera.at) * 4.5;
     scene
@@ -225,7 +226,7 @@ fn glass() -> Scene {
 /// Pixels and rays of all kinds but the primary ones are the same; the times are what ticking the ops gives.
 #[test]
 fn images_are_the_same_and_timed_as_their_ops_say() {
-    let scene = glass();
+    let scene = far_glass();
     let program = crate::support::program("broadcast", 3);
     for filter in [0, 300] {
         let mut times = crate::support::machine().times;

@@ -4,6 +4,7 @@ use std::convert::Infallible;
 
 use crate::support::browser::{Browser, Page};
 use crate::support::command::Folder;
+use crate::support::pictures::decoded;
 use crate::support::{bits, cell_options, ops, program, scene, workload};
 use pcs_sim::measure::{Actor, JobSpan, Recording};
 use pcs_sim::program::{ArrayProgram, Counts, Said, Visit, Workload};
@@ -398,15 +399,15 @@ fn pages_are_bounded() {
     folder.run(&format!("{run} 3 --page b.html")).success();
     let page = folder.read("a.html");
     assert!(page == folder.read("b.html"));
-    assert!(page.len() < 4_000_000, "{} bytes", page.len());
+    folder.run(&format!("{run} 2 --size 192x192 --page c.html").replacen("--size 96x96 ", "", 1)).success();
+    for page in [page, folder.read("c.html")] {
+        assert!(page.len() < 1_500_000, "{} bytes", page.len());
+    }
 }
 
 /// The mean brightness of a picture, from 0 to 255.
 fn brightness(path: &std::path::Path) -> f64 {
-    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    reader.next_frame(&mut pixels).unwrap();
+    let pixels = decoded(path).bytes;
     pixels.iter().map(|&value| f64::from(value)).sum::<f64>() / pixels.len() as f64
 }
 

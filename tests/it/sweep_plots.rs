@@ -1,6 +1,7 @@
 //! Plots of a sweep's table, as files.
 
 use crate::support::command::Folder;
+use crate::support::pictures::decoded;
 
 const SWEEP: &str = r#"(
     scene: "room",
@@ -28,10 +29,7 @@ fn columns_are_plotted_over_each_other() {
             svg.contains("mode pipeline, broadcast") && svg.contains("; cells 3"),
             "{name} tells of how many cells"
         );
-        let png = std::io::BufReader::new(std::fs::File::open(folder.path(&format!("{name}.png"))).unwrap());
-        let mut reader = png::Decoder::new(png).read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut pixels).unwrap();
+        let pixels = decoded(&folder.path(&format!("{name}.png"))).bytes;
         // Blue is the first line's, vermilion the second's.
         let has = |color: [u8; 3]| pixels.chunks(3).any(|pixel| pixel == color);
         assert!(has([0, 114, 178]), "{name}");

@@ -2,6 +2,7 @@
 
 use crate::support::browser::{Browser, Page};
 use crate::support::command::Folder;
+use crate::support::pictures::decoded;
 use pcs_sim::machine::{Array, Cycles, MachineSpec};
 use pcs_sim::report::plot::{self, Caption, Run};
 use serde_json::{Value, json};
@@ -23,10 +24,7 @@ fn plots_are_pictures_in_both_formats() {
         );
         assert!(svg.contains("@font-face"), "{name} brings its font");
         assert!(!svg.contains("href"), "{name} asks for nothing");
-        let file = std::io::BufReader::new(std::fs::File::open(folder.path(&format!("plots/{name}.png"))).unwrap());
-        let mut reader = png::Decoder::new(file).read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut pixels).unwrap();
+        let pixels = decoded(&folder.path(&format!("plots/{name}.png"))).bytes;
         assert!(pixels.iter().any(|&value| value < 100), "{name} is not blank");
     }
     assert!(folder.read("plots/cells.svg").contains("cell 3"));

@@ -100,6 +100,9 @@ function inBoth(tick, { min, max }) {
   return `${+(seconds(tick) / unit).toPrecision(8)} ${name}\n${grouped(tick / run.cycle)} cycles`;
 }
 
+// Pixels that such a text takes at the most, so that none runs into the next.
+const labelWidth = () => Math.max(104, 7 * `${grouped(run.cycles)} cycles`.length);
+
 let paperWidth = null;
 const chartWidth = () => paperWidth ?? document.getElementById("charts").clientWidth;
 
@@ -130,7 +133,7 @@ function addChart(title, station, data, series, options, describe) {
     legend: { show: false },
     scales: { x: { time: false, range: (chart, min, max) => [min, max] }, y: options.scale },
     axes: [
-      { ...axis, size: 40, space: 104, values: (chart, ticks) => ticks.map((tick) => inBoth(tick, chart.scales.x)) },
+      { ...axis, size: 40, space: labelWidth, values: (chart, ticks) => ticks.map((tick) => inBoth(tick, chart.scales.x)) },
       { ...axis, size: 58, label: options.label, labelSize: 18, ...options.axis },
     ],
     series: [{}, ...series.map((one) => ({ ...one, points: { show: false } }))],

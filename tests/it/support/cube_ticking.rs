@@ -1,26 +1,13 @@
 //! Nodes with a region each that tick every cycle, for comparison. It shares no code with the engine and the nodes: links are times, queues are
 //! lists, and whoever can do something in a cycle does it, the lowest number first.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 use pcs_sim::host::shading::RayKind;
 use pcs_sim::machine::Ipsc2;
 use pcs_sim::program::cube::{Ends, Flow, Leg, Rules, TaskGraph};
 
-/// What came out: when all was over, what each task did in each cycle, for each link the cycles that it was taken.
-#[derive(Debug, PartialEq)]
-pub struct Ticked {
-    pub cycles: u64,
-    /// For each task, its states one after the other, and until when it is in each.
-    pub tasks: Vec<Vec<(String, u64)>>,
-    pub links: Vec<u64>,
-    /// Messages of each kind: sent, taken, bytes, links passed, cycles of processors.
-    pub messages: [[u64; 5]; 4],
-    pub true_end: u64,
-    pub told_at: u64,
-    pub probes: u64,
-    pub longest_queues: Vec<usize>,
-}
+use super::cube_wires::{Ticked, Wires};
 
 /// Why nothing came out.
 #[derive(Debug, PartialEq)]
@@ -57,71 +44,6 @@ impl Text {
             Text::Token(..) | Text::Asks(_) => 16,
             Text::Stop | Text::Gives(_) => 4,
         }
-    }
-}
-
-/// The links, each by its two ends: until when it is taken, and for how long it was. The host is the number behind the nodes.
-pub struct Wires<'a> {
-    machine: &'a Ipsc2,
-    links: BTreeMap<(usize, usize), (u64, u64)>,
-}
-
-impl<'a> Wires<'a> {
-    pub fn new(machine: &'a Ipsc2) -> Wires<'a> {
-        Wires { machine, links: BTreeMap::new() }
-    }
-
-    /// What a processor spends on a message.
-    pub fn processor(&self, bytes: u64) -> u64 {
-        let messages = &self.machine.messages;
-        if bytes > messages.short_bytes { messages.long.0 } else { messages.short.0 }
-    }
-
-    /// The links of a way.
-    pub fn way(&self, from: usize, to: usize) -> Vec<(usize, usize)> {
-        let host = self.machine.nodes;
-        let mut way = Vec::new();
-        let mut at = from;
-        if from == host {
-            way.push((host, 0));
-            at = 0;
-        }
-        let end = if to == host { 0 } else { to };
-        for bit in 0..8 {
-            if (at ^ end) & (1 << bit) != 0 {
-                way.push((at, at ^ (1 << bit)));
-                at ^= 1 << bit;
-            }
-        }
-        if to == host {
-            way.push((0, host));
-        }
-        way
-    }
-
-    /// Takes the links for a message that is ready now, and tells when it arrives.
-    pub fn carry(&mut self, from: usize, to: usize, bytes: u64, now: u64) -> u64 {
-        let wires = self.machine.wires;
-        let is_long = bytes > wires.short_bytes;
-        let long = (bytes * wires.byte_millicycles).div_ceil(1000);
-        let holds = long + if is_long { wires.long.0 } else { 0 };
-        let way = self.way(from, to);
-        let free = |link: &(usize, usize)| self.links.get(link).map_or(0, |link| link.0);
-        let start = way.iter().map(free).max().unwrap_or(0).max(now);
-        for link in &way {
-            let known = self.links.entry(*link).or_default();
-            *known = (start + holds, known.1 + holds);
-        }
-        let set_up = if is_long { wires.long.0 } else { wires.short.0 };
-        start + set_up + long + wires.hop.0 * (way.len() as u64).saturating_sub(1)
-    }
-
-    /// For how long each link was taken.
-    pub fn taken(&self) -> Vec<u64> {
-        let host = self.machine.nodes;
-        let bits = host.next_power_of_two().ilog2() as usize;
-        let between = (0..1usize << bits).flat_map(|node| (0..bits).map(move |bit| (node, node ^ (1 << bit))));
-        between.chain([(host, 0), (0, host)]).map(|link| self.links.get(&link).map_or(0, |link| link.1)).collect()
     }
 }
 
@@ -257,16 +179,7 @@ pub fn tick(
         age: 0,
         h,
         r: i64::from((turns + 1) * h) - 1,
-        out: Ticked {
-            cycles: 0,
-            tasks: Vec::new(),
-            links: Vec::new(),
-            messages: [[0; 5]; 4],
-            true_end: 0,
-            told_at: 0,
-            probes: 0,
-            longest_queues: Vec::new(),
-        },
+        out: Ticked::default(),
     };
     cube.run()
 }
@@ -714,19 +627,7 @@ impl Cube<'_> {
 
     fn ended(&mut self) -> Ticked {
         let host = self.machine.nodes;
-        let mut out = std::mem::replace(
-            &mut self.out,
-            Ticked {
-                cycles: 0,
-                tasks: vec![],
-                links: vec![],
-                messages: [[0; 5]; 4],
-                true_end: 0,
-                told_at: 0,
-                probes: 0,
-                longest_queues: vec![],
-            },
-        );
+        let mut out = std::mem::take(&mut self.out);
         out.cycles = self.now;
         for node in &mut self.nodes[..host] {
             // What it waited for last did not come any more.

@@ -8,7 +8,7 @@ use pcs_sim::machine::events::{Act, Delivery, Message, Sender};
 use pcs_sim::machine::{Cycles, Ipsc2};
 use pcs_sim::measure::StateId;
 
-use super::cube_ticking::Wires;
+use super::cube_wires::Wires;
 
 #[derive(Clone, Copy)]
 enum Doing<M> {

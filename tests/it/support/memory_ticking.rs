@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use pcs_sim::machine::Ipsc2;
 use pcs_sim::program::cube::{Dealt, TaskGraph};
 
-use super::cube_ticking::{Ticked, Wires};
+use super::cube_wires::{Ticked, Wires};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Text {
@@ -83,16 +83,7 @@ pub fn tick(machine: &Ipsc2, graph: &TaskGraph, dealt: Dealt) -> (Ticked, Vec<u6
         Dealt::AsAsked(tiles) => Some(tiles),
     };
     let untold = if tiles.is_some() { count } else { 0 };
-    let out = Ticked {
-        cycles: 0,
-        tasks: Vec::new(),
-        links: Vec::new(),
-        messages: [[0; 5]; 4],
-        true_end: 0,
-        told_at: 0,
-        probes: 0,
-        longest_queues: vec![0; count],
-    };
+    let out = Ticked { longest_queues: vec![0; count], ..Ticked::default() };
     let (wires, trees) = (Wires::new(machine), graph.trees.len());
     let room = (room as usize).clamp(1, uses.pages as usize);
     let mut memory =
@@ -363,19 +354,7 @@ impl Memory<'_> {
 
     fn ended(&mut self) -> (Ticked, Vec<u64>) {
         let host = self.host();
-        let mut out = std::mem::replace(
-            &mut self.out,
-            Ticked {
-                cycles: 0,
-                tasks: vec![],
-                links: vec![],
-                messages: [[0; 5]; 4],
-                true_end: 0,
-                told_at: 0,
-                probes: 0,
-                longest_queues: vec![],
-            },
-        );
+        let mut out = std::mem::take(&mut self.out);
         out.cycles = self.now;
         out.tasks = self.tasks[..=host].iter().map(|task| task.times.clone()).collect();
         out.links = self.wires.taken();

@@ -3,6 +3,7 @@
 pub mod browser;
 pub mod command;
 pub mod cube_ticking;
+pub mod cube_wires;
 pub mod farm_looking_back;
 pub mod farm_ticking;
 pub mod heap_events;
@@ -10,11 +11,13 @@ pub mod intervals;
 pub mod lab;
 pub mod looking_back;
 pub mod memory_ticking;
+pub mod pictures;
 pub mod random_ops;
 pub mod ticking;
 pub mod whitted;
 
 use std::convert::Infallible;
+use std::path::Path;
 
 use pcs_sim::geometry::{Hit, Ray};
 use pcs_sim::host::camera::{ImageSize, primary_rays};
@@ -24,7 +27,7 @@ use pcs_sim::measure::{FifoStats, Measured};
 use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::{ArrayProgram, Workload, work};
 use pcs_sim::run::{self, TracedBatch, Workers};
-use pcs_sim::scene::{Mesh, Scene, builtin};
+use pcs_sim::scene::{self, Mesh, ReadOptions, Scene, builtin};
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 use pcs_sim::seam::{Costs, Op, OpBatch};
 
@@ -43,6 +46,11 @@ pub fn scene(name: &str, size: u32, width: u32) -> (Scene, Vec<Ray>) {
     let scene = builtin::generate(name, Some(size), None).unwrap();
     let rays = primary_rays(&scene.camera, ImageSize { width, height: width });
     (scene, rays)
+}
+
+/// Glass, mirrors and lights.
+pub fn glass() -> Scene {
+    scene::load(Path::new("tests/data/glass.ron"), &ReadOptions::default()).unwrap()
 }
 
 pub fn workload(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray]) -> Workload {
