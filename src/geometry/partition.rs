@@ -52,40 +52,13 @@ impl std::fmt::Display for Partition {
 /// In which order the sub-volumes of a cut are dealt out to the groups, from left to right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Numbering {
     /// As the cut comes upon them.
     #[default]
     Cut,
     /// As rays do, those first that are in front of others.
     Front,
-}
-
-impl Numbering {
-    /// Whether it is that of the cut.
-    pub fn is_cut(&self) -> bool {
-        *self == Numbering::Cut
-    }
-}
-
-impl FromStr for Numbering {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Numbering, String> {
-        match name {
-            "cut" => Ok(Numbering::Cut),
-            "front" => Ok(Numbering::Front),
-            _ => Err(format!("there is no numbering '{name}'; there are: cut, front")),
-        }
-    }
-}
-
-impl std::fmt::Display for Numbering {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Numbering::Cut => "cut",
-            Numbering::Front => "front",
-        })
-    }
 }
 
 /// A point of the scene and its share of what is to be divided equally.

@@ -16,6 +16,19 @@ pub struct ImageSize {
     pub height: u32,
 }
 
+impl ImageSize {
+    /// The pixels of each tile, tile by tile and line by line; those at the right and at the bottom may be smaller than `side` x `side`.
+    pub fn tiles(self, side: u32) -> impl Iterator<Item = impl Iterator<Item = usize>> {
+        let ImageSize { width, height } = self;
+        let from = move |end: u32| (0..end).step_by(side as usize);
+        let corners = from(height).flat_map(move |y| from(width).map(move |x| (x, y)));
+        corners.map(move |(left, top)| {
+            let (right, bottom) = (left.saturating_add(side).min(width), top.saturating_add(side).min(height));
+            (top..bottom).flat_map(move |y| (left..right).map(move |x| (y * width + x) as usize))
+        })
+    }
+}
+
 /// The largest number of pixels: rays are numbered in 32 bits, and kept in memory.
 const MOST_PIXELS: u64 = 1 << 26;
 

@@ -1,7 +1,6 @@
 //! Where in its pixels an image is sampled.
 
 use std::ops::Range;
-use std::str::FromStr;
 
 use bitvec::vec::BitVec;
 use serde::{Deserialize, Serialize};
@@ -58,20 +57,6 @@ pub enum AdaptiveBy {
     Lao,
     /// Colours differ by more than the threshold.
     Whitted,
-}
-
-impl FromStr for AdaptiveBy {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<AdaptiveBy, String> {
-        match name {
-            "object" => Ok(AdaptiveBy::Object),
-            "surface" => Ok(AdaptiveBy::Surface),
-            "lao" => Ok(AdaptiveBy::Lao),
-            "whitted" => Ok(AdaptiveBy::Whitted),
-            _ => Err("expected one of object, surface, lao, whitted".to_owned()),
-        }
-    }
 }
 
 impl Criterion {

@@ -5,7 +5,6 @@
 //! rectangles with sub-trees come down to a union of rectangles here, line by line.
 
 use std::collections::HashMap;
-use std::str::FromStr;
 
 use bitvec::vec::BitVec;
 use glam::DVec2;
@@ -28,19 +27,6 @@ pub enum ScreenRectangles {
     Scene,
     /// One of each object.
     Objects,
-}
-
-impl FromStr for ScreenRectangles {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<ScreenRectangles, String> {
-        match name {
-            "off" => Ok(ScreenRectangles::Off),
-            "scene" => Ok(ScreenRectangles::Scene),
-            "objects" => Ok(ScreenRectangles::Objects),
-            _ => Err("expected one of off, scene, objects".to_owned()),
-        }
-    }
 }
 
 /// A rectangle on a picture, in pixels from its top left corner; it may reach beyond the picture.

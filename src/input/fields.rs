@@ -11,6 +11,11 @@ use crate::error::InputError;
 /// The largest text file that is read whole, in GiB: more than 10 million rays.
 const LARGEST_TEXT: u64 = 1;
 
+/// Whether a field need not be said.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 /// Reads a text file, which must be UTF-8.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
     text::decode_utf8(path, file::read(path, LARGEST_TEXT)?)

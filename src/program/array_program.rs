@@ -1,13 +1,12 @@
 //! The description of an array program: groups of stages (§4.2, §5).
 
 use std::path::Path;
-use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
 use crate::geometry::{Numbering, Partition};
-use crate::input::fields::{self, Fault};
+use crate::input::fields::{self, Fault, is_default};
 
 /// A step of the geometric computation (§3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -35,7 +34,7 @@ pub struct ArrayProgram {
     #[serde(default)]
     pub partition: Partition,
     /// Which sub-volume is which group's.
-    #[serde(default, skip_serializing_if = "Numbering::is_cut")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub numbering: Numbering,
     /// coeff_grid: voxels a polygon (annex A.1; 50 is UgRay's rule).
     #[serde(default = "ugray_coefficient")]
@@ -48,42 +47,30 @@ pub struct ArrayProgram {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop_words: Option<u32>,
     /// How many rays a cell reads and passes on ahead of the one that it begins. Beyond the paper, where it is 0.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub forward_ahead: u32,
     /// How the host tells which sub-volumes a ray can meet, which it then says in RAY; cells of the others pass it on, and do no
-    /// more. `None` for the paper's way: all cells start on all rays. Beyond the paper.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub masks: Option<Masks>,
+    /// more. Beyond the paper, in which all cells start on all rays.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub masks: Masks,
     /// Whether a cell reads the hit of the groups before its own before it begins, and looks for nothing behind that. Beyond the
     /// paper, whose cells read it when they have done their own work.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub bounded_walk: bool,
 }
 
 /// How the host tells which sub-volumes a ray can meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Masks {
+    /// It does not: all cells start on all rays, as in the paper.
+    #[default]
+    Off,
     /// By the sub-volumes' rectangles on the screen: of rays from the eye; any other may meet them all.
     Rectangles,
     /// By the sub-volumes' boxes.
     Boxes,
-}
-
-impl FromStr for Masks {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Masks, String> {
-        match name {
-            "rectangles" => Ok(Masks::Rectangles),
-            "boxes" => Ok(Masks::Boxes),
-            _ => Err(format!("there are no masks by '{name}'; there are: rectangles, boxes")),
-        }
-    }
-}
-
-fn is_zero(number: &u32) -> bool {
-    *number == 0
 }
 
 fn ugray_coefficient() -> f64 {
@@ -140,7 +127,7 @@ impl ArrayProgram {
             mailbox: false,
             stop_words: None,
             forward_ahead: 0,
-            masks: None,
+            masks: Masks::Off,
             bounded_walk: false,
         }
     }

@@ -21,10 +21,11 @@ pub(super) enum Screening {
 }
 
 impl Screening {
-    pub fn new(masks: Masks) -> Screening {
+    pub fn new(masks: Masks) -> Option<Screening> {
         match masks {
-            Masks::Boxes => Screening::Boxes,
-            Masks::Rectangles => Screening::Unseen,
+            Masks::Off => None,
+            Masks::Boxes => Some(Screening::Boxes),
+            Masks::Rectangles => Some(Screening::Unseen),
         }
     }
 

@@ -71,7 +71,7 @@ impl Workload {
             stop_words: program.stop_words.map(|ahead| StopWords { ahead, last: program.stages.len() - 1 }),
             program: program.clone(),
             programs: None,
-            screening: program.masks.map(Screening::new),
+            screening: Screening::new(program.masks),
             tested: None,
         }
         .priced()

@@ -321,11 +321,9 @@ impl Layers {
         let (scene, prepared) = (self.scene(run)?, self.prepared(run)?);
         let workload = workload.seen_by(&scene.camera);
         let workload = match prepared.screen {
-            Some(_) => workload.with_samples_tested(if run.spec.image.is_some() {
-                Arc::default()
-            } else {
-                prepared.tested.clone()
-            }),
+            // The host of an image finds out as it goes what it tests.
+            Some(_) if run.spec.image.is_some() => workload.with_samples_tested(Arc::default()),
+            Some(_) => workload.with_samples_tested(prepared.tested.clone()),
             None => workload,
         };
         match run.spec.cells_run {

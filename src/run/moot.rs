@@ -13,8 +13,8 @@ use crate::error::InputError;
 use crate::host::sampling::AdaptiveBy;
 use crate::host::screen::ScreenRectangles;
 use crate::machine::MachineOptions;
-use crate::program::ArrayProgram;
 use crate::program::farm::ItemKind;
+use crate::program::{ArrayProgram, Masks};
 use crate::scene::builtin;
 
 /// What commands share with others and refuse in any case, so that no help tells of it. (`run` is the command without a name.)
@@ -47,7 +47,9 @@ pub const WITHOUT_RUN: &str = "is about the simulation, which --predict-only lea
 pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
     let image = spec.image.clone().unwrap_or_default();
     if image.adaptive && image.samples == 1 {
-        let error = InputError::new("--adaptive has nothing to refine a pixel with: it has one sample in any case");
+        let flag = if typed.has("adaptive_by") { "--adaptive-by" } else { "--adaptive" };
+        let error =
+            InputError::new(format!("{flag} has nothing to refine a pixel with: it has one sample in any case"));
         return Err(error.help("say with --samples how many samples along a side a refined pixel has"));
     }
     if image.adaptive_by != AdaptiveBy::Whitted {
@@ -73,7 +75,7 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
         let error = InputError::new("the cost model knows no mailbox: it is the paper's, which has none");
         return Err(error.help("leave --mailbox out, or take a program with mailbox: false"));
     }
-    if program.masks.is_some() {
+    if program.masks != Masks::Off {
         let error = InputError::new("the cost model knows no masks: in the paper all cells start on all rays");
         return Err(error.help("take a program without them, or run this one to see what it does"));
     }
@@ -240,7 +242,7 @@ fn check_host(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
         let why = "is about testing samples against rectangles, of which there are none";
         refuse(typed, &["host_filter_us"], why, "leave it out, or ask for --screen-rectangles")?;
     }
-    if spec.program.masks.is_none() {
+    if spec.program.masks == Masks::Off {
         let why = "is about masks, which rays have none of";
         refuse(typed, &["host_mask_us"], why, "leave it out, or ask for --masks")?;
     }

@@ -75,8 +75,7 @@ parameters! {
         /// How the scene is cut into sub-volumes: regular, polygons (equally many each), work (equal work each) or measured (work,
         /// measured in the parts and cut again) [default: the program's; regular in the standard ones].
         partition: Partition, "HOW", Text, "partition of the scene";
-        /// Which sub-volume is which group's: cut (as they are cut) or front (from front to back, as rays meet them) [default: the
-        /// program's; cut in the standard ones].
+        /// Which sub-volume is which group's [default: the program's; cut in the standard ones].
         numbering: Numbering, "HOW", Text, "numbering of the groups";
         /// Voxels of the grid for each polygon [default: the program's; 50 in the standard ones].
         grid_coefficient: f64, "N", Number, "grid coefficient (voxels a polygon)";
@@ -92,7 +91,7 @@ parameters! {
         #[cfg_attr(feature = "cli", arg(action = clap::ArgAction::SetTrue))]
         bounded_walk: bool, "", Truth, "walk bounded by the hit from the left";
         /// Let the host tell each ray which sub-volumes it can meet, whose cells alone start on it: by their rectangles on the screen,
-        /// for rays from the eye, or by their boxes (rectangles, boxes) [default: the program's; none in the standard ones].
+        /// for rays from the eye, or by their boxes [default: the program's; none in the standard ones].
         masks: Masks, "BY", Text, "masks of the sub-volumes";
     }
 }
@@ -260,6 +259,10 @@ impl clap::ValueEnum for Switch {
 pub(super) use choice;
 
 choice!(Switch: "on" is On, "off" is Off);
+choice!(Numbering: "cut" is Cut, "front" is Front);
+choice!(Masks: "off" is Off, "rectangles" is Rectangles, "boxes" is Boxes);
+choice!(AdaptiveBy: "object" is Object, "surface" is Surface, "lao" is Lao, "whitted" is Whitted);
+choice!(ScreenRectangles: "off" is Off, "scene" is Scene, "objects" is Objects);
 choice!(Policy: "secondaries" is SecondariesFirst, "primaries" is PrimariesFirst, "generation" is ByGeneration);
 
 /// All that can be asked of a run, each by a name. What is left out is as a machine or program file has it, or by default.

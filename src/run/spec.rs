@@ -16,7 +16,7 @@ use crate::host::ray_file;
 use crate::host::sampling::{AdaptiveBy, Criterion, Sampling};
 use crate::host::screen::ScreenRectangles;
 use crate::host::shading::Limits;
-use crate::input::fields;
+use crate::input::fields::{self, is_default};
 use crate::isa::Processor;
 use crate::machine::{Machine, MachineFile};
 use crate::program::cells::CellOptions;
@@ -46,10 +46,10 @@ pub struct RunSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rays: Option<PathBuf>,
     /// In which order the host sends the rays, or begins the pixels.
-    #[serde(default, skip_serializing_if = "is_raster")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub order: Order,
     /// Of what there are rectangles, outside which the host sends no rays from the eye.
-    #[serde(default, skip_serializing_if = "is_off")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub screen_rectangles: ScreenRectangles,
     /// How a whole image is made; `None` for a run of primary rays.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -57,7 +57,7 @@ pub struct RunSpec {
     /// The array program, as its file would have it.
     pub program: ArrayProgram,
     /// How the intersection tells the inside of a polygon.
-    #[serde(default, skip_serializing_if = "is_paper")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub edges: Edges,
     /// What the cells run.
     pub cells_run: CellsRun,
@@ -138,7 +138,7 @@ pub struct ImageSpec {
     /// Whether a pixel has them only where something asks for them.
     pub adaptive: bool,
     /// What asks for them then.
-    #[serde(default, skip_serializing_if = "is_by_object")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub adaptive_by: AdaptiveBy,
     /// How far colours may differ where these ask, in steps of 255; `None` for [`Criterion::THRESHOLD`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -160,23 +160,6 @@ pub struct ImageSpec {
 
 /// What stands for the standard programs of the cells.
 const STANDARD_PROGRAMS: &str = "standard";
-
-/// What is as in the paper need not be said.
-fn is_paper(edges: &Edges) -> bool {
-    *edges == Edges::Paper
-}
-
-fn is_raster(order: &Order) -> bool {
-    *order == Order::Raster
-}
-
-fn is_off(rectangles: &ScreenRectangles) -> bool {
-    *rectangles == ScreenRectangles::Off
-}
-
-fn is_by_object(by: &AdaptiveBy) -> bool {
-    *by == AdaptiveBy::Object
-}
 
 pub(super) fn standard_size() -> ImageSize {
     ImageSize { width: 256, height: 256 }
@@ -292,7 +275,7 @@ impl RunSpec {
         let (light, host) = (&options.light, &options.host);
         let image = ImageSpec {
             samples: light.samples.unwrap_or(below.samples),
-            adaptive: light.adaptive.unwrap_or(below.adaptive) || light.adaptive_by.is_some(),
+            adaptive: light.adaptive.unwrap_or(below.adaptive || light.adaptive_by.is_some()),
             adaptive_by: light.adaptive_by.unwrap_or(below.adaptive_by),
             threshold: light.threshold.or(below.threshold),
             depth: light.depth.unwrap_or(below.depth),
@@ -433,7 +416,7 @@ fn check_order(order: Order, rays: Option<&Path>) -> Result<(), InputError> {
 }
 
 /// Fails if there is to be a screen of rays that have none.
-fn check_screen((rectangles, masks): (ScreenRectangles, Option<Masks>), rays: Option<&Path>) -> Result<(), InputError> {
+fn check_screen((rectangles, masks): (ScreenRectangles, Masks), rays: Option<&Path>) -> Result<(), InputError> {
     if rays.is_none() {
         return Ok(());
     }
@@ -443,12 +426,12 @@ fn check_screen((rectangles, masks): (ScreenRectangles, Option<Masks>), rays: Op
         return Err(error.help(help));
     }
     match masks {
-        Some(Masks::Rectangles) => {
+        Masks::Rectangles => {
             let error =
                 InputError::new("masks by rectangles are for rays from the camera's eye, and these are a file's");
             Err(error.help("masks by boxes are for any rays"))
         }
-        _ => Ok(()),
+        Masks::Off | Masks::Boxes => Ok(()),
     }
 }
 
@@ -503,11 +486,11 @@ pub fn array_program(options: &RunOptions, base: Option<&ArrayProgram>) -> Resul
     program.partition = options.partition.unwrap_or(program.partition);
     program.numbering = options.numbering.unwrap_or(program.numbering);
     program.grid_coefficient = options.grid_coefficient.unwrap_or(program.grid_coefficient);
-    program.mailbox |= options.mailbox.unwrap_or(false);
+    program.mailbox = options.mailbox.unwrap_or(program.mailbox);
     program.stop_words = options.stop_words.or(program.stop_words);
     program.forward_ahead = options.forward_ahead.unwrap_or(program.forward_ahead);
-    program.bounded_walk |= options.bounded_walk.unwrap_or(false);
-    program.masks = options.masks.or(program.masks);
+    program.bounded_walk = options.bounded_walk.unwrap_or(program.bounded_walk);
+    program.masks = options.masks.unwrap_or(program.masks);
     program.check()?;
     Ok(program)
 }

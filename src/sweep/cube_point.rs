@@ -67,7 +67,7 @@ impl LaidOut for CubePoint {
                 (false, _) => options.set(name, &value).map_err(reason)?,
             }
         }
-        if options.light.adaptive == Some(true) || options.light.adaptive_by.is_some() {
+        if options.light.adaptive.unwrap_or(options.light.adaptive_by.is_some()) {
             return Err("adaptive asks what the neighbours of a pixel show, which other nodes know".to_owned());
         }
         let spec = CubeSpec::new(&options, None).map_err(reason)?;

@@ -52,7 +52,7 @@ impl LaidOut for FarmPoint {
         for (name, value) in values.filter(|(name, _)| *name != FARM.name) {
             options.set(name, &value).map_err(reason)?;
         }
-        if options.light.adaptive == Some(true) || options.light.adaptive_by.is_some() {
+        if options.light.adaptive.unwrap_or(options.light.adaptive_by.is_some()) {
             return Err("adaptive asks what the neighbours of a pixel show, which other workers know".to_owned());
         }
         let spec = FarmSpec::new(&options, None).map_err(reason)?;

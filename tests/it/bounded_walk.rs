@@ -1,6 +1,7 @@
 //! The walk bounded by the hit from the left: the same hits for less work, of all kinds of rays and in every door.
 //! (`modes_agree` holds the hits against brute force, `timing_is_exact` the times against ticking.)
 
+use std::collections::BTreeSet;
 use std::convert::Infallible;
 
 use crate::support::command::Folder;
@@ -103,5 +104,30 @@ fn an_image_is_the_same() {
         // What was run can be run again.
         folder.run(&format!("image --config {name}.json -o again.png --stats again.json --force")).success();
         assert_eq!(folder.read("again.json"), folder.read(&format!("{name}.json")));
+    }
+}
+
+/// What is said of a run stands over what its files say, be it false.
+#[test]
+fn what_is_false_in_a_sweep_is_not_done() {
+    let folder = Folder::new();
+    folder.file(
+        "p.ron",
+        "(name: \"p\", groups: 4, stages: [[grid, slabs, intersection]], bounded_walk: true, mailbox: true)",
+    );
+    folder.file(
+        "s.ron",
+        "(scene: \"teapot\", size_factor: 3, size: 12, program: \"p.ron\", bounded_walk: [false, true], mailbox: [false, true])",
+    );
+    folder.file(
+        "i.ron",
+        "(image: true, scene: \"room\", size: 12, samples: 2, adaptive: [false, true], adaptive_by: \"lao\")",
+    );
+    for (sweep, points) in [("s.ron", 4), ("i.ron", 2)] {
+        folder.run(&format!("sweep {sweep} -o t.csv --force")).success();
+        let table = folder.read("t.csv");
+        let column = table.lines().next().unwrap().split(',').position(|name| name == "cycles").unwrap();
+        let cycles: BTreeSet<&str> = table.lines().skip(1).map(|row| row.split(',').nth(column).unwrap()).collect();
+        assert_eq!(cycles.len(), points, "{table}");
     }
 }

@@ -35,7 +35,7 @@ fn masks_lose_no_hit() {
                 let brute = |ray| bits(&brute_force(plain_workload.polygons(), ray));
                 assert!(expected.iter().copied().eq(rays.iter().map(brute)), "{name} {mode}");
                 for masks in BOTH {
-                    let masked = ArrayProgram { masks: Some(masks), ..plain.clone() };
+                    let masked = ArrayProgram { masks, ..plain.clone() };
                     let masked = workload(&scene.mesh, &masked, &rays).seen_by(&scene.camera);
                     let (found, _, outcome) = hits(&masked, &rays);
                     assert!(found == expected, "{name} {mode} {groups} {partition} {masks:?}");
@@ -98,7 +98,7 @@ fn boxes_are_the_trace_without_lone_starts() {
 #[test]
 fn a_mask_of_ones_changes_nothing_but_its_word() {
     let (scene, rays) = scene("teapot", 3, 12);
-    let masked = ArrayProgram { masks: Some(Masks::Rectangles), ..program("broadcast", 6) };
+    let masked = ArrayProgram { masks: Masks::Rectangles, ..program("broadcast", 6) };
     let (plain, masked) =
         (workload(&scene.mesh, &program("broadcast", 6), &rays), workload(&scene.mesh, &masked, &rays));
     let edited: Vec<_> = crate::support::ops(&plain, &rays);
@@ -121,7 +121,7 @@ fn images_are_the_same_and_timed_as_their_ops_say() {
     let scene = glass();
     let (size, sampling, limits) = (ImageSize { width: 10, height: 8 }, Sampling::default(), Limits::default());
     let mut times = machine().times;
-    let render = |masks: Option<Masks>, times| {
+    let render = |masks: Masks, times| {
         let program = ArrayProgram { masks, ..program("broadcast", 5) };
         let workload = Workload::new(&scene.mesh, &program, times, &[]).unwrap().seen_by(&scene.camera);
         let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
@@ -138,9 +138,9 @@ fn images_are_the_same_and_timed_as_their_ops_say() {
         assert_eq!(Ticked::from(&stats), ticking::run(&MachineSpec::default(), workload.costs(), &batches).unwrap());
         (rendered.pixels, stats.cycles.0, rendered.kinds)
     };
-    let (pixels, cycles, kinds) = render(None, times);
+    let (pixels, cycles, kinds) = render(Masks::Off, times);
     for masks in BOTH {
-        let (masked, faster, of_kinds) = render(Some(masks), times);
+        let (masked, faster, of_kinds) = render(masks, times);
         assert!(masked == pixels && faster < cycles, "{masks:?}: {faster} of {cycles}");
         let busy = |kinds: &run::ByKind<run::KindCounts>, kind: usize| kinds[kind].busy;
         assert!(busy(&of_kinds, 0) < busy(&kinds, 0));
@@ -149,17 +149,16 @@ fn images_are_the_same_and_timed_as_their_ops_say() {
     }
     times.host.mask = Cycles(2000);
     let rays: u64 = kinds.iter().map(|kind| kind.rays).sum();
-    assert!(render(Some(Masks::Boxes), times).1 >= rays * 5 * 2000);
+    assert!(render(Masks::Boxes, times).1 >= rays * 5 * 2000);
     let primary = kinds[0].rays * 5 * 2000;
-    let (_, by_rectangles, _) = render(Some(Masks::Rectangles), times);
+    let (_, by_rectangles, _) = render(Masks::Rectangles, times);
     assert!(by_rectangles >= primary && by_rectangles < rays * 5 * 2000, "{by_rectangles} for {primary}");
 }
 
 #[test]
 fn files_sweeps_and_configurations_have_them() {
     let folder = Folder::new();
-    folder
-        .file("masked.ron", "(name: \"masked\", groups: 8, stages: [[grid, slabs, intersection]], masks: Some(boxes))");
+    folder.file("masked.ron", "(name: \"masked\", groups: 8, stages: [[grid, slabs, intersection]], masks: boxes)");
     let run = "--scene teapot --size-factor 3 --size 8x8 --force";
     folder.run(&format!("{run} --program masked.ron --stats a.json")).success();
     folder.run(&format!("{run} --mode broadcast --cells 8 --masks boxes --stats b.json")).success();
@@ -177,13 +176,18 @@ fn files_sweeps_and_configurations_have_them() {
     assert_eq!(table.lines().count(), 17);
     assert!(table.lines().next().unwrap().contains("masks") && table.contains("host_mask_cycles"), "{table}");
     assert!(table.contains(&format!(",{},", json("b.json")["cycles"])), "{table}");
+    // Off is off, whatever a file asks for.
+    folder.run(&format!("{run} --mode broadcast --cells 8 --stats plain.json")).success();
+    folder.run(&format!("{run} --program masked.ron --masks off --stats off.json")).success();
+    assert_eq!(json("off.json")["cycles"], json("plain.json")["cycles"]);
+    assert_ne!(json("off.json")["cycles"], json("a.json")["cycles"]);
 }
 
 #[test]
 fn what_cannot_be_is_refused() {
     let folder = Folder::new();
     folder.file("rays.csv", "ox,oy,oz,dx,dy,dz\n0,0,0,1,0,0\n");
-    folder.file("p.ron", "(name: \"p\", groups: 2, stages: [[grid, slabs, intersection]], masks: Some(spheres))");
+    folder.file("p.ron", "(name: \"p\", groups: 2, stages: [[grid, slabs, intersection]], masks: spheres)");
     let mut report = String::new();
     for flags in [
         "--scene room --size 4x4 --mode broadcast --masks spheres",

@@ -209,6 +209,9 @@ fn a_picture_of_nothing_sends_nothing() {
         assert!(text.contains("24 samples, 0 sent (0.0 %), of these 0 hit"), "{text}");
         assert_eq!(folder.read("h.csv").lines().filter(|line| line.ends_with(",,,,")).count(), 24);
         assert_eq!(json(&folder, "s.json")["rays"], 0);
+        assert!(text.contains("\nNo ray is sent.\n"), "{text}");
+        folder.run(&format!("--scene away.ron {flags} --ops a.ops")).success();
+        assert!(folder.run("replay a.ops").refused().contains("the trace sends no ray: there is nothing to time"));
         folder.run(&format!("image away.ron {flags} -o i.png --samples 2 --adaptive")).success();
         folder.run("image away.ron --size 6x4 -o plain.png --timing off --force").success();
         let bytes = |name: &str| std::fs::read(folder.path(name)).unwrap();

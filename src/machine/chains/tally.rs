@@ -2,9 +2,18 @@
 
 use std::ops::Range;
 
+use crate::seam::Unit;
+
 /// What cycles of a path are spent on, as a number below 128, which each machine has its own of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Code(pub u8);
+
+impl Code {
+    /// A unit of work.
+    pub fn work(unit: Unit) -> Code {
+        Code(unit.0)
+    }
+}
 
 /// Cycles of one cause, at one station, in one bin.
 #[derive(Clone, Copy, Debug)]

@@ -64,7 +64,7 @@ impl Causes {
         let at = from.at + cycles;
         self.chains.reach(at);
         self.chains.pen.turn_to(task);
-        self.chains.pen.add(Code(unit.0), from.at, cycles, u64::from(count));
+        self.chains.pen.add(Code::work(unit), from.at, cycles, u64::from(count));
         let chain = self.chains.len();
         self.chains.push(from.chain, false);
         Point { at, chain }

@@ -1,10 +1,9 @@
 //! What nodes do that have the scene together, in a shared memory that is only read (Ray Tracing News 3(1)).
 //!
-//! Page p is at home on node p mod N. A node has pixels of its own, or asks the host for a tile of them whenever it has none left, and traces
-//! their trees, ray by ray; no ray is sent. Before a ray it reads
-//! the ray's pages: one at home for nothing, one of another node in its cache for a look-up each time, else it asks the home for
-//! it and waits. The home is interrupted: a helper of it serves the page, and what that took the node makes good before its next ray,
-//! unless it was waiting itself.
+//! Page p is at home on node p mod N. A node has pixels of its own, or asks the host for a tile of them whenever it has none left, and
+//! traces their trees, ray by ray; no ray is sent. Before a ray it reads the ray's pages: one at home for nothing, one of another node in
+//! its cache for a look-up each time, else it asks the home for it and waits. The home is interrupted: a helper of it serves the page, and
+//! what that took the node makes good before its next ray, unless it was waiting itself.
 
 use super::graph::{PageUses, TaskGraph};
 use super::lru::Lru;

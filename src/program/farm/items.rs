@@ -84,7 +84,7 @@ impl Items {
     /// The pixels of a whole image, line by line, as tiles.
     fn in_tiles(self, size: ImageSize, side: u32) -> Items {
         let mut order = Vec::with_capacity(self.times.len());
-        let ends = tiles(size, side).map(|tile| {
+        let ends = size.tiles(side).map(|tile| {
             order.extend(tile);
             order.len() as u32
         });
@@ -128,15 +128,4 @@ impl Items {
     pub fn time(&self, item: usize) -> Cycles {
         self.times[self.range(item)].iter().copied().sum()
     }
-}
-
-/// The pixels of each tile of an image, tile by tile and line by line; those at the right and at the bottom may be smaller.
-fn tiles(size: ImageSize, side: u32) -> impl Iterator<Item = impl Iterator<Item = usize>> {
-    let ImageSize { width, height } = size;
-    let corners =
-        (0..height).step_by(side as usize).flat_map(move |y| (0..width).step_by(side as usize).map(move |x| (x, y)));
-    corners.map(move |(left, top)| {
-        let (right, bottom) = (left.saturating_add(side).min(width), top.saturating_add(side).min(height));
-        (top..bottom).flat_map(move |y| (left..right).map(move |x| (y * width + x) as usize))
-    })
 }

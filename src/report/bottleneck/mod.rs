@@ -26,6 +26,9 @@ pub fn sentence(run: &Measured) -> String {
 
 fn of_line(run: &Measured) -> String {
     let Some(index) = run.busiest() else { return "There are no cells.".to_owned() };
+    if run.cycles == Cycles(0) {
+        return "No ray is sent.".to_owned();
+    }
     let states = &run.topology.states;
     let busiest = &run.stations[index];
     let works = states.works(busiest);

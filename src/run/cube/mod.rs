@@ -355,13 +355,9 @@ impl CubeSpec {
                 Dealt::Before((0..nodes).map(|node| lines(node).flat_map(|y| trees(y, 0..width)).collect()).collect())
             }
             Distribution::Tiles => {
-                let from = |side: u32| (0..side).step_by(TILE as usize);
-                let corners = from(height).flat_map(|y| from(width).map(move |x| (x, y)));
-                let tile = |(x, y): (u32, u32)| {
-                    let lines = y..height.min(y + TILE);
-                    lines.flat_map(|y| trees(y, x..width.min(x + TILE))).collect()
-                };
-                Dealt::AsAsked(corners.map(tile).collect())
+                let tiles = self.size.tiles(TILE);
+                let trees = |pixel: usize| (0..per_pixel).map(move |sample| pixel as u32 * per_pixel + sample);
+                Dealt::AsAsked(tiles.map(|tile| tile.flat_map(trees).collect()).collect())
             }
         }
     }

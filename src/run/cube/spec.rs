@@ -12,6 +12,7 @@ use crate::error::InputError;
 use crate::host::camera::ImageSize;
 use crate::host::sampling::Sampling;
 use crate::host::shading::Limits;
+use crate::input::fields::is_default;
 use crate::machine::Ipsc2File;
 use crate::program::cube::{Ends, Flow, Rules};
 use crate::run::spec::{configuration, read_configuration, standard_size};
@@ -273,11 +274,6 @@ impl CubeSpec {
             _ => Err(InputError::new("nodes have either regions or pages, of 64 bytes or more")),
         }
     }
-}
-
-/// Whether a field need not be told.
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
 }
 
 fn rays(options: &CubeRunOptions, base: Option<&CubeSpec>) -> FarmRays {

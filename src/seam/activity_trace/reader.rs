@@ -100,6 +100,9 @@ impl ActivityTrace {
         self.read_heading()?;
         let mut survey = Survey::default();
         self.for_each_line(|line| survey.take(&line))?;
+        if self.form == Form::Units && survey.is_empty() {
+            return Err(InputError::in_file(&self.path, "the trace sends no ray: there is nothing to time"));
+        }
         survey.check(&self.path, self.costs.vocabulary().answer_words)?;
         (self.cells, self.jobs, self.order) = (survey.cells, survey.jobs, survey.order);
         Ok(())

@@ -71,6 +71,11 @@ impl Survey {
         Ok(())
     }
 
+    /// Whether there was no line.
+    pub(super) fn is_empty(&self) -> bool {
+        self.cells == 0 && self.jobs == 0
+    }
+
     /// What only the whole trace shows.
     pub(super) fn check(&self, path: &Path, answer_words: u64) -> Result<(), InputError> {
         let sent = |job: &u64| u32::try_from(*job).is_ok_and(|job| self.order.contains_key(&job));

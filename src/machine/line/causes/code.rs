@@ -1,14 +1,10 @@
 //! What cycles of a line's path are spent on.
 
 use crate::machine::chains::Code;
-use crate::seam::{Channel, Unit, Vocabulary};
+use crate::seam::{Channel, Vocabulary};
 
 impl Code {
     pub const MOVE: Code = Code(Vocabulary::MOST_UNITS as u8);
-
-    pub fn work(unit: Unit) -> Code {
-        Code(unit.0)
-    }
 
     pub fn latency(channel: Channel) -> Code {
         Code(Code::MOVE.0 + 1 + channel as u8)

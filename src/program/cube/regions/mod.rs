@@ -1,10 +1,10 @@
 //! What nodes do that have a region each and send rays to each other (RR-0992, §4.1).
 //!
 //! A node does one thing after the other. When it is free, it takes the first that there is: a result that has come; what others ask or
-//! answer about slots; what was put aside and can go on; a ray, its own children first, the last made before the others, then those that have come, in the order in which
-//! they did; a new pixel. Working on a ray is one leg: its way through the region. Then what follows from it is placed, one after the
-//! other, here or on other nodes; a ray that has ended makes a result for the node that its pixel belongs to, which adds results up and
-//! sends pixels that are done to the host.
+//! answer about slots; what was put aside and can go on; a ray, its own children first, the last made before the others, then those that
+//! have come, in the order in which they did; a new pixel. Working on a ray is one leg: its way through the region. Then what follows from
+//! it is placed, one after the other, here or on other nodes; a ray that has ended makes a result for the node that its pixel belongs to,
+//! which adds results up and sends pixels that are done to the host.
 
 mod ending;
 mod placing;
