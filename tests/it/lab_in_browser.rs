@@ -347,10 +347,7 @@ fn of_many_questions_the_last_is_answered_and_the_others_are_given_up() {
     let Some(browser) = Browser::start() else { return };
     let lab = Lab::start("");
     let page = opened(&browser, &lab, "?scene=teapot&size=64x64&mode=hybrid&cells=4&fifo_words=16", 1, (1280, 800));
-    in_frame(
-        &page,
-        "a",
-        "signals = []; asks = fetch; fetch = (path, how) => { if (path.startsWith('window')) signals.push(how.signal); return asks(path, how); }",
+    page.eval_in(A, "signals = []; asks = fetch; fetch = (path, how) => { if (path.startsWith('window')) signals.push(how.signal); return asks(path, how); }",
     );
     let told = page.eval_in(
         A,
@@ -412,11 +409,7 @@ fn a_lab_that_has_ended_is_told_in_words() {
         page.eval_in(A, &format!("stepper.say(''); {asked}"));
         page.wait_in(A, &format!("stepper.told.textContent.startsWith('{gone}')"));
     }
-    in_frame(
-        &page,
-        "a",
-        "stepper.say(''); stepper.speed = SPEEDS.length - 1; stepper.go(tape.until - 2); stepper.play()",
-    );
+    page.eval_in(A, "stepper.say(''); stepper.speed = SPEEDS.length - 1; stepper.go(tape.until - 2); stepper.play()");
     page.wait_in(A, &format!("stepper.told.textContent.startsWith('{gone}') && stepper.playing === null"));
     page.eval("set('size', '32x32')");
     page.wait_for(&format!("sides.a.failure.textContent.startsWith('{gone}')"));
