@@ -5,7 +5,6 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::rejection::JsonRejection;
 use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
 use pcs_sim::error::InputError;
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::parameters::{Kind, ParameterInfo, named};
@@ -76,13 +75,13 @@ pub fn received<T>(
     lab: &Lab,
     body: Result<Json<T>, JsonRejection>,
     too_long: impl FnOnce() -> InputError,
-) -> Result<T, Response> {
+) -> Result<T, (StatusCode, String)> {
     match body {
         Ok(Json(said)) => Ok(said),
         Err(error) if error.status() == StatusCode::PAYLOAD_TOO_LARGE => {
-            Err((StatusCode::PAYLOAD_TOO_LARGE, lab.refusal(too_long())).into_response())
+            Err((StatusCode::PAYLOAD_TOO_LARGE, lab.refusal(too_long())))
         }
-        Err(error) => Err((error.status(), error.body_text()).into_response()),
+        Err(error) => Err((error.status(), error.body_text())),
     }
 }
 

@@ -224,7 +224,7 @@ pub async fn compare(State(lab): State<Arc<Lab>>, sent: Result<Json<Pair>, JsonR
     };
     let Pair { a, b } = match received(&lab, sent, too_long) {
         Ok(pair) => pair,
-        Err(refusal) => return refusal,
+        Err(refusal) => return refusal.into_response(),
     };
     whole(lab.turns.clone(), move |_| Comparison::new(Figures::new(a), Figures::new(b)).summary().into_response()).await
 }

@@ -29,7 +29,7 @@ pub async fn sweep(State(lab): State<Arc<Lab>>, asked: Result<Json<Value>, JsonR
     let too_long = || InputError::new(format!("the lab takes sweeps of up to {} kbyte", MOST_SENT / 1000));
     let asked = match received(&lab, asked, || too_long().help("`pcs-sim sweep` takes longer ones")) {
         Ok(asked) => asked,
-        Err(refusal) => return refusal,
+        Err(refusal) => return refusal.into_response(),
     };
     // It reads the scenes that it names.
     let planning = lab.clone();

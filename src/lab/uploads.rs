@@ -62,7 +62,7 @@ pub async fn take(State(lab): State<Arc<Lab>>, sent: Result<Json<Sent>, JsonReje
     };
     let sent = match received(&lab, sent, too_long) {
         Ok(sent) => sent,
-        Err(refusal) => return refusal,
+        Err(refusal) => return refusal.into_response(),
     };
     let taken = tokio::task::spawn_blocking(move || {
         let taken = lab.uploads.take(&sent);
