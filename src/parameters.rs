@@ -8,6 +8,8 @@ use crate::input::ron_text::suggest;
 pub enum Kind {
     /// A text.
     Text,
+    /// The name of a file or a folder; a few have names for what comes with the simulator, too.
+    File,
     /// Width and height of an image; a number is both.
     Size,
     /// True or false.

@@ -296,7 +296,7 @@ fn text_of(py: Python<'_>, known: &ParameterInfo, value: &Bound<'_, PyAny>) -> P
         return Ok(number.to_string());
     }
     let expected = match known.kind {
-        Kind::Text => "a text",
+        Kind::Text | Kind::File => "a text",
         Kind::Size => "a size: \"640x480\", (640, 480), or a number for both sides",
         Kind::Truth => "True or False",
         Kind::Whole => "a whole number",
@@ -317,7 +317,7 @@ pub fn parameters() -> PyResult<Table> {
         }
     }
     let kind = |kind: Kind| match kind {
-        Kind::Text => "text",
+        Kind::Text | Kind::File => "text",
         Kind::Size => "size",
         Kind::Truth => "truth",
         Kind::Whole => "whole",

@@ -34,7 +34,7 @@ pub fn sweep(
 ) -> PyResult<Table> {
     let read = match is_path(sweep) {
         true => Sweep::read(&sweep.extract::<PathBuf>()?),
-        false => Sweep::from_json(json(py, sweep)?),
+        false => Sweep::from_json(json(py, sweep)?, |_, _| Ok(())),
     };
     let sweep = read.map_err(|error| Trouble::from(error).raise(py))?;
     let memory = recording_memory.map(|text| text.parse::<RecordingMemory>().map_err(|expected| (text, expected)));

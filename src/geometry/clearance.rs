@@ -8,6 +8,11 @@
 pub struct Clearance(Vec<u8>);
 
 impl Clearance {
+    /// The memory that it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.0.len() as u64
+    }
+
     /// Of a grid of `size` voxels, with x running fastest, those of which are occupied whose list in the voxel table is not empty.
     pub fn new(size: [u32; 3], table: &[u32]) -> Clearance {
         let mut voxels: Vec<u8> = table.windows(2).map(|ends| if ends[0] < ends[1] { 0 } else { u8::MAX }).collect();

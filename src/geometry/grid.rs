@@ -81,6 +81,12 @@ pub struct Visit<'a> {
 }
 
 impl Grid {
+    /// The memory that it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        let planes: usize = self.planes.iter().map(|planes| size_of_val(&planes[..])).sum();
+        self.clearance.bytes() + (planes + size_of_val(&self.starts[..]) + size_of_val(&self.lists[..])) as u64
+    }
+
     /// Fills a grid of `coefficient` x P voxels over the part of `volume` that the polygons `members` reach; P is their
     /// number. Fewer voxels where they would be thinner than 32-bit arithmetic can tell apart.
     ///

@@ -51,6 +51,13 @@ struct Record {
 }
 
 impl Polygons {
+    /// The memory that it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        let Polygons { records, vertices, projected, faces, slack, .. } = self;
+        let of_vertices = size_of_val(&vertices[..]) + size_of_val(&projected[..]);
+        (size_of_val(&records[..]) + of_vertices + size_of_val(&faces[..]) + size_of_val(&slack[..])) as u64
+    }
+
     /// Takes the polygons of a mesh, whose faces must be convex and finite, with at least 3 corners; for rays that start
     /// among them.
     pub fn new(mesh: &Mesh) -> Polygons {

@@ -45,6 +45,11 @@ pub struct RaySlabs {
 }
 
 impl Slabs {
+    /// The memory that it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        size_of_val(&self.0[..]) as u64
+    }
+
     /// Encloses each polygon.
     pub fn new(polygons: &Polygons) -> Slabs {
         let enclosed = |polygon| enclose(polygons.flattened(polygon), 3.0 * polygons.slack(polygon));

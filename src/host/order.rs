@@ -161,6 +161,11 @@ pub struct Sequence {
 }
 
 impl Sequence {
+    /// The memory that it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.numbers.as_ref().map_or(0, |numbers| size_of_val(&numbers[..]) as u64)
+    }
+
     /// So many things in the order of their numbers.
     pub fn in_order(count: usize) -> Sequence {
         Sequence { count, numbers: None }

@@ -11,7 +11,7 @@ use pcs_sim::scene::builtin;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::request::FILES;
+use super::request::is_of_lab;
 
 /// Some parameters under a heading.
 #[derive(Debug)]
@@ -83,7 +83,7 @@ const GROUPS: [(&str, bool, &[&str]); 5] = [
 ];
 
 /// Parameters that the page does not have: a run of primary rays refuses them.
-const ELSEWHERE: [&str; 1] = ["host_hit_us"];
+pub const ELSEWHERE: [&str; 1] = ["host_hit_us"];
 
 /// The paper's own values, and where they stand in it. Of the mode all are the paper's.
 const PAPER: [(&str, &str, &str); 11] = [
@@ -103,7 +103,7 @@ const PAPER: [(&str, &str, &str); 11] = [
 /// All parameters under their headings. `help` says what one is.
 pub fn groups(help: fn(&str) -> Option<String>) -> Vec<Group> {
     let machine = serde_json::to_value(MachineFile::standard().ok()).unwrap_or_default();
-    let all = RunOptions::parameters().filter(|known| !FILES.contains(&known.name) && !ELSEWHERE.contains(&known.name));
+    let all = RunOptions::parameters().filter(|known| is_of_lab(known) && !ELSEWHERE.contains(&known.name));
     let all: Vec<&ParameterInfo> = all.collect();
     let control = |known: &&ParameterInfo| Control::new(known, help, &machine);
     let named = |name: &&str| all.iter().find(|known| known.name == *name);
@@ -207,7 +207,10 @@ fn default_of(name: &str, machine: &Value) -> String {
         "cells_run" => "timings",
         "instruction_limit" => "200000000",
         "on" => "pcs",
-        "mailbox" => "false",
+        "mailbox" | "bounded_walk" => "false",
+        "screen_rectangles" | "masks" => "off",
+        "numbering" => "cut",
+        "host_filter_us" | "host_mask_us" => "0",
         _ => "",
     };
     let told = of_machine.map(|value| match value {
@@ -226,7 +229,10 @@ fn choices_of(name: &str) -> Vec<String> {
         "order" => &["raster", "columns", "tiles:8", "tiles:16", "tiles:32", "hilbert", "stride", "shuffle:1"],
         "mode" => &MODES,
         "program" => &["", "pipeline", "broadcast", "hybrid", "hybrid-3"],
-        "partition" => &["regular", "polygons", "work"],
+        "partition" => &["regular", "polygons", "work", "measured"],
+        "numbering" => &["cut", "front"],
+        "screen_rectangles" => &["off", "scene", "objects"],
+        "masks" => &["off", "rectangles", "boxes"],
         "edges" => &["paper", "closed"],
         "cells_run" => &["timings", "programs"],
         "on" => &["pcs", "ipsc2"],
@@ -294,8 +300,8 @@ mod tests {
     fn every_parameter_of_a_run_has_one_control_unless_it_names_a_file() {
         let mut names: Vec<&str> = all().iter().map(|control| control.name).collect();
         names.sort();
-        let mut known: Vec<&str> = RunOptions::parameters().map(|known| known.name).collect();
-        known.retain(|name| !FILES.contains(name) && !ELSEWHERE.contains(name));
+        let known = RunOptions::parameters().filter(|known| is_of_lab(known) && !ELSEWHERE.contains(&known.name));
+        let mut known: Vec<&str> = known.map(|known| known.name).collect();
         known.sort();
         assert_eq!(names, known);
     }

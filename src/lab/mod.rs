@@ -27,6 +27,7 @@ use axum::routing::{get, post};
 use pcs_sim::error::InputError;
 use pcs_sim::run::RunError;
 use tokio::net::TcpListener;
+use tokio::sync::Semaphore;
 
 use benches::Benches;
 use guard::Hosts;
@@ -62,14 +63,21 @@ struct Lab {
     benches: Benches,
     uploads: Uploads,
     pages: Pages,
+    /// Who may look something up.
+    turns: Arc<Semaphore>,
     threads: usize,
     words: Words,
 }
 
 impl Lab {
-    /// What is wrong with an input, as it stands in a terminal.
+    /// Why a run failed, as it stands in a terminal of its user.
+    fn failure(&self, error: RunError<Infallible>) -> String {
+        self.uploads.as_named(&(self.words.failure)(error))
+    }
+
+    /// What is wrong with an input.
     fn refusal(&self, error: InputError) -> String {
-        (self.words.failure)(RunError::Unfit(self.uploads.as_named(error)))
+        self.failure(RunError::Unfit(error))
     }
 }
 
@@ -78,6 +86,9 @@ const IDLE: Duration = Duration::from_secs(1);
 
 /// Runs at a time; those beyond wait for one of them to end.
 const MOST_RUNS: usize = 32;
+
+/// Moments, rays and differences of runs that are looked up at a time, each of which may be a run again.
+const MOST_LOOKED_UP: usize = 4;
 
 /// Serves the lab, until the process ends. `ready` is told where it is, and the folder that is to be removed in the end.
 ///
@@ -99,6 +110,7 @@ pub fn serve(options: &Options, ready: impl FnOnce(&SocketAddr, &Path)) -> Resul
             benches: Benches::new(options.threads),
             uploads: Uploads::new(options.max_upload)?,
             pages: Pages::new(options.words.help).map_err(|error| InputError::new(error.to_string()))?,
+            turns: Arc::new(Semaphore::new(MOST_LOOKED_UP)),
             threads: options.threads,
             words: options.words,
         });
@@ -112,8 +124,8 @@ fn routes(lab: Arc<Lab>, hosts: Hosts) -> Router {
         .route("/", get(pages::lab))
         .route("/run", get(runs::run))
         .route("/why", get(runs::why))
-        .route("/sweep", post(sweeps::sweep))
-        .route("/compare", post(runs::compare))
+        .route("/sweep", post(sweeps::sweep).layer(DefaultBodyLimit::max(sweeps::MOST_SENT)))
+        .route("/compare", post(runs::compare).layer(DefaultBodyLimit::max(runs::MOST_COMPARED)))
         .route("/scenes", post(uploads::take).layer(DefaultBodyLimit::max(lab.uploads.most_sent())))
         .route("/window/{from}/{until}", get(moments::window))
         .route("/find/{after}/{*what}", get(moments::find))

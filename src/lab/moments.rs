@@ -48,7 +48,7 @@ pub async fn ray(State(lab): State<Arc<Lab>>, Path((x, y)): Path<(u32, u32)>, Qu
         let setup = run.setup()?;
         let size = setup.spec.size;
         let pixel = (x < size.width && y < size.height).then(|| (x + size.width * y) as usize);
-        let place = setup.spec.sequence(setup.prepared.rays.len()).numbers().position(|number| Some(number) == pixel);
+        let place = (0..setup.prepared.rays.len()).position(|place| Some(setup.prepared.number(place)) == pixel);
         Ok(place.map_or("null".to_owned(), |place| place.to_string()))
     })
     .await
@@ -83,7 +83,7 @@ fn told(made: Result<String, page::PageError>) -> Told {
 }
 
 async fn answered(lab: Arc<Lab>, pairs: Pairs, ask: impl FnOnce(&mut Run<'_>) -> Told + Send + 'static) -> Response {
-    whole(move |cancel| {
+    whole(lab.turns.clone(), move |cancel| {
         let asked = Asked::new(&lab, &pairs);
         let told = asked.map_err(RunError::from).and_then(|asked| {
             let workers = Workers { threads: lab.threads, cancel };
@@ -91,8 +91,7 @@ async fn answered(lab: Arc<Lab>, pairs: Pairs, ask: impl FnOnce(&mut Run<'_>) ->
         });
         match told {
             Ok(json) => ([(header::CONTENT_TYPE, "application/json")], json).into_response(),
-            Err(RunError::Unfit(error)) => (StatusCode::UNPROCESSABLE_ENTITY, lab.refusal(error)).into_response(),
-            Err(error) => (StatusCode::UNPROCESSABLE_ENTITY, (lab.words.failure)(error)).into_response(),
+            Err(error) => (StatusCode::UNPROCESSABLE_ENTITY, lab.failure(error)).into_response(),
         }
     })
     .await
@@ -116,7 +115,8 @@ impl Run<'_> {
     fn watched(&mut self, watching: &Watching) -> Result<Outcome, RunError<Infallible>> {
         let planned = &self.asked.planned;
         let mut layers = self.lab.benches.layers(planned);
-        let outcome = layers.run(planned, watching, (&self.workers, self.lab.benches.memory()), |_, _| ());
+        let room = self.lab.benches.room();
+        let outcome = layers.run(planned, watching, (&self.workers, room.memory), |_, _| ());
         self.lab.benches.keep(planned, layers);
         outcome
     }

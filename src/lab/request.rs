@@ -2,19 +2,20 @@
 
 use std::sync::Arc;
 
+use axum::Json;
+use axum::extract::rejection::JsonRejection;
+use axum::http::StatusCode;
 use pcs_sim::error::InputError;
-use pcs_sim::parameters::named;
+use pcs_sim::host::camera::ImageSize;
+use pcs_sim::parameters::{Kind, ParameterInfo, named};
 use pcs_sim::program::ArrayProgram;
-use pcs_sim::run::{PlannedRun, RunOptions, RunSpec, is_builtin, moot};
+use pcs_sim::run::{PlannedRun, RunOptions, RunSpec, moot};
 use serde_json::{Map, Value};
 
 use super::Lab;
 
 /// Names with their values, in the order of the query.
 pub type Pairs = Vec<(String, String)>;
-
-/// Parameters that name files of the machine that the lab is on, which nobody gets to see through it.
-pub const FILES: [&str; 3] = ["rays", "machine", "cell_programs"];
 
 /// Pixels that a picture may have: more are no matter of moments.
 const MOST_PIXELS: u64 = 1 << 22;
@@ -38,38 +39,60 @@ impl Asked {
     pub fn new(lab: &Arc<Lab>, pairs: &Pairs) -> Result<Asked, InputError> {
         let mut options = RunOptions::default();
         for (at, (name, value)) in pairs.iter().enumerate() {
-            named(RunOptions::parameters(), name)?;
+            let known = named(RunOptions::parameters(), name)?;
             if pairs[..at].iter().any(|(other, _)| other == name) {
                 return Err(InputError::new(format!("{name} is given twice")));
             }
-            check_no_file(name, value)?;
+            check(known, value)?;
             options.set(name, value)?;
         }
         let mut spec = RunSpec::new(&options, None)?;
-        if u64::from(spec.size.width) * u64::from(spec.size.height) > MOST_PIXELS {
-            let error = InputError::new(format!("the lab's pictures have at most {MOST_PIXELS} pixels"));
-            return Err(error.help("the command makes larger ones"));
-        }
         let moot = moot_of(pairs, &options, &spec);
         let command = command(pairs.iter().filter(|(name, _)| !moot.contains_key(name)));
-        if !is_builtin(&spec.scene) {
-            spec.scene = lab.uploads.path_of(&spec.scene)?;
-        }
+        spec.scene = lab.uploads.scene(spec.scene)?;
         Ok(Asked { planned: PlannedRun::new(spec)?, moot, command })
     }
 }
 
-/// Fails if a parameter names a file.
-pub fn check_no_file(name: &str, value: &str) -> Result<(), InputError> {
-    let is_file = FILES.contains(&name) || name == "program" && ArrayProgram::standard(value).is_none();
-    match is_file {
-        true => {
-            let error =
-                InputError::new(format!("{name} names a file, and the lab reads none but scenes dropped on it"));
-            Err(error.help("the command takes it as a flag"))
-        }
-        false => Ok(()),
+/// Fails if the lab does not take a value of a parameter: names of files, so that nobody gets to see through it those of the machine
+/// that it is on, and pictures that are too large.
+pub fn check(known: &ParameterInfo, value: &str) -> Result<(), InputError> {
+    let name = known.name;
+    if known.kind == Kind::File && !(is_program(known) && ArrayProgram::standard(value).is_some()) {
+        let error = InputError::new(format!("{name} names a file, and the lab reads none but scenes dropped on it"));
+        return Err(error.help("the command takes it as a flag"));
     }
+    let pixels = |size: ImageSize| u64::from(size.width) * u64::from(size.height);
+    if name == "size" && value.parse().is_ok_and(|size| pixels(size) > MOST_PIXELS) {
+        let error = InputError::new(format!("the lab's pictures have at most {MOST_PIXELS} pixels"));
+        return Err(error.help("the command makes larger ones"));
+    }
+    Ok(())
+}
+
+/// What the body of a request says, or the answer to one that says nothing. One that is too long gets the error in the lab's words.
+pub fn received<T>(
+    lab: &Lab,
+    body: Result<Json<T>, JsonRejection>,
+    too_long: impl FnOnce() -> InputError,
+) -> Result<T, (StatusCode, String)> {
+    match body {
+        Ok(Json(said)) => Ok(said),
+        Err(error) if error.status() == StatusCode::PAYLOAD_TOO_LARGE => {
+            Err((StatusCode::PAYLOAD_TOO_LARGE, lab.refusal(too_long())))
+        }
+        Err(error) => Err((error.status(), error.body_text())),
+    }
+}
+
+/// Whether a parameter has values in the lab: those that name nothing but files have none.
+pub fn is_of_lab(known: &ParameterInfo) -> bool {
+    known.kind != Kind::File || is_program(known)
+}
+
+/// Whether its values may be the names of standard programs.
+fn is_program(known: &ParameterInfo) -> bool {
+    known.name == "program"
 }
 
 /// The parameters that the command would refuse beside the others, as the run would not look at them.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::Json;
+use axum::extract::rejection::JsonRejection;
 use axum::extract::{Query, State};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
@@ -15,7 +16,6 @@ use pcs_sim::cancel::Cancel;
 use pcs_sim::error::InputError;
 use pcs_sim::geometry::Hit;
 use pcs_sim::host::image;
-use pcs_sim::host::order::Sequence;
 use pcs_sim::quantities::Cycles;
 use pcs_sim::report::comparison::{Comparison, Figures};
 use pcs_sim::report::page::{self, Page, Shown};
@@ -26,8 +26,8 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::Lab;
-use super::request::{Asked, Pairs};
-use super::streams::{Events, answer};
+use super::request::{Asked, Pairs, received};
+use super::streams::{Events, answer, whole};
 
 /// Until then a run tells nothing: most are over by then.
 const FIRST_PAUSE: Duration = Duration::from_millis(150);
@@ -51,11 +51,7 @@ fn start(lab: Arc<Lab>, pairs: &Pairs, path: bool) -> Response {
     };
     answer(move |events, cancel| {
         if let Err(error) = told(&lab, &asked, path, events, cancel) {
-            let text = match error {
-                RunError::Unfit(error) => lab.refusal(error),
-                error => (lab.words.failure)(error),
-            };
-            events.tell("failed", text);
+            events.tell("failed", lab.failure(error));
         }
     })
 }
@@ -115,11 +111,14 @@ fn done(
     layers: &mut Layers,
 ) -> Result<Done, RunError<Infallible>> {
     let planned = &asked.planned;
-    let setup = Setup::new(planned.clone(), layers, &workers.cancel)?;
+    let mut setup = Setup::new(planned.clone(), layers, &workers.cancel)?;
+    // What is told of it names a file as its user does.
+    setup.spec.scene = lab.uploads.as_named(&setup.spec.scene);
     let watching =
         Watching { profile: true, recording: Some(Cycles(0)..Cycles(u64::MAX)), path, ..Watching::default() };
     let mut growing = Growing::new(&setup, events);
-    let mut outcome = layers.run(planned, &watching, (workers, lab.benches.memory()), |_, hits| growing.take(hits))?;
+    let room = lab.benches.room();
+    let mut outcome = layers.run(planned, &watching, (workers, room.memory), |_, hits| growing.take(hits))?;
     let (spec, costs) = (&setup.machine.spec, setup.workload.costs());
     let losses = bottleneck::losses(&outcome.stats, || {
         let mut shuffled = Shuffled::new(setup.workload.cells());
@@ -159,7 +158,6 @@ fn done(
 struct Growing<'a> {
     setup: &'a Setup,
     events: &'a Events,
-    sequence: Sequence,
     pixels: Vec<Vec3>,
     traced: usize,
     due: Instant,
@@ -167,9 +165,8 @@ struct Growing<'a> {
 
 impl<'a> Growing<'a> {
     fn new(setup: &'a Setup, events: &'a Events) -> Growing<'a> {
-        let rays = setup.prepared.rays.len();
-        let (sequence, due) = (setup.spec.sequence(rays), Instant::now() + FIRST_PAUSE);
-        Growing { setup, events, sequence, pixels: vec![Vec3::ZERO; rays], traced: 0, due }
+        let pixels = vec![Vec3::ZERO; setup.prepared.count()];
+        Growing { setup, events, pixels, traced: 0, due: Instant::now() + FIRST_PAUSE }
     }
 
     /// Takes the next rays' hits, and tells how far the picture is if that is due.
@@ -177,21 +174,22 @@ impl<'a> Growing<'a> {
         let Setup { scene, workload, prepared, .. } = self.setup;
         let rays = &prepared.rays[self.traced..self.traced + hits.len()];
         for (at, pixel) in (self.traced..).zip(image::preview(scene, workload.polygons(), rays, hits)) {
-            self.pixels[self.sequence.number(at)] = pixel;
+            self.pixels[prepared.number(at)] = pixel;
         }
         self.traced += hits.len();
         if Instant::now() < self.due {
             return;
         }
         let start = Instant::now();
-        let told = json!({ "rays": self.traced, "of": self.pixels.len(), "image": STANDARD.encode(self.png()) });
+        let told = json!({ "rays": self.traced, "of": prepared.rays.len(), "image": STANDARD.encode(self.png()) });
         self.events.tell_now("progress", told.to_string());
         self.due = Instant::now() + (PAUSE_FACTOR * start.elapsed()).max(FIRST_PAUSE);
     }
 
     /// The whole picture, as PNG.
     fn whole(mut self, hits: &[Hit]) -> Vec<u8> {
-        if self.traced < hits.len() {
+        // Not all of it has been traced now, or some pixels' rays are never sent.
+        if self.traced < self.pixels.len() {
             self.pixels = self.setup.preview(hits);
         }
         self.png()
@@ -214,7 +212,19 @@ pub struct Pair {
     b: Value,
 }
 
+/// Bytes of two runs' statistics that are compared: those of arrays of thousands of cells have some.
+pub const MOST_COMPARED: usize = 32_000_000;
+
 /// `POST /compare`: in what two runs differ, as the command tells it.
-pub async fn compare(Json(Pair { a, b }): Json<Pair>) -> String {
-    Comparison::new(Figures::new(a), Figures::new(b)).summary()
+pub async fn compare(State(lab): State<Arc<Lab>>, sent: Result<Json<Pair>, JsonRejection>) -> Response {
+    let too_long = || {
+        let error =
+            InputError::new(format!("the lab compares up to {} Mbyte of statistics", MOST_COMPARED / 1_000_000));
+        error.help("`pcs-sim compare` takes more")
+    };
+    let Pair { a, b } = match received(&lab, sent, too_long) {
+        Ok(pair) => pair,
+        Err(refusal) => return refusal.into_response(),
+    };
+    whole(lab.turns.clone(), move |_| Comparison::new(Figures::new(a), Figures::new(b)).summary().into_response()).await
 }

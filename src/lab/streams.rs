@@ -1,13 +1,14 @@
 //! Answers that come bit by bit: server-sent events, and work that ends when nobody takes them any more.
 
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use axum::http::StatusCode;
 use axum::response::sse::{Event, Sse};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream::poll_fn;
 use pcs_sim::cancel::Cancel;
-use tokio::sync::mpsc;
+use tokio::sync::{Semaphore, mpsc};
 
 /// Events that may wait to be taken.
 const WAITING: usize = 8;
@@ -54,10 +55,17 @@ pub fn answer(work: impl FnOnce(&Events, Cancel) + Send + 'static) -> Response {
     Sse::new(events).into_response()
 }
 
-/// Does something on a thread of its own, and answers with what comes of it. It is stopped when the answer is no longer wanted.
-pub async fn whole(work: impl FnOnce(Cancel) -> Response + Send + 'static) -> Response {
+/// Does something on a thread of its own when it has its turn, and answers with what comes of it. It is stopped when the answer is no
+/// longer wanted; its turn lasts until it has stopped.
+pub async fn whole(turns: Arc<Semaphore>, work: impl FnOnce(Cancel) -> Response + Send + 'static) -> Response {
+    let failed = || StatusCode::INTERNAL_SERVER_ERROR.into_response();
+    let Ok(turn) = turns.acquire_owned().await else { return failed() };
     let cancel = Cancel::default();
     let _stops = Stops(cancel.clone());
-    let done = tokio::task::spawn_blocking(move || work(cancel)).await;
-    done.unwrap_or_else(|_| StatusCode::INTERNAL_SERVER_ERROR.into_response())
+    let done = tokio::task::spawn_blocking(move || {
+        let _turn = turn;
+        // It may have waited for a thread, too.
+        cancel.check().ok().map(|()| work(cancel))
+    });
+    done.await.ok().flatten().unwrap_or_else(failed)
 }

@@ -1,7 +1,7 @@
 //! Scenes that were dropped on the page: kept as files while the lab runs, each under what is in it.
 
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::Json;
@@ -11,14 +11,15 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use pcs_sim::error::{InputError, Place};
-use pcs_sim::run::within;
+use pcs_sim::error::InputError;
+use pcs_sim::run::{is_builtin, within};
 use pcs_sim::scene::{self, ReadOptions};
 use serde::Deserialize;
 use serde_json::json;
 use tempfile::TempDir;
 
 use super::Lab;
+use super::request::received;
 
 /// How many are kept; an older one makes room.
 const MOST: usize = 16;
@@ -54,15 +55,14 @@ pub struct Uploads {
 
 /// `POST /scenes`: takes a scene. What is wrong with it is told as the command tells it.
 pub async fn take(State(lab): State<Arc<Lab>>, sent: Result<Json<Sent>, JsonRejection>) -> Response {
-    let sent = match sent {
-        Ok(Json(sent)) => sent,
-        Err(error) if error.status() == StatusCode::PAYLOAD_TOO_LARGE => {
-            let most = lab.uploads.max_bytes as f64 / 1e6;
-            let error = InputError::new(format!("the lab takes scenes of up to {most} Mbyte"));
-            let refusal = lab.refusal(error.help("--max-upload makes it take larger ones"));
-            return (StatusCode::PAYLOAD_TOO_LARGE, refusal).into_response();
-        }
-        Err(error) => return (error.status(), error.body_text()).into_response(),
+    let most = lab.uploads.max_bytes as f64 / 1e6;
+    let too_long = || {
+        let error = InputError::new(format!("the lab takes scenes of up to {most} Mbyte"));
+        error.help("--max-upload makes it take larger ones")
+    };
+    let sent = match received(&lab, sent, too_long) {
+        Ok(sent) => sent,
+        Err(refusal) => return refusal.into_response(),
     };
     let taken = tokio::task::spawn_blocking(move || {
         let taken = lab.uploads.take(&sent);
@@ -93,30 +93,29 @@ impl Uploads {
         self.max_bytes / 3 * 4 + 4096
     }
 
-    /// The file of a scene that was taken, by the name that it was given: its key and the file's own name.
-    pub fn path_of(&self, scene: &str) -> Result<String, InputError> {
-        let is_kept = scene.split_once('/').is_some_and(|(key, name)| {
+    /// A scene as it is read: a built-in one by its name, and the file of one that was taken, which is asked for by its key and the
+    /// file's own name.
+    pub fn scene(&self, asked: String) -> Result<String, InputError> {
+        if is_builtin(&asked) {
+            return Ok(asked);
+        }
+        let is_kept = asked.split_once('/').is_some_and(|(key, name)| {
             self.lock().iter().any(|kept| kept == key) && is_plain(name) && self.folder().join(key).join(name).is_file()
         });
         if !is_kept {
-            let name = scene.rsplit('/').next().unwrap_or(scene);
+            let name = asked.rsplit('/').next().unwrap_or(&asked);
             let error = InputError::new(format!("the scene {name} is not at hand"));
             return Err(error.help("drop the file on the page: it gets the same address again"));
         }
-        Ok(self.folder().join(scene).display().to_string())
+        Ok(self.folder().join(asked).display().to_string())
     }
 
-    /// An error that names files as their user does.
-    pub fn as_named(&self, error: InputError) -> InputError {
-        let own = |file: &Path| {
-            let inside = file.strip_prefix(self.folder()).ok()?;
-            Some(inside.components().skip(1).collect::<PathBuf>())
-        };
-        let place = error.place.map(|place| match own(&place.file) {
-            Some(file) => Place { file, ..place },
-            None => place,
-        });
-        InputError { place, ..error }
+    /// A text that names files as their user does: without the folder of the lab and the key in it.
+    pub fn as_named(&self, text: &str) -> String {
+        let folder = self.folder().join("").display().to_string();
+        let mut parts = text.split(&folder);
+        let before = parts.next().unwrap_or_default().to_owned();
+        parts.fold(before, |named, part| named + part.split_once('/').map_or(part, |(_, name)| name))
     }
 
     fn take(&self, sent: &Sent) -> Result<serde_json::Value, InputError> {
@@ -136,7 +135,7 @@ impl Uploads {
             for (name, bytes) in &files {
                 std::fs::write(part.path().join(name), bytes).map_err(failed)?;
             }
-            check(part.path(), &main).map_err(|error| self.as_named(error))?;
+            check(part.path(), &main)?;
             let part = part.keep();
             if std::fs::rename(&part, &place).is_err() {
                 // Another tab was faster with the same.

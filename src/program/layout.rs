@@ -17,6 +17,11 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
+    /// The memory that it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.polygons.bytes() + self.slabs.bytes()
+    }
+
     /// Those of a mesh that `rays` are traced through.
     pub fn new(mesh: &Mesh, rays: &[Ray]) -> Surfaces {
         Surfaces::with_edges(mesh, rays, Edges::Paper)
@@ -69,6 +74,11 @@ impl From<Unfilled> for NotLaidOut {
 }
 
 impl Layout {
+    /// The memory that it takes beside its surfaces, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.groups.iter().map(|group| group.grid.bytes() + size_of_val(&group.members[..]) as u64).sum()
+    }
+
     /// The layout with these sub-volumes, whose grids have `coefficient` voxels a polygon.
     ///
     /// Fails if a grid would be too large, and if it is told to stop.

@@ -3,6 +3,7 @@
 //! Each has a [`Key`] of exactly what it reads. Whoever changes one thing redoes the first layer that reads it and those
 //! behind it, and nothing else: a change of Figure 7's times, of the clock, the links or the FIFOs is a replay.
 
+use std::collections::HashMap;
 use std::convert::Infallible;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -163,6 +164,13 @@ impl Prepared {
         self.tested.iter().map(|&samples| f64::from(samples)).sum::<f64>() / self.tested.len().max(1) as f64
     }
 
+    /// The memory that it takes, in bytes.
+    fn bytes(&self) -> u64 {
+        let Prepared { rays, surfaces, screen, tested, numbers, count } = self;
+        let of_screen = if screen.is_some() { count / 8 } else { 0 };
+        surfaces.bytes() + numbers.bytes() + (size_of_val(&rays[..]) + size_of_val(&tested[..]) + of_screen) as u64
+    }
+
     /// The number of the ray that is sent in a place, from 0: of a camera's its pixel's, line by line.
     pub fn number(&self, place: usize) -> usize {
         self.numbers.number(place)
@@ -208,6 +216,11 @@ type Kept<T> = Option<(Key, Result<Arc<T>, InputError>)>;
 
 fn find<T>(kept: &Kept<T>, key: &Key) -> Option<Result<Arc<T>, InputError>> {
     kept.as_ref().filter(|kept| kept.0 == *key).map(|kept| kept.1.clone())
+}
+
+/// A layer, if it could be made.
+fn made<T>(kept: &Kept<T>) -> Option<&Arc<T>> {
+    kept.as_ref()?.1.as_ref().ok()
 }
 
 impl Layers {
@@ -349,9 +362,27 @@ impl Layers {
         self.traced.as_ref().filter(|kept| kept.0 == run.keys.traced).map(|kept| &kept.1)
     }
 
-    /// The memory that is taken by what the cells do, in bytes.
-    pub fn recorded(&self) -> u64 {
-        self.traced.as_ref().map_or(0, |kept| kept.1.bytes)
+    /// Whether what the cells do is at hand for some run.
+    pub fn has_recording(&self) -> bool {
+        self.traced.is_some()
+    }
+
+    /// The memory that the layers of some runs take together, in bytes. What they share is counted once.
+    pub fn bytes(all: &[Layers]) -> u64 {
+        let parts: HashMap<*const (), u64> = all.iter().flat_map(Layers::parts).collect();
+        parts.into_values().sum()
+    }
+
+    /// Where each layer is, with the memory that it takes.
+    fn parts(&self) -> impl Iterator<Item = (*const (), u64)> {
+        let Layers { scene, prepared, laid_out, traced } = self;
+        let parts = [
+            made(scene).map(|scene| (Arc::as_ptr(scene).cast(), scene.mesh.bytes())),
+            made(prepared).map(|prepared| (Arc::as_ptr(prepared).cast(), prepared.bytes())),
+            made(laid_out).map(|layout| (Arc::as_ptr(layout).cast(), layout.bytes())),
+            traced.as_ref().map(|(_, traced)| (Arc::as_ptr(traced).cast(), traced.bytes)),
+        ];
+        parts.into_iter().flatten()
     }
 
     /// Runs primary rays. What the cells do is taken from the run before, if it was the same, and is kept for the next if it fits

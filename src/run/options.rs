@@ -43,7 +43,7 @@ parameters! {
     pub struct RayOptions under "Scene and rays" {
         /// Take the rays from a CSV file (ox,oy,oz,dx,dy,dz and optionally tmax) instead of the camera.
         #[cfg_attr(feature = "cli", arg(conflicts_with = "size"))]
-        rays: PathBuf, "FILE", Text, "rays";
+        rays: PathBuf, "FILE", File, "rays";
     }
 }
 
@@ -66,7 +66,7 @@ parameters! {
         mode: Mode, "MODE", Text, "mode";
         /// An array program of your own, or the name of a standard one (pipeline, broadcast, hybrid, hybrid-3).
         #[cfg_attr(feature = "cli", arg(conflicts_with = "mode"))]
-        program: PathBuf, "FILE", Text, "array program";
+        program: PathBuf, "FILE", File, "array program";
         /// Number of cells: a multiple of the program's cells a group [default: the program's; 3 in pipeline, 8 in the others].
         #[cfg_attr(feature = "cli", arg(conflicts_with = "groups"))]
         cells: usize, "N", Whole, "cells";
@@ -106,7 +106,7 @@ parameters! {
         /// [default: timings].
         cells_run: CellsRun, "WHAT", Text, "what the cells run";
         /// A folder of programs for the cells (grid.pcs, broadcast.pcs, ...) in place of the standard ones.
-        cell_programs: PathBuf, "DIR", Text, "programs of the cells";
+        cell_programs: PathBuf, "DIR", File, "programs of the cells";
         /// The most instructions that a program may execute for one ray [default: 200000000].
         #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u64).range(1..)))]
         instruction_limit: u64, "N", Whole, "most instructions for one ray";
@@ -120,7 +120,7 @@ parameters! {
         #[cfg_attr(feature = "cli", arg(conflicts_with = "machine"))]
         on: On, "MACHINE", Text, "machine";
         /// A machine file of your own; the flags below change it further [default: PCS].
-        machine: PathBuf, "FILE", Text, "machine";
+        machine: PathBuf, "FILE", File, "machine";
     }
 }
 

@@ -500,10 +500,8 @@ fn standard_program(mode: Mode) -> Result<ArrayProgram, InputError> {
     ArrayProgram::standard(name).unwrap_or_else(|| Err(InputError::new(format!("there is no standard program {name}"))))
 }
 
-/// A program file, or a standard program where there is no such file.
+/// A standard program by its name, or a program file.
 fn named_program(path: &Path) -> Result<ArrayProgram, InputError> {
-    match path.to_str().filter(|_| !path.exists()).and_then(ArrayProgram::standard) {
-        Some(standard) => standard,
-        None => ArrayProgram::read(path),
-    }
+    let standard = path.to_str().and_then(ArrayProgram::standard);
+    standard.unwrap_or_else(|| ArrayProgram::read(path))
 }

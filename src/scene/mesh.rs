@@ -58,6 +58,13 @@ impl Object {
 }
 
 impl Mesh {
+    /// The memory that it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        let Mesh { points, normals, colors, objects, passed_over: _, corners, faces } = self;
+        let of_points = size_of_val(&points[..]) + size_of_val(&normals[..]) + size_of_val(&colors[..]);
+        (of_points + size_of_val(&objects[..]) + size_of_val(&corners[..]) + size_of_val(&faces[..])) as u64
+    }
+
     /// Adds a point and returns its index.
     pub fn add_point(&mut self, point: Vec3) -> u32 {
         self.points.push(point);

@@ -12,7 +12,9 @@ use crate::input::fields;
 use crate::input::reading::{self, FileRead};
 use crate::isa::{Sources, assemble};
 use crate::machine::{CapitanFile, Ipsc2File, MachineFile};
+use crate::program::ArrayProgram;
 use crate::report::table::{Column, Kind};
+use crate::run::is_builtin;
 use crate::scene::ReadOptions;
 
 /// The points of a sweep: every combination of its parameters' values.
@@ -35,11 +37,19 @@ impl Sweep {
         Sweep::new(file).map_err(|error| InputError { place, ..error })
     }
 
-    /// The sweep that JSON describes: an object as the file has it.
-    pub fn from_json(value: serde_json::Value) -> Result<Sweep, InputError> {
+    /// The sweep that JSON describes: an object as the file has it. `vet` sees each value with the name of its parameter, and may
+    /// refuse it or put another in its place, before any file is looked for by it.
+    pub fn from_json(
+        value: serde_json::Value,
+        mut vet: impl FnMut(&str, &mut String) -> Result<(), InputError>,
+    ) -> Result<Sweep, InputError> {
         parameters::check(&value)?;
         let wrong = |error: serde_json::Error| InputError::new(error.to_string());
-        Sweep::new(serde_json::from_value(value).map_err(wrong)?)
+        let mut file: SweepFile = serde_json::from_value(value).map_err(wrong)?;
+        for Parameter { column, values } in &mut file.parameters {
+            values.iter_mut().try_for_each(|value| vet(column.name, value))?;
+        }
+        Sweep::new(file)
     }
 
     fn new(file: SweepFile) -> Result<Sweep, InputError> {
@@ -122,13 +132,22 @@ fn files_of(parameters: &[Parameter]) -> HashMap<(&'static str, String), Vec<Fil
     let values = parameters
         .iter()
         .flat_map(|parameter| parameter.values.iter().map(|value| (parameter.column.name, value.clone())));
-    let named = values.filter(|(_, value)| Path::new(value).exists());
+    let named = values.filter(|(name, value)| names_file(name, value) && Path::new(value).exists());
     named
         .map(|(name, value)| {
             let files = files_behind(name, Path::new(&value));
             ((name, value), files)
         })
         .collect()
+}
+
+/// Whether a value of a parameter is the name of a file.
+fn names_file(name: &str, value: &str) -> bool {
+    match name {
+        "scene" => !is_builtin(value),
+        "program" => ArrayProgram::standard(value).is_none(),
+        _ => parameters::is_file(name),
+    }
 }
 
 /// The files that a value of a parameter stands for. A pipe, which can be read but once, is left out.

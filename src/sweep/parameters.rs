@@ -128,6 +128,11 @@ pub(super) fn is_known(name: &str) -> bool {
     KNOWN.iter().any(|known| known.name == name)
 }
 
+/// Whether the values of the parameter of that name are names of files.
+pub(super) fn is_file(name: &str) -> bool {
+    KNOWN.iter().any(|known| known.name == name && known.kind == Form::File)
+}
+
 /// Their names.
 static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| KNOWN.iter().map(|known| known.name).collect());
 
@@ -220,7 +225,7 @@ impl From<Form> for Kind {
     /// What the cells of a table's column hold, but for words in place of numbers.
     fn from(form: Form) -> Kind {
         match form {
-            Form::Text | Form::Size => Kind::Text,
+            Form::Text | Form::File | Form::Size => Kind::Text,
             Form::Truth => Kind::Truth,
             Form::Whole | Form::WholeOrWord => Kind::Whole,
             Form::Number => Kind::Number,
@@ -235,7 +240,7 @@ impl Form {
             Form::Whole | Form::WholeOrWord => i64::try_from(value).ok().map(|value| value.to_string()),
             Form::Number => Some(value.to_string()),
             Form::Size => Some(format!("{value}x{value}")),
-            Form::Text | Form::Truth => None,
+            Form::Text | Form::File | Form::Truth => None,
         }
     }
 
@@ -264,7 +269,7 @@ impl<'de> Visitor<'de> for Form {
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Form::Text => "a text in quotes, or a list of texts",
+            Form::Text | Form::File => "a text in quotes, or a list of texts",
             Form::Size => "a size such as \"640x480\", a number of pixels for both sides, a list or a range",
             Form::Truth => "true, false, or a list of both",
             Form::Whole => {
@@ -299,7 +304,7 @@ impl<'de> Visitor<'de> for Form {
 
     fn visit_str<E: Error>(self, value: &str) -> Result<Vec<String>, E> {
         match self {
-            Form::Text | Form::Size | Form::WholeOrWord if !value.is_empty() => Ok(vec![value.to_owned()]),
+            Form::Text | Form::File | Form::Size | Form::WholeOrWord if !value.is_empty() => Ok(vec![value.to_owned()]),
             _ => Err(E::invalid_type(Unexpected::Str(value), &self)),
         }
     }

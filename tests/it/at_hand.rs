@@ -103,8 +103,8 @@ fn a_sweep_in_json_is_that_of_a_file() {
     let folder = Folder::new();
     let file = folder.file("sweep.ron", "(scene: \"room\", size: [8, \"16x12\"], cells: (from: 3, to: 12, times: 2))");
     let given = json!({ "cells": { "from": 3, "to": 12, "times": 2 }, "scene": "room", "size": [8, "16x12"] });
-    assert_eq!(Sweep::from_json(given).unwrap(), Sweep::read(&file).unwrap());
-    let refused = |value| Sweep::from_json(value).unwrap_err().to_string();
+    assert_eq!(Sweep::from_json(given, |_, _| Ok(())).unwrap(), Sweep::read(&file).unwrap());
+    let refused = |value| Sweep::from_json(value, |_, _| Ok(())).unwrap_err().to_string();
     assert_eq!(refused(json!({ "cels": 3 })), "unknown parameter `cels` (did you mean `cells`?)");
     assert!(refused(json!({ "cells": "many" })).starts_with("cells: invalid type"));
     assert!(refused(json!([3])).starts_with("a sweep is"));

@@ -1,12 +1,17 @@
 //! The lab as those who ask it see it: what it answers, whom it refuses, and that nothing is left of who goes away.
 
 use std::io::Read;
+use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
+use pcs_sim::measure::{Moment, Recording, StateKind, StationMoment};
+use pcs_sim::quantities::{Cycles, Words};
+use pcs_sim::report::page;
 use serde_json::{Value, json};
 
 use crate::support::command::Folder;
 use crate::support::lab::{Answer, Lab};
+use crate::support::recorded;
 
 /// Bytes as a page sends them.
 fn base64(bytes: &[u8]) -> String {
@@ -235,9 +240,79 @@ fn a_sweep_is_the_commands_table_point_by_point() {
     };
     assert!(refused(json!({ "fifo_wrods": [1] })).contains("unknown parameter"));
     assert!(refused(json!({ "fifo_words": { "from": 1, "to": 5000, "step": 1 } })).contains("up to 1000"));
-    assert!(refused(json!({ "machine": ["/etc/passwd"] })).contains("names a file"));
-    assert!(refused(json!({ "scene": ["room", "/etc/passwd"] })).contains("is not at hand"));
-    assert!(refused(json!({ "farm": true })).contains("are of arrays"));
+    for of_others in [
+        json!({ "farm": true }),
+        json!({ "on": "ipsc2", "mode": "regions" }),
+        json!({ "image": true }),
+        json!({ "samples": [2, 4] }),
+        json!({ "host_hit_us": 1 }),
+    ] {
+        assert!(refused(of_others).contains("are of arrays, without images"));
+    }
+    // Each of its runs is one that the lab would do.
+    for sizes in [json!("4096x4096"), json!([16, [[4096]]]), json!({ "from": 1024, "to": 4096, "times": 2 })] {
+        assert!(refused(json!({ "scene": "tetra", "size": sizes })).contains("at most 4194304 pixels"));
+    }
+}
+
+/// However deep it stands in lists, no value is taken for a file's name.
+#[test]
+fn a_sweep_reads_no_file() {
+    let (lab, folder) = (Lab::start(""), Folder::new());
+    let scene = folder.file("secret.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").display().to_string();
+    let own = std::fs::read_dir(lab.places.path()).unwrap().next().unwrap().unwrap().path().join("../secret.obj");
+    let up = format!("../../../../..{scene}");
+    for path in [&scene, &up, &own.display().to_string(), "/etc/passwd", "./secret.obj", "secret.obj", "-.obj"] {
+        let nested =
+            [json!(path), json!([path]), json!([[path]]), json!([["room", [[path]]], "room"]), json!({ "from": path })];
+        for values in nested {
+            for name in ["scene", "program", "machine", "rays", "cell_programs"] {
+                let told = lab.post("/sweep", &json!({ "size": 4, name: values }));
+                assert_eq!(told.status, 422, "{name} {values}: {}", told.body);
+                let is_refused =
+                    ["names a file", "is not at hand", "invalid type"].iter().any(|why| told.body.contains(why));
+                assert!(is_refused, "{name} {values}: {}", told.body);
+            }
+        }
+    }
+    // The standard programs are no files, whatever lies about.
+    folder.file("broadcast", "no program");
+    let flags = "--scene tetra --size 4x4 --cells 2 --json";
+    let named = folder.run(&format!("{flags} --program broadcast")).success();
+    let (named, moded): (Value, Value) = (
+        serde_json::from_str(&named).unwrap(),
+        serde_json::from_str(&folder.run(&format!("{flags} --mode broadcast")).success()).unwrap(),
+    );
+    assert_eq!(named["cycles"], moded["cycles"]);
+    assert!(folder.run("--program ./broadcast").refused().contains("broadcast"));
+}
+
+/// Where the lab keeps a dropped scene is nobody's affair: it is named as by its user, in all that is told.
+#[test]
+fn a_dropped_scene_has_its_own_name_everywhere() {
+    let (lab, folder) = (Lab::start(""), Folder::new());
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0.4 0.3 0\nv 0 1 0\nf 1 2 3 4 5\n";
+    folder.file("a.obj", obj);
+    let taken = lab.post("/scenes", &files(&[("a.obj", obj.as_bytes())]));
+    let scene = serde_json::from_str::<Value>(&taken.body).unwrap()["scene"].clone();
+    let own = |answer: &Answer| {
+        assert!(!answer.body.contains(lab.places.path().to_str().unwrap()), "{}", answer.body);
+        assert!(!answer.body.contains("pcs-sim-lab-"), "{}", answer.body);
+    };
+    let run = lab.get(&format!("/run?scene={}&size=8x8", scene.as_str().unwrap()));
+    own(&run);
+    let stats: Value = serde_json::from_str(&folder.run("--scene a.obj --size 8x8 --json").success()).unwrap();
+    assert_eq!(run.done()["stats"], stats);
+    // A memory that is too small makes the points fail, with a reason.
+    for memory in [100_000, 1] {
+        let sweep = json!({ "scene": scene, "size": 8, "fifo_words": [4, 8], "memory_words": memory });
+        let answer = lab.post("/sweep", &sweep);
+        own(&answer);
+        let columns: Value = serde_json::from_str(&answer.event("columns")).unwrap();
+        assert!(columns["file"].as_str().unwrap().contains("scene: \"a.obj\""), "{columns}");
+        let point: Value = serde_json::from_str(&answer.event("point")).unwrap();
+        assert_eq!(point["row"][0], "a.obj");
+    }
 }
 
 #[test]
@@ -251,6 +326,193 @@ fn two_runs_are_compared_as_by_the_command() {
     let compared = folder.run("compare a.json b.json");
     assert_eq!(compared.status, 1);
     assert!(compared.stdout.ends_with(&told), "{told}");
+}
+
+#[test]
+fn what_is_compared_and_what_is_swept_have_limits() {
+    let lab = Lab::start("");
+    let stats = lab.get("/run?scene=tetra&size=2x2&mode=broadcast&cells=4096").done()["stats"].clone();
+    assert!(stats.to_string().len() > 1_000_000);
+    let told = lab.post("/compare", &json!({ "a": stats, "b": stats }));
+    assert_eq!(told.status, 200, "{}", told.body);
+    let long = "x".repeat(33_000_000);
+    let refused = |path: &str, body: &Value, why: &str| {
+        let told = lab.post(path, body);
+        assert_eq!(told.status, 413, "{path}: {}", told.body);
+        // A client that goes on writing may find the connection closed before it reads.
+        assert!(told.body.contains(why) || told.body.is_empty(), "{}", told.body);
+    };
+    refused("/compare", &json!({ "a": long, "b": 1 }), "`pcs-sim compare` takes more");
+    refused("/sweep", &json!({ "scene": long[..2_000_000] }), "`pcs-sim sweep` takes longer ones");
+    assert_eq!(lab.get("/run?scene=room&size=4x4").status, 200, "the lab goes on");
+}
+
+/// What holds in each cycle of a run: the levels of its FIFOs, and what everybody is at.
+struct Cycle {
+    levels: Vec<Words>,
+    /// The host's, then the cells'.
+    kinds: Vec<StateKind>,
+}
+
+fn cycles_of(recording: &Recording) -> Vec<Cycle> {
+    assert_eq!(recording.window, Cycles(0)..recording.cycles, "it has all of the run");
+    let kind = |station: &StationMoment| recording.topology.states.get(station.stretch.state).unwrap().kind;
+    let cycle = |at: u64| {
+        let Moment { host, stations, levels, .. } = recording.moment(Cycles(at)).unwrap();
+        Cycle { levels, kinds: host.iter().chain(&stations).map(kind).collect() }
+    };
+    (0..recording.cycles.0).map(cycle).collect()
+}
+
+/// All that can be sought, against a look at each cycle.
+#[test]
+fn moments_are_found_wherever_they_are() {
+    let lab = Lab::start("");
+    let query = "scene=tetra&size=4x4&mode=hybrid&cells=4&fifo_words=8";
+    let (_, recording) = recorded(lab.get(&format!("/run?{query}")).done()["stats"].clone());
+    let cycles = cycles_of(&recording);
+    let found = |after: usize, what: &str| {
+        let answer = lab.get(&format!("/find/{after}/{what}?{query}"));
+        assert_eq!(answer.status, 200, "{}", answer.body);
+        serde_json::from_str::<Value>(&answer.body).unwrap()
+    };
+    let begins = |after: usize, holds: &dyn Fn(&Cycle) -> bool| {
+        (after + 1..cycles.len()).find(|&at| holds(&cycles[at]) && !holds(&cycles[at - 1]))
+    };
+    let mut some = 0;
+    let mut check = |what: &str, holds: &dyn Fn(&Cycle) -> bool| {
+        for after in [0, cycles.len() / 3, cycles.len() - 1] {
+            let expected = begins(after, holds);
+            some += usize::from(expected.is_some());
+            assert_eq!(found(after, what), json!(expected), "{what} after {after}");
+        }
+    };
+    for (place, fifo) in recording.topology.fifos.iter().enumerate() {
+        check(&format!("{}/full", fifo.name), &|cycle| cycle.levels[place] == fifo.capacity);
+        check(&format!("{}/empty", fifo.name.to_lowercase()), &|cycle| cycle.levels[place] == Words(0));
+    }
+    let kinds = [
+        ("waits", StateKind::Waits),
+        ("blocked", StateKind::Blocked),
+        ("works", StateKind::Works),
+        ("moves", StateKind::Moves),
+    ];
+    for (name, kind) in kinds {
+        check(&format!("host/{name}"), &|cycle| cycle.kinds[0] == kind);
+        for cell in 0..4 {
+            check(&format!("cell/{cell}/{name}"), &|cycle| cycle.kinds[cell + 1] == kind);
+        }
+    }
+    assert!(some > 40, "{some}");
+    for ray in [0, 7, 15] {
+        let when = |jobs: &[pcs_sim::measure::JobSpan]| json!(jobs.iter().find(|span| span.job == ray).unwrap().from.0);
+        assert_eq!(found(0, &format!("ray/{ray}")), when(&recording.host.as_ref().unwrap().jobs));
+        assert_eq!(found(0, &format!("ray/{ray}/back")), when(&recording.answers));
+        for (cell, station) in recording.stations.iter().enumerate() {
+            assert_eq!(found(0, &format!("ray/{ray}/cell/{cell}")), when(&station.jobs), "ray {ray}, cell {cell}");
+        }
+    }
+    for nowhere in ["X99/full", "cell/99/waits", "ray/16", "ray/16/back", "ray/0/cell/4"] {
+        assert_eq!(found(0, nowhere), Value::Null, "{nowhere}");
+    }
+    for wrong in ["X1", "X1/fuller", "cell/x/waits", "ray", "ray/-1", "ray/0/cell"] {
+        let answer = lab.get(&format!("/find/0/{wrong}?{query}"));
+        assert!(answer.status == 422 && answer.body.contains("no moment is called"), "{wrong}: {}", answer.body);
+    }
+    for (from, until) in [(5, 5), (6, 5)] {
+        let answer = lab.get(&format!("/window/{from}/{until}?{query}"));
+        assert!(answer.status == 422 && answer.body.contains("at least one cycle"), "{}", answer.body);
+    }
+}
+
+#[test]
+fn pixels_have_their_rays_in_any_order_and_none_where_none_is_sent() {
+    let lab = Lab::start("");
+    for order in ["raster", "columns", "tiles:2", "hilbert", "stride", "shuffle:3"] {
+        for rectangles in ["off", "objects"] {
+            let query = format!("scene=teapot&size=8x6&order={order}&screen_rectangles={rectangles}");
+            let run = lab.get(&format!("/run?{query}"));
+            let (setup, _) = recorded(run.done()["stats"].clone());
+            let rays = setup.prepared.rays.len();
+            assert_eq!(rays < 48, rectangles == "objects", "{rays} rays");
+            let numbers: Vec<usize> = (0..rays).map(|place| setup.prepared.number(place)).collect();
+            for pixel in 0..48 {
+                let told = lab.get(&format!("/ray/{}/{}?{query}", pixel % 8, pixel / 8)).body;
+                let expected = numbers.iter().position(|&number| number == pixel);
+                assert_eq!(told, json!(expected).to_string(), "{query}, pixel {pixel}");
+            }
+            // The picture is whole, whichever rays are sent and when.
+            let image = |answer: &Answer| {
+                answer.event("text").split("base64,").nth(1).unwrap().split('"').next().unwrap().to_owned()
+            };
+            assert_eq!(image(&run), image(&lab.get("/run?scene=teapot&size=8x6")), "{query}");
+        }
+    }
+    for outside in ["/ray/8/0", "/ray/0/6"] {
+        assert_eq!(lab.get(&format!("{outside}?scene=teapot&size=8x6")).body, "null");
+    }
+}
+
+#[test]
+fn rays_are_looked_at_and_their_instructions_told() {
+    let lab = Lab::start("");
+    let query = "scene=tetra&size=6x5&mode=hybrid&cells=4&cells_run=programs";
+    let run = lab.get(&format!("/run?{query}"));
+    let (setup, _) = recorded(run.done()["stats"].clone());
+    let looks: Value = serde_json::from_str(&run.event("looks")).unwrap();
+    let told = |path: &str| serde_json::from_str::<Value>(&lab.get(&format!("{path}?{query}")).body).unwrap();
+    for ray in [0, 13, 29] {
+        let look = told(&format!("/look/{ray}"));
+        assert_eq!(look, serde_json::from_str::<Value>(&page::look(&setup, ray).unwrap()).unwrap());
+        for cell in 0..4 {
+            let steps = told(&format!("/instructions/{cell}/{ray}"));
+            assert_eq!(steps, serde_json::from_str::<Value>(&page::instructions(&setup, cell, ray).unwrap()).unwrap());
+        }
+    }
+    // What the run told of its first ray is that too.
+    assert_eq!(told("/look/0")["look"], looks["visits"]["0"]);
+    assert_eq!(told("/instructions/1/0"), looks["instructions"]["1 0"]);
+    for nothing in ["/look/30", "/instructions/4/0", "/instructions/0/30"] {
+        assert_eq!(told(nothing), Value::Null, "{nothing}");
+    }
+    assert_eq!(lab.get("/instructions/0/0?scene=tetra&size=6x5").body, "null", "cells that run no programs");
+}
+
+/// What the page says holds where nothing is set: setting it changes nothing, and the help says the same.
+#[test]
+fn the_defaults_of_the_controls_are_the_commands() {
+    let lab = Lab::start("");
+    let page = lab.get("/").body;
+    let between = |text: &str, from: &str, to: &str| Some(text.split_once(from)?.1.split_once(to)?.0.to_owned());
+    let mut told = 0;
+    for row in page.split("<div class=\"control\"").skip(1) {
+        let attribute = |name: &str| between(row, &format!(" data-{name}=\""), "\"").unwrap();
+        let (name, default) = (attribute("name"), attribute("default"));
+        // `X`, or `the machine file's; X in the standard one`: other words tell on what it depends.
+        let said = between(row, "[default: ", "]").map(|said| {
+            let of_standard = said.rsplit("; ").next().unwrap();
+            of_standard.split(" in the standard one").next().unwrap().to_owned()
+        });
+        let is_value = |said: &String| !said.contains(' ') && said != "none" && said != "fifo_words";
+        if let Some(said) = said.filter(is_value) {
+            assert_eq!(default, said, "{name}");
+            told += 1;
+        }
+        if default.is_empty() {
+            continue;
+        }
+        let base = match name.as_str() {
+            "scene" => "size=4x4",
+            "size" => "scene=tetra",
+            _ => "scene=tetra&size=4x4",
+        };
+        let [set, unset] = [format!("{base}&{name}={default}"), base.to_owned()].map(|query| {
+            let mut done = lab.get(&format!("/run?{query}")).done();
+            (done["cycles"].take(), done["title"].take(), done["bottleneck"].take(), done["stats"]["cells"].take())
+        });
+        assert_eq!(set, unset, "{name}");
+    }
+    assert!(told > 15, "{told}");
 }
 
 /// What a process has, as Linux tells it.
@@ -320,6 +582,41 @@ fn who_goes_away_stops_what_they_have_asked_for() {
     }
     assert!(Held::by(&lab).threads > before.threads);
     drop(stream);
+    let after = Held::settled(&lab, &before);
+    assert!(after.threads <= before.threads && after.files <= before.files, "{before:?} {after:?}");
+}
+
+/// Twenty at once, as who goes along a run quickly asks for them: a few are worked on, and all are answered, but those that are given up.
+#[cfg(target_os = "linux")]
+#[test]
+fn moments_are_looked_up_a_few_at_a_time() {
+    let lab = Lab::start("");
+    let query = "scene=teapot&size=128x128&mode=hybrid&cells=4&fifo_words=16";
+    lab.get(&format!("/run?{query}")).done();
+    let before = Held::at_rest(&lab);
+    let ask = |from: u64| {
+        lab.send(&format!("GET /window/{from}/{}?{query} HTTP/1.1\r\nHost: {}\r\n", from + 1_000_000, lab.host), "")
+    };
+    let mut most = 0;
+    let mut asked: Vec<_> = (0..20).map(|at| ask(1_000_000 * at)).collect();
+    let is_answered = |stream: &TcpStream| {
+        stream.set_nonblocking(true).unwrap();
+        let is_answered = stream.peek(&mut [0]).is_ok();
+        stream.set_nonblocking(false).unwrap();
+        is_answered
+    };
+    while !asked.iter().any(is_answered) {
+        most = most.max(Held::by(&lab).threads);
+    }
+    // As the first one ends, its thread may still be there beside that of the next.
+    assert!(before.threads < most && most <= before.threads + 6, "{before:?}, then {most}");
+    for stream in &mut asked[..3] {
+        let mut text = String::new();
+        stream.read_to_string(&mut text).unwrap();
+        assert!(text.starts_with("HTTP/1.1 200"), "{text}");
+    }
+    // The others are given up.
+    drop(asked);
     let after = Held::settled(&lab, &before);
     assert!(after.threads <= before.threads && after.files <= before.files, "{before:?} {after:?}");
 }

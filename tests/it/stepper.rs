@@ -5,11 +5,11 @@ use std::convert::Infallible;
 use crate::support::browser::{Browser, Page};
 use crate::support::command::Folder;
 use crate::support::pictures::decoded;
-use crate::support::{bits, cell_options, ops, program, scene, workload};
+use crate::support::{bits, cell_options, ops, program, recorded, scene, workload};
 use pcs_sim::measure::{Actor, JobSpan, Recording};
 use pcs_sim::program::{ArrayProgram, Counts, Said, Visit, Workload};
 use pcs_sim::quantities::{Cycles, Words};
-use pcs_sim::run::{self, Layers, PlannedRun, RunSpec, Setup, Watching, Workers};
+use pcs_sim::run::{self, Setup, Workers};
 use pcs_sim::seam::OpKind;
 use serde_json::{Value, json};
 
@@ -114,14 +114,7 @@ impl Shown {
         let folder = Folder::new();
         folder.run(&format!("{args} --page run.html --stats run.json")).success();
         let stats = serde_json::from_str(&folder.read("run.json")).unwrap();
-        let workers = Workers::new(1);
-        let planned = PlannedRun::new(RunSpec::from_json(stats).unwrap()).unwrap();
-        let setup = Setup::new(planned, &mut Layers::default(), &workers.cancel).unwrap();
-        let watching = Watching { recording: Some(Cycles(0)..Cycles(u64::MAX)), ..Watching::default() };
-        let watched = (&setup.machine.spec, &watching);
-        let rays = &setup.prepared.rays;
-        let outcome = run::run_watched(&setup.workload, watched, rays, &workers, |_, _| Ok::<_, Infallible>(()));
-        let recording = outcome.unwrap().observed.recording.unwrap();
+        let (setup, recording) = recorded(stats);
         Shown { folder, setup, recording }
     }
 

@@ -23,20 +23,20 @@ function controlOf(row) {
 }
 
 // What holds where a parameter is not set.
-function defaultOf({ name, byDefault }) {
-  return name === "cells" ? String(programOf(active().parameters).cells) : byDefault;
+function defaultOf({ name, byDefault }, { parameters } = active()) {
+  return name === "cells" ? String(programOf(parameters).cells) : byDefault;
 }
 
 const programOf = (parameters) => PROGRAMS[parameters.get("mode") ?? "pipeline"] ?? PROGRAMS.pipeline;
 
-// Sets a parameter of the run that the controls are about.
-function set(name, value) {
-  const { parameters } = active();
-  if (value === "" || value === defaultOf(controls.get(name))) parameters.delete(name);
+// Sets a parameter of a run: the one that the controls are about, unless it is another.
+function set(name, value, side = active()) {
+  const { parameters } = side;
+  if (value === "" || value === defaultOf(controls.get(name), side)) parameters.delete(name);
   else parameters.set(name, value);
   if (name === "mode") fitCells(parameters);
   showControls();
-  changed(active());
+  changed(side);
 }
 
 // Takes back a number of cells that the mode cannot have.

@@ -57,7 +57,11 @@ document.getElementById("same").addEventListener("click", () => {
 document.getElementById("why").addEventListener("change", () => shownSides().forEach(changed));
 document.getElementById("stop").addEventListener("click", stopAll);
 document.getElementById("controls").addEventListener("submit", (event) => event.preventDefault());
-addEventListener("keydown", (event) => { if (event.key === "Escape") stopAll(); });
+// The address is that of the runs: what leads along the page leaves it as it is.
+document.querySelector(".skip").addEventListener("click", (event) => {
+  event.preventDefault();
+  document.getElementById("panels").focus();
+});
 
 async function copy(text, what) {
   try {
@@ -72,18 +76,19 @@ for (const side of Object.values(sides)) {
   side.place.querySelector(".copy-link").addEventListener("click", () => copy(`${location.origin}/?${queryOf(side.parameters)}`, "the link"));
 }
 
-// A scene's files, and those that it names.
-async function take(files) {
-  if (!files.length) return;
-  const side = active();
-  say(`reading ${[...files].map(({ name }) => name).join(", ")}`);
-  const sent = await Promise.all([...files].map(async (file) => ({ name: file.name, base64: await base64Of(file) })));
+// Takes a scene's files, and those that it names, for a run.
+async function take(files, side) {
+  if (!files.length) return say("What was dropped is no file");
+  const names = files.map(({ name }) => name).join(", ");
+  say(`reading ${names}`);
   try {
+    const sent = await Promise.all(files.map(async (file) => ({ name: file.name, base64: await base64Of(file) })));
     const response = await fetch("scenes", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ files: sent }) });
     if (!response.ok) return fail(side, await response.text());
     const { scene } = await response.json();
+    if (!shownSides().includes(side)) return say(`Run ${side.name.toUpperCase()} is closed, and has not taken ${names}`);
     ["size_factor", "resolution"].forEach((name) => side.parameters.delete(name));
-    set("scene", scene);
+    set("scene", scene, side);
   } catch (error) {
     fail(side, `error: the scene was not taken: ${error.message}`);
   }
@@ -92,24 +97,36 @@ async function take(files) {
 const base64Of = (file) => new Promise((done, failed) => {
   const reader = new FileReader();
   reader.onload = () => done(reader.result.slice(reader.result.indexOf(",") + 1));
-  reader.onerror = () => failed(reader.error);
+  reader.onerror = () => failed(new Error(`${file.name} cannot be read: ${reader.error.message}`));
   reader.readAsDataURL(file);
 });
 
-document.getElementById("files").addEventListener("change", ({ target }) => take(target.files));
-addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("dropping"); });
-addEventListener("dragleave", (event) => { if (!event.relatedTarget) document.body.classList.remove("dropping"); });
-addEventListener("drop", (event) => {
-  event.preventDefault();
-  document.body.classList.remove("dropping");
-  take(event.dataTransfer.files);
+document.getElementById("files").addEventListener("change", ({ target }) => {
+  take([...target.files], active());
+  // The same file can be chosen again.
+  target.value = "";
 });
+
+// Listens to a window, be it the page's or that of a run's frame: Escape stops what goes on, and files that are dropped are for a run.
+function listen(place, sideOf) {
+  const mark = (isDropping) => document.body.classList.toggle("dropping", isDropping);
+  place.addEventListener("keydown", (event) => { if (event.key === "Escape") stopAll(); });
+  place.addEventListener("dragover", (event) => { event.preventDefault(); mark(true); });
+  place.addEventListener("dragleave", (event) => { if (!event.relatedTarget) mark(false); });
+  place.addEventListener("drop", (event) => {
+    event.preventDefault();
+    mark(false);
+    take([...event.dataTransfer.files], sideOf());
+  });
+}
+listen(window, active);
+Object.values(sides).forEach((side) => ready(side.frame).then((view) => listen(view, () => side)));
 
 // What the address says.
 function begin() {
   sides.a.parameters = parametersOf(location.search);
   const beside = location.hash.slice(1);
-  showPair(location.href.includes("#") && location.hash !== "#panels");
+  showPair(location.href.includes("#"));
   if (isPair()) sides.b.parameters = parametersOf(beside);
   showControls();
   shownSides().forEach(changed);

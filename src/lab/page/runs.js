@@ -63,12 +63,15 @@ async function run(side) {
       else parts[name] = data;
     }
   } catch (error) {
-    if (!stop.signal.aborted) fail(side, `error: the lab does not answer: ${error.message}`);
+    if (!stop.signal.aborted) fail(side, unanswered(error));
   } finally {
     if (side.stop === stop) side.stop = null;
     showBusy();
   }
 }
+
+// What there is to say where no answer comes.
+const unanswered = ({ message }) => `error: the lab does not answer: ${message}`;
 
 const isBusy = () => shownSides().some(({ stop, isDue }) => stop || isDue);
 
@@ -174,7 +177,7 @@ function keep(side, told) {
   };
   const took = `${told.took_ms < 10 ? told.took_ms.toFixed(1) : Math.round(told.took_ms)} ms${told.replayed ? ", replayed" : ""}`;
   const what = element("td", {}, told.title, element("br", {}), element("code", {}, told.command));
-  rows.prepend(element("tr", {}, what, element("td", {}, told.speed.replace(/^simulated time /, "").replace(/, \S+ rays\/s.*/, "")),
+  rows.prepend(element("tr", {}, what, element("td", {}, told.speed.replace(/^simulated time /, "").replace(/ \(.*/, "")),
     element("td", {}, grouped(told.rays_per_second)), element("td", {}, took),
     element("td", {}, button("Show", show("a")), " ", button("Beside", show("b")))));
   while (rows.children.length > MOST_KEPT) rows.lastElementChild.remove();

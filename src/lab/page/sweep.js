@@ -61,7 +61,7 @@ async function startSweep() {
     }
   } catch (error) {
     if (stop.signal.aborted) tell("stopped");
-    else [failure.hidden, failure.textContent] = [false, error.message.trimEnd()];
+    else [failure.hidden, failure.textContent] = [false, error instanceof TypeError ? unanswered(error) : error.message.trimEnd()];
   } finally {
     if (sweep.stop === stop) sweep.stop = null;
     busy(sweep.stop !== null);

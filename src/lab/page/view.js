@@ -8,9 +8,17 @@ function openDoors(query) {
   asked = query;
 }
 
-async function ask(path) {
-  const response = await fetch(`${path}?${asked}`);
-  return response.ok ? response.json() : null;
+// What the lab says. Where it refuses, or does not answer, this fails in words that can be told; where the answer is wanted no more,
+// as fetch does.
+async function ask(path, signal) {
+  const response = await fetch(`${path}?${asked}`, { signal }).catch(unanswered);
+  const text = await response.text().catch(unanswered);
+  if (!response.ok) throw new Error(text.trimEnd());
+  return JSON.parse(text);
+}
+
+function unanswered(error) {
+  throw error.name === "AbortError" ? error : new Error(`error: the lab does not answer: ${error.message}`);
 }
 
 // A moment's name, as the lab takes it.
@@ -21,17 +29,15 @@ function nameOfMoment({ fifo, what, station, ray, cell }) {
 }
 
 Object.assign(doors, {
-  window: (from, until) => ask(`window/${from}/${until}`),
-  find: (moment, cycle) => moment.cycle === undefined ? ask(`find/${cycle}/${nameOfMoment(moment)}`) : null,
-  ray: ([x, y]) => ask(`ray/${x}/${y}`),
-  look: (ray) => ask(`look/${ray}`),
-  instructions: (cell, ray) => ask(`instructions/${cell}/${ray}`),
+  window: (from, until, signal) => ask(`window/${from}/${until}`, signal),
+  find: (moment, cycle, signal) => moment.cycle === undefined ? ask(`find/${cycle}/${nameOfMoment(moment)}`, signal) : null,
+  ray: ([x, y], signal) => ask(`ray/${x}/${y}`, signal),
+  look: (ray, signal) => ask(`look/${ray}`, signal),
+  instructions: (cell, ray, signal) => ask(`instructions/${cell}/${ray}`, signal),
 });
 
 // What the run's rays come to, which is told behind all else.
 function showLooks(looks) {
   run.looks = looks;
-  const at = stepper?.cycle;
-  startStepper();
-  if (at !== undefined) stepper?.go(at);
+  stepper?.learn();
 }

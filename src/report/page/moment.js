@@ -9,8 +9,8 @@ function tell(station, cycle) {
   if (!tape || station === undefined) return hush();
   const time = `cycle ${grouped(cycle)} (${figure(cycle * run.cycle)} ${run.unit})`;
   if (!isOnTape(cycle)) {
-    panel.replaceChildren(element("b", {}, `${time}: `), `the page holds the cycles ${grouped(tape.from)} to before ${grouped(tape.until)} ` +
-      `one by one; --trace-window ${windowAround(cycle)} holds these`);
+    const others = doors.window ? "a click goes to this one" : `--trace-window ${windowAround(cycle)} holds these`;
+    panel.replaceChildren(element("b", {}, `${time}: `), `the page holds the cycles ${grouped(tape.from)} to before ${grouped(tape.until)} one by one; ${others}`);
   } else if (!recordOf(station)) {
     return hush();
   } else {

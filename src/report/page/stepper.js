@@ -3,7 +3,8 @@
 
 // What a page with a server behind it asks there; null where there is none.
 // `window(from, until)` gives other cycles, `find(question, cycle)` a cycle, `ray([x, y])` a pixel's ray, `look(ray)` a ray's way,
-// `instructions(cell, ray)` what a cell executes.
+// `instructions(cell, ray)` what a cell executes. The last argument of each is a signal that the answer is wanted no more. They fail
+// in words that can be told.
 const doors = { window: null, find: null, ray: null, look: null, instructions: null };
 
 // As many cells are drawn at once.
@@ -27,6 +28,8 @@ class Stepper {
     this.followed = null;
     this.speed = 3;
     this.playing = null;
+    // What it has asked for and still wants.
+    this.wanted = new AbortController();
     this.side = null;
     this.looks = new Map();
     this.executed = new Map();
@@ -95,6 +98,20 @@ class Stepper {
       bar, line, asks, this.told, this.way, this.map, this.row, this.details);
     around.addEventListener("keydown", (event) => this.key(event));
     this.place.replaceChildren(around);
+    this.offerPixels();
+  }
+
+  // Takes what rays come to, which a page may come to know later than all else.
+  learn() {
+    this.pixels = null;
+    this.looks.clear();
+    this.executed.clear();
+    this.offerPixels();
+    if (this.playing === null) this.drawDetails();
+  }
+
+  // The picture's pixels, as far as it is known whose they are.
+  offerPixels() {
     const picture = document.querySelector("#run header img");
     if (picture && run.looks?.size) {
       picture.classList.add("pickable");
@@ -130,11 +147,24 @@ class Stepper {
   }
 
   // Goes on or back, to where another window begins if the page can have it.
-  async step(kind, direction) {
+  step(kind, direction) {
     this.pause();
-    if (kind === "instruction") return this.instruct(direction);
-    if (kind === "event") return this.stepEvent(direction);
-    return this.reachOrStop(direction, { cycle: () => this.cycle + direction, op: () => opBeside(this.station, this.cycle, direction) }[kind]());
+    return this.tried(() => {
+      if (kind === "instruction") return this.instruct(direction);
+      if (kind === "event") return this.stepEvent(direction);
+      return this.reachOrStop(direction, { cycle: () => this.cycle + direction, op: () => opBeside(this.station, this.cycle, direction) }[kind]());
+    });
+  }
+
+  // Does what may ask a server. What is asked for in vain is told; what is wanted no more ends without a word.
+  async tried(work) {
+    try {
+      await work();
+    } catch (error) {
+      if (error.name === "AbortError") return;
+      this.pause();
+      this.say(error.message);
+    }
   }
 
   // Events lead back the way that they led, to where the first step was taken, though nothing may have changed there.
@@ -159,9 +189,7 @@ class Stepper {
     if (isOnTape(cycle)) return true;
     if (!doors.window || cycle < 0 || cycle >= run.cycles) return false;
     const length = Math.max(tape.until - tape.from, 1), from = Math.max(0, cycle - Math.floor(length / 8));
-    const window = await doors.window(from, from + length);
-    if (!window || stepper !== this) return false;
-    replaceWindow(window);
+    replaceWindow(await doors.window(from, from + length, this.wanted.signal));
     [this.slider.min, this.slider.max] = [tape.from, tape.until - 1];
     return isOnTape(cycle);
   }
@@ -181,18 +209,30 @@ class Stepper {
     let last = performance.now(), owed = 0;
     this.told.setAttribute("aria-live", "off");
     this.player.textContent = "❚❚ pause";
-    const frame = (now) => {
+    const frame = (now) => this.tried(async () => {
       owed += (now - last) / 1000 * SPEEDS[this.speed];
       last = now;
       const whole = Math.floor(owed);
       owed -= whole;
       if (whole > 0) this.go(this.cycle + whole);
-      if (this.cycle >= tape.until - 1) this.pause(); else this.playing = requestAnimationFrame(frame);
-    };
+      const end = tape.until;
+      if (this.cycle === end - 1) {
+        if (!await this.reach(end)) {
+          this.pause();
+          return this.say(this.edge(1));
+        }
+        this.go(end);
+        last = performance.now();
+      }
+      this.playing = requestAnimationFrame(frame);
+    });
     this.playing = requestAnimationFrame(frame);
   }
 
+  // Ends playing. What was asked for before is wanted no more.
   pause() {
+    this.wanted.abort();
+    this.wanted = new AbortController();
     if (this.playing === null) return;
     cancelAnimationFrame(this.playing);
     this.playing = null;
@@ -202,15 +242,19 @@ class Stepper {
   }
 
   // Goes to a moment that is asked for in words.
-  async seek(text) {
+  seek(text) {
     this.pause();
     const asked = question(text);
     if (!asked) return this.say(`“${text}” is no moment. Ask for a cycle, a time as 1.5 ms, X1 is full, cell 2 waits, ray 17, ray 17 comes to cell 3, ray 17 comes back, pixel 3 4.`);
     const missing = missingOf(asked);
     if (missing) return this.say(`“${text.trim()}” is no moment: there is no ${missing}.`);
+    return this.tried(() => this.goTo(asked, text.trim()));
+  }
+
+  async goTo(asked, text) {
     if (asked.pixel) {
-      const ray = this.rayOf(asked.pixel) ?? (doors.ray ? await doors.ray(asked.pixel) : null);
-      if (ray === null) return this.say(`The ray of pixel ${asked.pixel.join(", ")} is not among those of the cycles that the page holds.`);
+      const ray = this.rayOf(asked.pixel) ?? (doors.ray ? await doors.ray(asked.pixel, this.wanted.signal) : null);
+      if (ray === null) return this.say(doors.ray ? `No ray is sent through pixel ${asked.pixel.join(", ")}.` : `The ray of pixel ${asked.pixel.join(", ")} is not among those of the cycles that the page holds.`);
       Object.assign(asked, { ray });
     }
     if (asked.ray !== undefined) this.follow(asked.ray);
@@ -219,9 +263,11 @@ class Stepper {
     if (asked.cycle !== undefined && await this.reach(asked.cycle)) return this.go(asked.cycle);
     const here = find(asked, this.cycle);
     if (here !== null) return this.go(here);
-    const there = doors.find ? await doors.find(asked, this.cycle) : null;
-    if (there !== null && stepper === this && await this.reach(there)) return this.go(there);
-    this.say(`“${text.trim()}” does not come${asked.ray === undefined && asked.cycle === undefined ? " again" : ""} in the cycles that the page holds, ${grouped(tape.from)} to before ${grouped(tape.until)}.`);
+    const there = doors.find ? await doors.find(asked, this.cycle, this.wanted.signal) : null;
+    if (there !== null && await this.reach(there)) return this.go(there);
+    const isEvent = asked.ray === undefined && asked.cycle === undefined;
+    const where = doors.find ? (isEvent ? `behind cycle ${grouped(this.cycle)}` : "in the run") : `in the cycles that the page holds, ${grouped(tape.from)} to before ${grouped(tape.until)}`;
+    this.say(`“${text}” does not come${isEvent ? " again" : ""} ${where}.`);
   }
 
   // The ray of a pixel, if the page knows it.
@@ -417,14 +463,19 @@ class Stepper {
   known(all, key, held, door) {
     if (!all.has(key)) {
       all.set(key, held ?? null);
-      if (!held && door) door().then((found) => { all.set(key, found); if (stepper === this && found && this.playing === null) this.drawDetails(); }, () => all.delete(key));
+      const redraw = () => { if (stepper === this && this.playing === null) this.drawDetails(); };
+      if (!held && door) door(this.wanted.signal).then((found) => { all.set(key, found); if (found) redraw(); }, (error) => {
+        all.delete(key);
+        // Where it is still to be seen it is asked for again.
+        if (error.name === "AbortError") redraw(); else this.say(error.message);
+      });
     }
     return all.get(key);
   }
 
   drawLook(ray) {
     const held = run.looks.visits[ray];
-    const told = this.known(this.looks, ray, held && { look: held, polygons: run.looks.polygons }, doors.look && (() => doors.look(ray)));
+    const told = this.known(this.looks, ray, held && { look: held, polygons: run.looks.polygons }, doors.look && ((signal) => doors.look(ray, signal)));
     const panel = element("section", { class: "look" }, element("h3", {}, `Ray ${grouped(ray)} in the scene`));
     this.details.append(panel);
     if (!told) {
@@ -457,7 +508,7 @@ class Stepper {
   // The instructions that the chosen cell executes for a ray, with their times, if all of them are known.
   program(ray) {
     const key = `${this.station} ${ray}`, station = this.station;
-    const text = this.known(this.executed, key, run.looks.instructions[key], doors.instructions && (() => doors.instructions(station, ray)));
+    const text = this.known(this.executed, key, run.looks.instructions[key], doors.instructions && ((signal) => doors.instructions(station, ray, signal)));
     const steps = text && stepsOf(text), times = steps && instructionTimes(this.station, ray, steps);
     return times && { steps, times, ray };
   }
@@ -485,7 +536,7 @@ class Stepper {
     const panel = element("section", { class: "program" }, element("h3", {}, `Cell ${this.station} runs ${name.replace(/^.*\//, "")} on ray ${grouped(ray)}`));
     this.details.append(panel);
     if (!known) {
-      panel.append(element("p", { class: "hint" }, "The page does not hold these instructions: it has those of its first rays."));
+      panel.append(element("p", { class: "hint" }, doors.instructions ? "…" : "The page does not hold these instructions: it has those of its first rays."));
       return;
     }
     const at = this.instruction(known), { steps } = known, registers = new Map();

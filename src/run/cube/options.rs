@@ -58,7 +58,7 @@ parameters! {
         page_bytes: u32, "N", Whole, "page of the shared memory (bytes)";
         /// A machine file of your own; the flags below change it further [default: iPSC/2].
         #[cfg_attr(feature = "cli", arg(help_heading = "Machine"))]
-        machine: PathBuf, "FILE", Text, "machine";
+        machine: PathBuf, "FILE", File, "machine";
     }
 }
 

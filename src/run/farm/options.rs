@@ -35,7 +35,7 @@ parameters! {
         grid_coefficient: f64, "N", Number, "grid coefficient (voxels a polygon)";
         /// A machine file of your own; the flags below change it further [default: CAPITAN].
         #[cfg_attr(feature = "cli", arg(help_heading = "Machine"))]
-        machine: PathBuf, "FILE", Text, "machine";
+        machine: PathBuf, "FILE", File, "machine";
     }
 }
 

@@ -7,6 +7,7 @@ use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 use base64::Engine;
@@ -30,6 +31,8 @@ struct Connection {
     said: u64,
     /// What went wrong on its pages, by their sessions.
     log: Vec<(String, String)>,
+    /// Where scripts run, the latest last.
+    contexts: Vec<Value>,
 }
 
 /// An open page.
@@ -42,14 +45,21 @@ impl Browser {
     /// Starts one, if one is installed.
     pub fn start() -> Option<Browser> {
         let names = ["chromium", "chromium-browser", "google-chrome"];
-        let is_there = |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success());
-        let Some(name) = names.into_iter().find(is_there) else {
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let place =
+            |name: &str| std::env::split_paths(&path).map(|folder| folder.join(name)).find(|file| file.is_file());
+        let Some(program) = names.into_iter().find_map(place) else {
             assert!(std::env::var_os("BROWSER_REQUIRED").is_none(), "there is no browser among {names:?}");
             eprintln!("skipped: there is no browser among {names:?}");
             return None;
         };
+        Some(Browser::launch(&program, PATIENCE).unwrap_or_else(|why| panic!("{}: {why}", program.display())))
+    }
+
+    /// Starts that one. Fails if it takes longer than that until it is ready.
+    pub fn launch(program: &Path, patience: Duration) -> Result<Browser, String> {
         let profile = tempfile::tempdir().unwrap();
-        let mut process = Command::new(name)
+        let mut process = Command::new(program)
             .args("--headless=new --no-sandbox --disable-gpu --no-first-run --disable-background-networking".split(' '))
             .args("--disable-component-update --disable-sync --remote-debugging-port=0 about:blank".split(' '))
             .arg(format!("--user-data-dir={}", profile.path().display()))
@@ -57,15 +67,26 @@ impl Browser {
             .spawn()
             .unwrap();
         let mut lines = BufReader::new(process.stderr.take().unwrap()).lines().map_while(Result::ok);
-        let address = lines.find_map(|line| Some(line.split_once("listening on ")?.1.to_owned()));
-        // What else it says is of no use, but must be taken.
-        std::thread::spawn(move || lines.for_each(drop));
-        let (socket, _) = tungstenite::connect(address.expect("it listens")).unwrap();
-        if let MaybeTlsStream::Plain(stream) = socket.get_ref() {
-            stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let (said, address) = mpsc::channel();
+        std::thread::spawn(move || {
+            if let Some(address) = lines.find_map(|line| Some(line.split_once("listening on ")?.1.to_owned())) {
+                let _ = said.send(address);
+            }
+            // What else it says is of no use, but must be taken.
+            lines.for_each(drop);
+        });
+        let address = address.recv_timeout(patience).map_err(|_| "it does not say where it listens".to_owned());
+        match address.and_then(|address| connected(&address, patience)) {
+            Ok(socket) => {
+                let connection = RefCell::new(Connection { socket, said: 0, log: Vec::new(), contexts: Vec::new() });
+                Ok(Browser { process, connection, _profile: profile })
+            }
+            Err(why) => {
+                let _ = process.kill();
+                let _ = process.wait();
+                Err(why)
+            }
         }
-        let connection = RefCell::new(Connection { socket, said: 0, log: Vec::new() });
-        Some(Browser { process, connection, _profile: profile })
     }
 
     /// Opens a page in a window of that size, and waits until it is loaded.
@@ -90,6 +111,15 @@ impl Browser {
     }
 }
 
+/// The connection to one that listens at an address, where each answer may take so long.
+fn connected(address: &str, patience: Duration) -> Result<WebSocket<MaybeTlsStream<TcpStream>>, String> {
+    let host = address.trim_start_matches("ws://").split('/').next().unwrap_or_default();
+    let stream = TcpStream::connect(host).map_err(|error| format!("{address}: {error}"))?;
+    stream.set_read_timeout(Some(patience)).unwrap();
+    let joined = tungstenite::client(address, MaybeTlsStream::Plain(stream));
+    joined.map(|(socket, _)| socket).map_err(|error| format!("it does not answer at {address}: {error}"))
+}
+
 impl Drop for Browser {
     fn drop(&mut self) {
         let _ = self.process.kill();
@@ -100,7 +130,24 @@ impl Drop for Browser {
 impl Page<'_> {
     /// What an expression of JavaScript comes to, as JSON; of a promise, what it is resolved to.
     pub fn eval(&self, expression: &str) -> Value {
-        let asked = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        self.evaluate(expression, json!({}))
+    }
+
+    /// The same among the scripts of one of the frames in it, counted from 0.
+    pub fn eval_in(&self, frame: usize, expression: &str) -> Value {
+        let frame = self.say("Page.getFrameTree", json!({}))["frameTree"]["childFrames"][frame]["frame"]["id"].take();
+        let is_of_frame =
+            |context: &&Value| context["auxData"]["frameId"] == frame && context["auxData"]["isDefault"] == true;
+        let connection = self.browser.connection.borrow();
+        let context =
+            connection.contexts.iter().rev().find(is_of_frame).expect("the frame has scripts")["uniqueId"].clone();
+        drop(connection);
+        self.evaluate(expression, json!({ "uniqueContextId": context }))
+    }
+
+    fn evaluate(&self, expression: &str, mut asked: Value) -> Value {
+        asked["expression"] = json!(expression);
+        (asked["awaitPromise"], asked["returnByValue"]) = (json!(true), json!(true));
         let answer = self.say("Runtime.evaluate", asked);
         assert!(answer["exceptionDetails"].is_null(), "{expression}: {}", answer["exceptionDetails"]);
         answer["result"]["value"].clone()
@@ -108,8 +155,17 @@ impl Page<'_> {
 
     /// Waits until an expression is true.
     pub fn wait_for(&self, expression: &str) {
+        self.wait(expression, |expression| self.eval(expression));
+    }
+
+    /// The same in one of the frames.
+    pub fn wait_in(&self, frame: usize, expression: &str) {
+        self.wait(expression, |expression| self.eval_in(frame, expression));
+    }
+
+    fn wait(&self, expression: &str, eval: impl Fn(&str) -> Value) {
         let start = Instant::now();
-        while self.eval(&format!("!!({expression})")) != Value::Bool(true) {
+        while eval(&format!("!!({expression})")) != Value::Bool(true) {
             assert!(start.elapsed() < PATIENCE, "{expression} is still not true; the page said {:?}", self.log());
             std::thread::sleep(Duration::from_millis(20));
         }
@@ -122,6 +178,7 @@ impl Page<'_> {
         let code = match key {
             "Enter" => 13,
             "Tab" => 9,
+            "Escape" => 27,
             "ArrowLeft" => 37,
             "ArrowUp" => 38,
             "ArrowRight" => 39,
@@ -218,6 +275,9 @@ impl Connection {
 
     fn note(&mut self, message: &Value) {
         let what = &message["params"];
+        if message["method"] == "Runtime.executionContextCreated" {
+            self.contexts.push(what["context"].clone());
+        }
         let is_bad = |level: &Value| ["error", "warning", "assert"].iter().any(|bad| level == bad);
         let text = match message["method"].as_str() {
             Some("Runtime.exceptionThrown") => what["exceptionDetails"].to_string(),

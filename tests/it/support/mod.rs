@@ -23,10 +23,11 @@ use pcs_sim::geometry::{Hit, Ray};
 use pcs_sim::host::camera::{ImageSize, primary_rays};
 use pcs_sim::isa::InstructionCycles;
 use pcs_sim::machine::{KernelTimes, Machine, MachineFile};
-use pcs_sim::measure::{FifoStats, Measured};
+use pcs_sim::measure::{FifoStats, Measured, Recording};
 use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::{ArrayProgram, Workload, work};
-use pcs_sim::run::{self, TracedBatch, Workers};
+use pcs_sim::quantities::Cycles;
+use pcs_sim::run::{self, Layers, PlannedRun, RunSpec, Setup, TracedBatch, Watching, Workers};
 use pcs_sim::scene::{self, Mesh, ReadOptions, Scene, builtin};
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 use pcs_sim::seam::{Costs, Op, OpBatch};
@@ -68,6 +69,19 @@ pub fn hits(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray], threads: usize) -
     let outcome =
         run::run(&workload, &machine().spec, rays, &Workers::new(threads), |_| Ok::<_, Infallible>(())).unwrap();
     outcome.hits.iter().map(bits).collect()
+}
+
+/// The run that statistics describe, recorded from its first cycle on.
+pub fn recorded(stats: serde_json::Value) -> (Setup, Recording) {
+    let workers = Workers::new(1);
+    let planned = PlannedRun::new(RunSpec::from_json(stats).unwrap()).unwrap();
+    let setup = Setup::new(planned, &mut Layers::default(), &workers.cancel).unwrap();
+    let watching = Watching { recording: Some(Cycles(0)..Cycles(u64::MAX)), ..Watching::default() };
+    let watched = (&setup.machine.spec, &watching);
+    let rays = &setup.prepared.rays;
+    let outcome = run::run_watched(&setup.workload, watched, rays, &workers, |_, _| Ok::<_, Infallible>(()));
+    let recording = outcome.unwrap().observed.recording.unwrap();
+    (setup, recording)
 }
 
 /// Standard programs for the cells.
