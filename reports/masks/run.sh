@@ -1,12 +1,11 @@
 #!/bin/sh
 . ../sweeps.sh
-sweep without
-sweep with
+sweep_where_some_fail broadcast
 sweep hybrid
-sweep hybrid-masked
+sweep pipeline
 sweep host
-table saved saved.awk without.csv hybrid.csv with.csv hybrid-masked.csv
+table saved saved.awk broadcast.csv hybrid.csv pipeline.csv
 table scenes scenes.awk saved.csv
-table pays pays.awk without.csv host.csv
+table pays pays.awk broadcast.csv host.csv
 plot saved saved "Broadcast, sub-volumes of equal work, masks by boxes: share of the cycles that is saved" \
     x=cells y=saved by=scene mode=broadcast partition=work masks=boxes log=none

@@ -8,6 +8,8 @@ use super::footprint::{Footprint, area_vector};
 use crate::cancel::Cancel;
 use crate::geometry::grid::Unfilled;
 use crate::geometry::{Bounds, Grid, Hit, Polygons, Ray, RaySlabs, Slabs};
+use crate::program::{Masks, Screening};
+use crate::scene::Camera;
 
 /// The sketch's grid has so many times fewer voxels than the one that it is made for. Walks that stop at a hit see the
 /// front of what stands in a voxel: much coarser ones would spread it over too much empty space.
@@ -36,6 +38,15 @@ pub struct RayWork {
     pub finds: f64,
     /// Share of the rays that have any survivor.
     pub meets: f64,
+    /// Share of the rays whose mask spares them the sub-volume: its cells only pass them on.
+    pub spared: f64,
+}
+
+impl RayWork {
+    /// Share of the rays that the cells begin.
+    pub fn begun(&self) -> f64 {
+        1.0 - self.spared
+    }
 }
 
 /// A sub-volume with a coarse grid, and a sample of the rays.
@@ -58,6 +69,8 @@ pub(super) struct Sketch<'a> {
     pub perimeter: f64,
     /// The rays, each cut off where its walk ends.
     rays: Vec<Ray>,
+    /// Share of them that masks spare the sub-volume.
+    spared: f64,
 }
 
 impl<'a> Sketch<'a> {
@@ -82,6 +95,7 @@ impl<'a> Sketch<'a> {
             area: 0.0,
             perimeter: 0.0,
             rays: Vec::new(),
+            spared: 0.0,
             grid,
         };
         sketch.spread(members);
@@ -92,6 +106,16 @@ impl<'a> Sketch<'a> {
     /// The volume that the grid fills.
     pub fn volume(&self) -> Bounds {
         self.grid.volume()
+    }
+
+    /// The same where masks spare the sub-volume the rays that cannot meet it.
+    pub fn masked(mut self, rays: &[Ray], (masks, camera): (Masks, &Camera)) -> Sketch<'a> {
+        if let Some(screening) = Screening::new(masks) {
+            let screening = screening.seen_by(camera, self.polygons, [&self.grid]);
+            let spared = rays.iter().filter(|ray| !screening.admits(ray, self.polygons, (0, &self.grid)));
+            self.spared = spared.count() as f64 / rays.len().max(1) as f64;
+        }
+        self
     }
 
     /// Spreads each polygon evenly over the coarse voxels that list it.
@@ -145,6 +169,7 @@ impl<'a> Sketch<'a> {
             survivors: sum.survivors * share,
             finds: sum.finds * share,
             meets: sum.meets * share,
+            spared: self.spared,
         }
     }
 

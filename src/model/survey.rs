@@ -8,6 +8,8 @@ use super::throughput::ArrayModel;
 use crate::geometry::grid::{Unfilled, voxels_for};
 use crate::geometry::partition::SubVolume;
 use crate::geometry::{Polygons, Ray, Slabs};
+use crate::program::Masks;
+use crate::scene::Camera;
 
 /// How many of the rays are looked at.
 const SAMPLE: usize = 2000;
@@ -33,12 +35,18 @@ pub struct Survey<'a> {
     slabs: Slabs,
     sub_volumes: &'a [SubVolume],
     rays: Vec<Ray>,
+    masks: Option<(Masks, &'a Camera)>,
 }
 
 impl<'a> Survey<'a> {
     /// Surveys a scene. Of the rays a sample is kept, spread evenly over all of them.
     pub fn new(polygons: &'a Polygons, sub_volumes: &'a [SubVolume], rays: &[Ray]) -> Survey<'a> {
-        Survey { polygons, slabs: Slabs::new(polygons), sub_volumes, rays: sample(rays) }
+        Survey { polygons, slabs: Slabs::new(polygons), sub_volumes, rays: sample(rays), masks: None }
+    }
+
+    /// The same where masks spare sub-volumes rays. `camera` is the one whose eye the rays are from.
+    pub fn masked(self, masks: Masks, camera: &'a Camera) -> Survey<'a> {
+        Survey { masks: Some((masks, camera)), ..self }
     }
 
     /// What an array will have to do, with so many voxels a polygon.
@@ -67,7 +75,11 @@ impl<'a> Survey<'a> {
     fn sketch(&self, array: &ArrayModel, coefficient: f64) -> Result<Vec<Sketch<'_>>, Unfilled> {
         let scene = (self.polygons, &self.slabs);
         let sketch = |part: &SubVolume| {
-            Sketch::new(scene, (part.volume, &part.members), &self.rays, array.walks_stop(), coefficient)
+            let sketch = Sketch::new(scene, (part.volume, &part.members), &self.rays, array.walks_stop(), coefficient)?;
+            Ok(match self.masks {
+                Some(masks) => sketch.masked(&self.rays, masks),
+                None => sketch,
+            })
         };
         self.sub_volumes.par_iter().map(sketch).collect()
     }

@@ -55,6 +55,8 @@ pub struct ArrayModel {
     pub times: Times,
     /// The links.
     pub links: Links,
+    /// Words of a ray's mask, behind the others on X.
+    pub mask_words: f64,
     /// Cycles in a second.
     pub cycles_per_second: f64,
 }
@@ -155,7 +157,12 @@ impl ArrayModel {
 
     /// What the host does for a ray.
     pub fn host_load(&self) -> f64 {
-        self.times.host_ray + RAY_WORDS + self.wait_within(RAY_WORDS)
+        self.times.host_ray + self.ray_words() + self.wait_within(self.ray_words())
+    }
+
+    /// Words of a ray on X, with its mask.
+    fn ray_words(&self) -> f64 {
+        RAY_WORDS + self.mask_words
     }
 
     /// What each cell does for a ray, from left to right. `groups` is what each group finds in its sub-volume.
@@ -173,19 +180,20 @@ impl ArrayModel {
         let runs = self.stages[stage];
         let Times { grid, slabs, intersection, .. } = self.times;
         // A kernel starts on the ray if it is its cell's first, else at the first polygon that reaches it.
-        let slabs_start = if runs.grid { work.finds } else { 1.0 };
+        let begun = work.begun();
+        let slabs_start = if runs.grid { work.finds } else { begun };
         let reached = if self.has_slabs() { work.meets } else { work.finds };
-        let intersection_start = if runs.grid || runs.slabs { reached } else { 1.0 };
+        let intersection_start = if runs.grid || runs.slabs { reached } else { begun };
         let cost = |runs: bool, time: KernelTime, started: f64, count: f64| {
             if runs { time.start * started + time.each * count } else { 0.0 }
         };
-        let passed_on = if is_last_cell { 0.0 } else { RAY_WORDS };
+        let passed_on = if is_last_cell { 0.0 } else { self.ray_words() };
         CellLoad {
-            grid: cost(runs.grid, grid, 1.0, work.voxels),
+            grid: cost(runs.grid, grid, begun, work.voxels),
             slabs: cost(runs.slabs, slabs, slabs_start, work.candidates),
             intersection: cost(runs.intersection, intersection, intersection_start, self.tested(work)),
             // A ray's word is passed on in the cycle in which it is read.
-            moving: RAY_WORDS
+            moving: self.ray_words()
                 + self.words_in(stage, work, has_earlier_group)
                 + self.words_out(stage, work, has_earlier_group),
             link_wait: self.wait_within(passed_on)
@@ -195,10 +203,10 @@ impl ArrayModel {
 
     /// What each link carries for a ray: into each cell, then into the host.
     pub fn link_loads(&self, groups: &[RayWork]) -> Vec<LinkLoad> {
-        let mut links = vec![LinkLoad { x: RAY_WORDS, y: 0.0 }];
+        let mut links = vec![LinkLoad { x: self.ray_words(), y: 0.0 }];
         for (group, work) in groups.iter().enumerate() {
             for stage in 0..self.stages.len() {
-                links.push(LinkLoad { x: RAY_WORDS, y: self.words_out(stage, work, group > 0) });
+                links.push(LinkLoad { x: self.ray_words(), y: self.words_out(stage, work, group > 0) });
             }
         }
         if let Some(last) = links.last_mut() {
@@ -228,7 +236,7 @@ impl ArrayModel {
             return 0.0;
         }
         let filtered = self.stages[..=stage].iter().any(|stage| stage.slabs);
-        (if filtered { work.survivors } else { work.candidates } + 1.0) * CANDIDATE_WORDS
+        (if filtered { work.survivors } else { work.candidates } + work.begun()) * CANDIDATE_WORDS
     }
 
     /// What a message waits between its words.

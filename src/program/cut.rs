@@ -25,6 +25,15 @@ const ROUNDS_IN_VAIN: usize = 6;
 /// Of how many rounds the measurements count, each half of the one after it: from the last one alone parts swing to and fro.
 const ROUNDS_REMEMBERED: usize = 4;
 
+/// What a cut looks at before it is made.
+#[derive(Clone, Debug, Default)]
+pub struct Sample {
+    /// A few of the run's rays, which are traced ahead.
+    pub rays: Vec<Ray>,
+    /// The surfaces laid out for one cell, if they are: their grid need not be filled again.
+    pub in_one_cell: Option<Arc<Layout>>,
+}
+
 /// The rays that a cut looks at, of those of a run.
 pub fn sub_sample(rays: &[Ray]) -> Vec<Ray> {
     rays.iter().step_by(SAMPLE_EVERY).copied().collect()
@@ -36,7 +45,8 @@ impl Workload {
     /// Fails as [`Layout::new`] does.
     pub fn new(mesh: &Mesh, program: &ArrayProgram, times: KernelTimes, rays: &[Ray]) -> Result<Workload, InputError> {
         let surfaces = Arc::new(Surfaces::new(mesh, rays));
-        match Layout::new(surfaces, program, times, &sub_sample(rays), &Cancel::default()) {
+        let sample = Sample { rays: sub_sample(rays), in_one_cell: None };
+        match Layout::new(surfaces, program, times, sample, &Cancel::default()) {
             Ok(layout) => Ok(Workload::of(Arc::new(layout), program, times)),
             Err(NotLaidOut::Unfit(error)) => Err(error),
             Err(NotLaidOut::Cancelled(cancelled)) => Err(InputError::new(cancelled.to_string())),
@@ -45,8 +55,8 @@ impl Workload {
 }
 
 impl Layout {
-    /// Lays surfaces out. Cuts by work weigh what they find by `times`, and trace `sample` ahead, a few of the run's rays; so does a
-    /// numbering from front to back. Nothing else looks at either.
+    /// Lays surfaces out. Cuts by work weigh what they find by `times`, and trace the sample's rays ahead; so does a numbering from front
+    /// to back. Nothing else looks at either.
     ///
     /// # Errors
     ///
@@ -55,10 +65,11 @@ impl Layout {
         surfaces: Arc<Surfaces>,
         program: &ArrayProgram,
         times: KernelTimes,
-        sample: &[Ray],
+        sample: Sample,
         cancel: &Cancel,
     ) -> Result<Layout, NotLaidOut> {
-        let boxes = Cut { surfaces: &surfaces, program, times, sample, cancel }.boxes()?;
+        let Sample { rays, in_one_cell } = sample;
+        let boxes = Cut { surfaces: &surfaces, program, times, sample: &rays, cancel }.boxes(in_one_cell)?;
         Layout::in_boxes(surfaces, &boxes, program.grid_coefficient, cancel)
     }
 }
@@ -73,7 +84,7 @@ impl Surfaces {
         cancel: &Cancel,
     ) -> Result<Vec<SubVolume>, NotLaidOut> {
         let cut = Cut { surfaces: self, program, times, sample, cancel };
-        Ok(partition::assign(&self.polygons, &cut.boxes()?))
+        Ok(partition::assign(&self.polygons, &cut.boxes(None)?))
     }
 }
 
@@ -89,7 +100,7 @@ struct Cut<'a> {
 
 impl Cut<'_> {
     /// The boxes of the sub-volumes, in the order of the groups.
-    fn boxes(&self) -> Result<Vec<Bounds>, NotLaidOut> {
+    fn boxes(&self, in_one_cell: Option<Arc<Layout>>) -> Result<Vec<Bounds>, NotLaidOut> {
         self.program.check()?;
         let (polygons, groups) = (&self.surfaces.polygons, self.program.groups);
         if groups > polygons.len() {
@@ -105,8 +116,8 @@ impl Cut<'_> {
         match self.program.partition {
             Partition::Regular => Ok(self.numbered(partition::regular(volume, groups))),
             Partition::Polygons => Ok(weighted(partition::polygon_weights(polygons))),
-            Partition::Work => Ok(weighted(self.work_in_one_cell(volume)?)),
-            Partition::Measured => self.measured(weighted(self.work_in_one_cell(volume)?), weighted),
+            Partition::Work => Ok(weighted(self.work_in_one_cell(volume, in_one_cell)?)),
+            Partition::Measured => self.measured(weighted(self.work_in_one_cell(volume, in_one_cell)?), weighted),
         }
     }
 
@@ -118,14 +129,15 @@ impl Cut<'_> {
     }
 
     /// Where one cell with the whole scene would work how long.
-    fn work_in_one_cell(&self, volume: Bounds) -> Result<Vec<Weight>, NotLaidOut> {
+    fn work_in_one_cell(&self, volume: Bounds, in_one_cell: Option<Arc<Layout>>) -> Result<Vec<Weight>, NotLaidOut> {
         let stage = if self.program.placement().slabs.is_some() {
             vec![Kernel::Grid, Kernel::Slabs, Kernel::Intersection]
         } else {
             vec![Kernel::Grid, Kernel::Intersection]
         };
         let one_cell = ArrayProgram { stages: vec![stage], ..ArrayProgram::one_cell(self.program.grid_coefficient) };
-        Ok(self.work(&one_cell, &[volume])?.stages.swap_remove(0))
+        let layout = in_one_cell.map_or_else(|| self.laid_out(&[volume]), Ok)?;
+        Ok(self.work(&one_cell, layout)?.stages.swap_remove(0))
     }
 
     /// Cuts again where the groups, cut into `boxes`, work how long, until the busiest cell has no less to do for some rounds.
@@ -137,7 +149,7 @@ impl Cut<'_> {
         let (mut best, mut least, mut in_vain) = (boxes.clone(), f64::INFINITY, 0);
         let mut rounds: VecDeque<Vec<Weight>> = VecDeque::new();
         for _ in 0..MOST_ROUNDS {
-            let mut work = self.work(self.program, &boxes)?;
+            let mut work = self.work(self.program, self.laid_out(&boxes)?)?;
             let busiest = work.groups.iter().flatten().copied().fold(0.0, f64::max);
             if busiest < least {
                 (best, least, in_vain) = (boxes, busiest, 0);
@@ -161,11 +173,14 @@ impl Cut<'_> {
         Ok(best)
     }
 
-    /// What the cells of a program do for the sample, when the scene is cut into these boxes.
-    fn work(&self, program: &ArrayProgram, boxes: &[Bounds]) -> Result<WorkSample, NotLaidOut> {
-        let layout = Layout::in_boxes(self.surfaces.clone(), boxes, program.grid_coefficient, self.cancel)?;
-        let workload = Workload { screening: None, ..Workload::of(Arc::new(layout), program, self.times) };
-        let mut work = WorkSample::new(boxes.len(), program.stages.len());
+    fn laid_out(&self, boxes: &[Bounds]) -> Result<Arc<Layout>, NotLaidOut> {
+        Layout::in_boxes(self.surfaces.clone(), boxes, self.program.grid_coefficient, self.cancel).map(Arc::new)
+    }
+
+    /// What the cells of a program do for the sample, when the scene is laid out so.
+    fn work(&self, program: &ArrayProgram, layout: Arc<Layout>) -> Result<WorkSample, NotLaidOut> {
+        let mut work = WorkSample::new(layout.groups.len(), program.stages.len());
+        let workload = Workload { screening: None, ..Workload::of(layout, program, self.times) };
         let mut tracer = Tracer::new(&workload);
         for ray in self.sample {
             self.cancel.check()?;

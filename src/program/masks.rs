@@ -3,15 +3,15 @@
 //!
 //! A bit that is not set means that the ray has no hit in that sub-volume's grid, so that hits do not depend on masks.
 
-use crate::geometry::{Eye, Ray, ScreenRectangle};
+use crate::geometry::{Eye, Grid, Polygons, Ray, ScreenRectangle};
 use crate::scene::Camera;
 
 use super::array_program::Masks;
-use super::layout::Layout;
+use super::messages::MASK_BITS;
 
 /// What tells the host which sub-volumes rays can meet.
 #[derive(Clone, Debug)]
-pub(super) enum Screening {
+pub(crate) enum Screening {
     /// The sub-volumes' boxes, against which every ray is tested.
     Boxes,
     /// Their rectangles before an eye, against which its rays are tested.
@@ -30,13 +30,18 @@ impl Screening {
     }
 
     /// The rectangles of sub-volumes that a camera sees, if they are to be seen.
-    pub fn seen_by(self, camera: &Camera, layout: &Layout) -> Screening {
+    pub fn seen_by<'a>(
+        self,
+        camera: &Camera,
+        polygons: &Polygons,
+        grids: impl IntoIterator<Item = &'a Grid>,
+    ) -> Screening {
         if matches!(self, Screening::Boxes) {
             return self;
         }
         let eye = Eye::of(camera);
-        let strayed = layout.surfaces.polygons.beyond_margin(eye.at);
-        let rectangles = layout.groups.iter().map(|group| eye.rectangle(group.grid.entered(strayed)));
+        let strayed = polygons.beyond_margin(eye.at);
+        let rectangles = grids.into_iter().map(|grid| eye.rectangle(grid.entered(strayed)));
         Screening::Rectangles(eye, rectangles.collect())
     }
 
@@ -49,17 +54,21 @@ impl Screening {
         }
     }
 
-    /// Whether a ray can meet a group's sub-volume.
-    pub fn admits(&self, ray: &Ray, layout: &Layout, group: usize) -> bool {
+    /// Whether a ray can meet a group's sub-volume, which has this grid.
+    pub fn admits(&self, ray: &Ray, polygons: &Polygons, (group, grid): (usize, &Grid)) -> bool {
         match self {
-            Screening::Boxes => {
-                let strayed = layout.surfaces.polygons.beyond_margin(ray.origin);
-                layout.groups[group].grid.meets(ray, strayed)
-            }
+            Screening::Boxes => grid.meets(ray, polygons.beyond_margin(ray.origin)),
             Screening::Rectangles(eye, rectangles) => {
                 eye.place_of(ray).is_none_or(|place| rectangles[group].holds(place))
             }
             Screening::Unseen => true,
         }
+    }
+}
+
+impl Masks {
+    /// Words that a RAY has more, for so many groups.
+    pub fn words(self, groups: usize) -> u64 {
+        if self == Masks::Off { 0 } else { (groups as u64).div_ceil(MASK_BITS) }
     }
 }

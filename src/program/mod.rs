@@ -18,7 +18,8 @@ pub mod work;
 mod workload;
 
 pub use array_program::{ArrayProgram, Kernel, Masks, Stages};
-pub use cut::sub_sample;
+pub use cut::{Sample, sub_sample};
 pub use layout::{Layout, NotLaidOut, Surfaces};
+pub(crate) use masks::Screening;
 pub use tracer::{Counts, GroupVisit, Said, Test, Tracer, Visit, VoxelVisit};
 pub use workload::{CellMemory, Workload};

@@ -15,7 +15,7 @@ use super::array_program::{ArrayProgram, Kernel, Stages};
 use super::cells::{CellOptions, CellPrograms, InstructionStep, ProgramTracer};
 use super::layout::Layout;
 use super::masks::Screening;
-use super::messages::{MASK_BITS, RAY_WORDS};
+use super::messages::RAY_WORDS;
 use super::stop_words::StopWords;
 use super::work;
 
@@ -80,7 +80,9 @@ impl Workload {
     /// The same for rays from a camera's eye: masks by rectangles are those that it sees. Without a camera they let all rays meet all
     /// sub-volumes.
     pub fn seen_by(self, camera: &Camera) -> Workload {
-        let screening = self.screening.map(|screening| screening.seen_by(camera, &self.layout));
+        let grids = self.layout.groups.iter().map(|group| &group.grid);
+        let polygons = self.layout.surfaces.polygons();
+        let screening = self.screening.map(|screening| screening.seen_by(camera, polygons, grids));
         Workload { screening, ..self }
     }
 
@@ -101,7 +103,7 @@ impl Workload {
 
     /// Words of a RAY.
     pub(super) fn ray_words(&self) -> u64 {
-        RAY_WORDS + self.screening.as_ref().map_or(0, |_| (self.groups() as u64).div_ceil(MASK_BITS))
+        RAY_WORDS + self.program.masks.words(self.groups())
     }
 
     /// Against how many sub-volumes the host tests a ray, to tell it which it can meet.
@@ -111,7 +113,8 @@ impl Workload {
 
     /// Whether a ray can meet a group's sub-volume, as far as it is told.
     pub(super) fn admits(&self, ray: &Ray, group: usize) -> bool {
-        self.screening.as_ref().is_none_or(|screening| screening.admits(ray, &self.layout, group))
+        let of = (group, &self.layout.groups[group].grid);
+        self.screening.as_ref().is_none_or(|screening| screening.admits(ray, self.polygons(), of))
     }
 
     /// Ends the host's line with ray number `id`: the host's work on it, then its words.

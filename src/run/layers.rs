@@ -22,7 +22,7 @@ use crate::host::shading::Shader;
 use crate::input::reading;
 use crate::machine::{Machine, Observed};
 use crate::measure::Measured;
-use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Surfaces, Workload, sub_sample, work};
+use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Sample, Surfaces, Workload, sub_sample, work};
 use crate::scene::Scene;
 use crate::seam::{Costs, OpBatch};
 
@@ -300,7 +300,7 @@ impl Layers {
         (self.laid_out, self.traced) = (None, None);
         let (surfaces, times) = (prepared.surfaces.clone(), run.machine.times);
         let sample = self.sample(run, cancel)?;
-        let layout = match Layout::new(surfaces, &run.spec.program, times, &sample, cancel) {
+        let layout = match Layout::new(surfaces, &run.spec.program, times, sample, cancel) {
             Ok(layout) => Ok(Arc::new(layout)),
             Err(NotLaidOut::Unfit(error)) => Err(error),
             Err(NotLaidOut::Cancelled(cancelled)) => return Err(cancelled.into()),
@@ -309,19 +309,22 @@ impl Layers {
         Ok(layout?)
     }
 
-    /// The rays that the cut looks at: a few of those of the run. Of an image they are its primary rays, or, for cuts that look at all
-    /// kinds of rays, all rays of these samples.
-    fn sample(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Vec<Ray>, NotLaidOut> {
-        let (prepared, program) = (self.prepared(run)?, &run.spec.program);
+    /// What the cut looks at: a few rays of the run. Of an image they are its primary rays, or, for cuts that look at all kinds of rays,
+    /// all rays of these samples.
+    fn sample(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Sample, NotLaidOut> {
+        let (prepared, program, times) = (self.prepared(run)?, &run.spec.program, run.machine.times);
         let primary = sub_sample(&prepared.rays);
-        let Some(image) = run.spec.image.as_ref().filter(|_| program.cut_by_all_rays()) else { return Ok(primary) };
+        let Some(image) = run.spec.image.as_ref().filter(|_| program.cut_by_all_rays()) else {
+            return Ok(Sample { rays: primary, in_one_cell: None });
+        };
         let one_cell = ArrayProgram::one_cell(program.grid_coefficient);
-        let layout = Layout::new(prepared.surfaces.clone(), &one_cell, run.machine.times, &[], cancel)?;
-        let workload = Workload::of(Arc::new(layout), &one_cell, run.machine.times);
+        let layout = Arc::new(Layout::new(prepared.surfaces.clone(), &one_cell, times, Sample::default(), cancel)?);
+        let workload = Workload::of(layout.clone(), &one_cell, times);
         let scene = self.scene(run)?;
         let shader = Shader::new(&scene, workload.polygons(), image.limits());
         let all = trees::rays(&shader, &workload, primary, cancel)?;
-        Ok(all.iter().step_by(all.len().div_ceil(MOST_SAMPLED).max(1)).copied().collect())
+        let rays = all.iter().step_by(all.len().div_ceil(MOST_SAMPLED).max(1)).copied().collect();
+        Ok(Sample { rays, in_one_cell: Some(layout) })
     }
 
     /// What the array has to do: the scene laid out for its program, with the cells' programs if they run any.

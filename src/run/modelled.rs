@@ -7,7 +7,7 @@ use crate::machine::{Machine, RateCounts};
 use crate::measure::{Actor, Measured, StateKind, StateTimes};
 use crate::model::cost::KernelTime;
 use crate::model::{ArrayModel, Bound, CellLoad, LinkLoad, Links, Prediction, Stage, Survey, Times};
-use crate::program::{ArrayProgram, Kernel, NotLaidOut, sub_sample};
+use crate::program::{ArrayProgram, Kernel, Masks, NotLaidOut, sub_sample};
 
 /// An array program on a machine, as the model sees it.
 pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
@@ -26,6 +26,7 @@ pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
             intersection: time(machine.times.intersection),
             host_ray: machine.times.host.ray.0 as f64,
         },
+        mask_words: program.masks.words(program.groups) as f64,
         links: Links { cycles_per_word: rate.cycles_per_word as f64, shared: rate.counts == RateCounts::Link },
         cycles_per_second: 1e9 / machine.spec.clock_ns,
     }
@@ -53,14 +54,17 @@ impl Layers {
     ///
     /// If files cannot be read, if the program does not go with the scene, and if it is told to stop.
     pub fn forecast(&mut self, run: &PlannedRun, cancel: &Cancel) -> Result<Forecast, NotLaidOut> {
-        let (prepared, program) = (self.prepared(run)?, &run.spec.program);
-        let (surfaces, rays) = (&prepared.surfaces, &prepared.rays);
+        let (scene, prepared, program) = (self.scene(run)?, self.prepared(run)?, &run.spec.program);
+        let (surfaces, rays, host) = (&prepared.surfaces, &prepared.rays, run.machine.times.host);
         let mut array = array_model(program, &run.machine);
         if prepared.screen.is_some() {
-            array.times.host_ray += run.machine.times.host.filter.0 as f64 * prepared.samples_per_ray();
+            array.times.host_ray += host.filter.0 as f64 * prepared.samples_per_ray();
+        }
+        if program.masks != Masks::Off {
+            array.times.host_ray += (host.mask.0 * program.groups as u64) as f64;
         }
         let sub_volumes = surfaces.sub_volumes(program, run.machine.times, &sub_sample(rays), cancel)?;
-        let survey = Survey::new(surfaces.polygons(), &sub_volumes, rays);
+        let survey = Survey::new(surfaces.polygons(), &sub_volumes, rays).masked(program.masks, &scene.camera);
         let too_large = |error| InputError::new(format!("{error}"));
         let predicted = survey.predict(&array, program.grid_coefficient).map_err(too_large)?;
         let best = survey.best_coefficient(&array).map_err(too_large)?;

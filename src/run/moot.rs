@@ -21,7 +21,7 @@ use crate::scene::builtin;
 pub const ALWAYS_REFUSED: [(&str, &[&str]); 6] = [
     ("run", &["host_hit_us"]),
     ("replay", &["memory_words"]),
-    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk", "masks"]),
+    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk"]),
     ("size-fifos", &DEPTHS),
     ("farm", &["adaptive", "enough"]),
     ("ipsc2", &["adaptive", "why", "enough"]),
@@ -74,10 +74,6 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
     if program.mailbox {
         let error = InputError::new("the cost model knows no mailbox: it is the paper's, which has none");
         return Err(error.help("leave --mailbox out, or take a program with mailbox: false"));
-    }
-    if program.masks != Masks::Off {
-        let error = InputError::new("the cost model knows no masks: in the paper all cells start on all rays");
-        return Err(error.help("take a program without them, or run this one to see what it does"));
     }
     if program.stop_words.is_some() || program.forward_ahead > 0 {
         let error =

@@ -7,7 +7,7 @@ use crate::error::InputError;
 use crate::host::camera::{ImageSize, primary_rays};
 use crate::input::reading;
 use crate::machine::KernelTimes;
-use crate::program::{ArrayProgram, Layout, NotLaidOut, Surfaces, Workload};
+use crate::program::{ArrayProgram, Layout, NotLaidOut, Sample, Surfaces, Workload};
 use crate::scene::Scene;
 
 /// Which scene, and how fine its grid is.
@@ -38,7 +38,7 @@ impl Whole<'_> {
         };
         let (scene, surfaces) = reading::wait_for(cancel, load)??;
         let program = ArrayProgram::one_cell(self.grid_coefficient);
-        let layout = Layout::new(surfaces, &program, times, &[], cancel)?;
+        let layout = Layout::new(surfaces, &program, times, Sample::default(), cancel)?;
         Ok((scene, Workload::of(Arc::new(layout), &program, times)))
     }
 }

@@ -90,8 +90,8 @@ parameters! {
         /// Let each cell read the hit of the groups to its left before it begins a ray, and look for nothing behind it.
         #[cfg_attr(feature = "cli", arg(action = clap::ArgAction::SetTrue))]
         bounded_walk: bool, "", Truth, "walk bounded by the hit from the left";
-        /// Let the host tell each ray which sub-volumes it can meet, whose cells alone start on it: by their rectangles on the screen,
-        /// for rays from the eye, or by their boxes [default: the program's; none in the standard ones].
+        /// Let the host tell each ray which sub-volumes it can meet, whose cells alone start on it (not for cells that run programs): by
+        /// their rectangles on the screen, for rays from the eye, or by their boxes [default: the program's; none in the standard ones].
         masks: Masks, "BY", Text, "masks of the sub-volumes";
     }
 }

@@ -1,19 +1,21 @@
 //! The model's throughput bounds: no run passes one, and deep FIFOs and even work come up to it.
 
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use crate::support::{ops, program, scene, spent};
 use glam::Vec3;
+use pcs_sim::cancel::Cancel;
 use pcs_sim::geometry::{Partition, Ray};
 use pcs_sim::machine::{Cycles, Machine, MachineSpec, RateCounts, Words};
 use pcs_sim::measure::Measured;
-use pcs_sim::model::{ArrayModel, Bound, CellLoad, Limit, LinkLoad, RayWork, Stage};
+use pcs_sim::model::{ArrayModel, Bound, CellLoad, Limit, LinkLoad, RayWork, Stage, Survey};
 use pcs_sim::program::work;
-use pcs_sim::program::{ArrayProgram, Kernel, Workload};
+use pcs_sim::program::{ArrayProgram, Kernel, Masks, Surfaces, Workload};
 use pcs_sim::run::{self, Workers};
 use pcs_sim::run::{CountedLoads, array_model};
 use pcs_sim::scene::Mesh;
-use pcs_sim::seam::{OpBatch, OpKind};
+use pcs_sim::seam::{OpBatch, OpKind, Unit};
 use proptest::prelude::*;
 
 /// What the cells and links do for a ray, from their ops.
@@ -22,7 +24,7 @@ fn loads(workload: &Workload, rays: &[Ray], array: &ArrayModel) -> (Vec<CellLoad
     let (count, rays) = (workload.cells(), rays.len() as f64);
     let mut cells = vec![CellLoad::default(); count];
     let mut links = vec![LinkLoad::default(); count + 1];
-    links[0].x = 8.0;
+    links[0].x = 8.0 + array.mask_words;
     let gap = array.links.cycles_per_word - 1.0;
     for (index, op) in batches
         .iter()
@@ -173,6 +175,65 @@ fn loads_are_those_of_the_ops() {
             Bound::new(array.host_load(), &cells, &links, array.links).cycles_per_ray,
         );
     }
+}
+
+/// With masks, too, in every mode: cells that only pass a ray on start nothing, and tell nobody of its end. How many rays each group is
+/// spared, the survey finds out to the ray.
+#[test]
+fn loads_with_masks_are_those_of_the_ops() {
+    let (scene, rays) = scene("teapot", 3, 16);
+    let machine = machine(MachineSpec::default(), 0);
+    for (mode, groups) in [("pipeline", 1), ("broadcast", 8), ("broadcast", 33), ("hybrid", 5), ("hybrid-3", 3)] {
+        for masks in [Masks::Off, Masks::Boxes, Masks::Rectangles] {
+            let program = ArrayProgram { masks, ..program(mode, groups) };
+            let workload = Workload::new(&scene.mesh, &program, machine.times, &rays).unwrap().seen_by(&scene.camera);
+            let array = array_model(&program, &machine);
+            let work = work_of_groups(&workload, &rays);
+            let (cells, links) = loads(&workload, &rays, &array);
+            let same = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b.abs(), "{mode} {groups} {masks:?}: {a} {b}");
+            for (modelled, counted) in array.cell_loads(&work).iter().zip(&cells) {
+                same(modelled.grid, counted.grid);
+                same(modelled.slabs, counted.slabs);
+                same(modelled.intersection, counted.intersection);
+                same(modelled.moving, counted.moving);
+            }
+            for (modelled, counted) in array.link_loads(&work).iter().zip(&links) {
+                same(modelled.x, counted.x);
+                same(modelled.y, counted.y);
+            }
+            let surfaces = Arc::new(Surfaces::new(&scene.mesh, &rays));
+            let parts = surfaces.sub_volumes(&program, machine.times, &[], &Cancel::default()).unwrap();
+            let survey = Survey::new(surfaces.polygons(), &parts, &rays).masked(masks, &scene.camera);
+            let surveyed = survey.predict(&array, program.grid_coefficient).unwrap().groups;
+            surveyed.iter().zip(&work).for_each(|(surveyed, counted)| same(surveyed.spared, counted.spared));
+            // The rectangle of all of the scene is the whole picture here.
+            let spares = masks == Masks::Boxes || masks == Masks::Rectangles && groups > 1;
+            assert_eq!(work.iter().any(|work| work.spared > 0.1), spares, "{mode} {groups} {masks:?}");
+        }
+    }
+}
+
+/// What each group does for a ray, from its ops.
+fn work_of_groups(workload: &Workload, rays: &[Ray]) -> Vec<RayWork> {
+    let batches = ops(workload, rays);
+    let stages = workload.cells() / workload.groups();
+    let group = |group: usize| {
+        let cells = batches.iter().flat_map(|batch| &batch.cells[group * stages..(group + 1) * stages]);
+        let ops: Vec<_> = cells.flat_map(|stream| stream.ops()).collect();
+        let a_ray = |unit: Unit| {
+            let counts = ops.iter().filter(|op| op.unit() == Some(unit)).map(|op| f64::from(op.count()));
+            counts.sum::<f64>() / rays.len() as f64
+        };
+        RayWork {
+            voxels: a_ray(work::GRID_VOXEL),
+            candidates: a_ray(work::SLABS_POLYGON),
+            survivors: a_ray(work::INTERSECTION_POLYGON),
+            finds: a_ray(work::SLABS_START),
+            meets: a_ray(work::INTERSECTION_START),
+            spared: 1.0 - a_ray(work::GRID_START),
+        }
+    };
+    (0..workload.groups()).map(group).collect()
 }
 
 /// By how many cycles each of many equal rays makes a run longer.

@@ -8,7 +8,7 @@ use crate::support::{bits, machine, program};
 use glam::Vec3;
 use pcs_sim::cancel::Cancel;
 use pcs_sim::geometry::{Edges, Partition, Polygons, Ray, brute_force};
-use pcs_sim::program::{ArrayProgram, Layout, Surfaces, Workload};
+use pcs_sim::program::{ArrayProgram, Layout, Sample, Surfaces, Workload};
 use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
 use proptest::prelude::*;
@@ -53,7 +53,8 @@ fn ball(center: Vec3, radius: f32, (slices, stacks): (u32, u32)) -> (Mesh, Vec<R
 fn hits(mesh: &Mesh, program: &ArrayProgram, rays: &[Ray], edges: Edges) -> Vec<[u32; 4]> {
     let surfaces = Arc::new(Surfaces::with_edges(mesh, rays, edges));
     let times = machine().times;
-    let layout = Layout::new(surfaces, program, times, rays, &Cancel::default()).unwrap();
+    let sample = Sample { rays: rays.to_vec(), in_one_cell: None };
+    let layout = Layout::new(surfaces, program, times, sample, &Cancel::default()).unwrap();
     let workload = Workload::of(Arc::new(layout), program, times);
     let outcome = run::run(&workload, &machine().spec, rays, &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap();
     outcome.hits.iter().map(bits).collect()

@@ -1,13 +1,14 @@
 //! The cut that is measured in the parts and cut again, and the numbering from front to back.
 
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use crate::support::{machine, program, scene, workload};
 use glam::{DVec3, Vec3};
 use pcs_sim::cancel::Cancel;
 use pcs_sim::geometry::partition::front_to_back;
 use pcs_sim::geometry::{Bounds, Partition, Ray};
-use pcs_sim::program::{ArrayProgram, Workload};
+use pcs_sim::program::{ArrayProgram, Layout, Sample, Surfaces, Workload, sub_sample};
 use pcs_sim::run::{self, Layers, PlannedRun, Rendered, RunOptions, RunSpec, Setup, Workers};
 
 /// By how much the busiest cell works more than the mean one.
@@ -36,6 +37,28 @@ fn it_evens_the_work_out() {
         };
         let (work, measured) = (cut(Partition::Work), cut(Partition::Measured));
         assert!(measured - 1.0 < 0.5 * (work - 1.0), "{name}: {measured} measured, {work} by work");
+    }
+}
+
+/// A scene that is laid out for one cell already is cut as one that is not.
+#[test]
+fn a_cut_is_the_same_with_one_cells_grid_at_hand() {
+    let (scene, rays) = scene("teapot", 4, 64);
+    let (times, surfaces) = (machine().times, Arc::new(Surfaces::new(&scene.mesh, &rays)));
+    let lay_out = |program: &ArrayProgram, sample| {
+        Arc::new(Layout::new(surfaces.clone(), program, times, sample, &Cancel::default()).unwrap())
+    };
+    for partition in [Partition::Work, Partition::Measured] {
+        let program = ArrayProgram { partition, ..program("hybrid", 5) };
+        let whole = lay_out(&ArrayProgram::one_cell(program.grid_coefficient), Sample::default());
+        let cut = |in_one_cell| {
+            let layout = lay_out(&program, Sample { rays: sub_sample(&rays), in_one_cell });
+            let workload = Workload::of(layout, &program, times);
+            workload.grids().map(|grid| (grid.volume(), grid.reference_count())).collect::<Vec<_>>()
+        };
+        let parts = cut(None);
+        assert!(parts.len() == 5 && parts.windows(2).all(|pair| pair[0] != pair[1]), "{parts:?}");
+        assert_eq!(cut(Some(whole)), parts, "{partition}");
     }
 }
 

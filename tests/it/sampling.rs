@@ -5,7 +5,8 @@ use std::convert::Infallible;
 
 use glam::Vec3;
 use pcs_sim::host::camera::ImageSize;
-use pcs_sim::host::sampling::{Criterion, Sampling};
+use pcs_sim::host::order::Order;
+use pcs_sim::host::sampling::{Criterion, Pass, Sampling, Shown};
 use pcs_sim::host::shading::Limits;
 use pcs_sim::program::Workload;
 use pcs_sim::run::{self, Picture, Rendered, Workers};
@@ -144,6 +145,27 @@ fn a_ball_smaller_than_a_pixel_is_found_by_lao_alone() {
     let picture = render(&scene, Sampling { side: 8, adaptive: Some(Criterion::Lao) }, SIDE);
     assert!(one.pixels.iter().all(|pixel| *pixel == scene.background));
     assert_eq!(picture.pixels.iter().filter(|pixel| **pixel != scene.background).count(), 4);
+}
+
+/// The second pass begins a pixel when the line below it is known as far as the criterion looks: to the pixel just below, or to the one
+/// across the corner.
+#[test]
+fn a_pixel_waits_for_what_the_criterion_looks_at() {
+    const WIDTH: usize = 5;
+    let size = ImageSize { width: WIDTH as u32, height: 4 };
+    let keys: Vec<u64> = (0..size.pixels()).map(|pixel| u64::from(pixel == 2 * WIDTH + 2)).collect();
+    for (criterion, count, known) in
+        [(Criterion::Object, 5, WIDTH + 1), (Criterion::Surface, 5, WIDTH + 1), (Criterion::Lao, 9, WIDTH + 2)]
+    {
+        let sampling = Sampling { side: 2, adaptive: Some(criterion) };
+        let first = Pass::first(size, sampling, Order::Raster);
+        let second = Pass::second(&first, (criterion, 2), &Shown { keys: keys.clone(), small: None });
+        assert_eq!(second.len(), 4 * count, "{criterion:?}");
+        for sample in 0..second.len() {
+            let expected = (second.pixel(sample) + known).min(size.pixels());
+            assert_eq!(second.decided_by(sample), expected, "{criterion:?}, pixel {}", second.pixel(sample));
+        }
+    }
 }
 
 /// A pixel that got more samples is that of the picture which has them everywhere; any other is that of the picture with one each.

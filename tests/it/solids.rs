@@ -1,5 +1,6 @@
 //! Solids: is what they come to closed, of the right volume, and the same as intervals along a ray say?
 
+use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DQuat, DVec3, Vec3, dvec2, dvec3};
@@ -110,11 +111,43 @@ fn crossed_cylinders_are_steinmetz_solids() {
     assert!((of(256, 3) - 8.0 * (2.0 - 2f64.sqrt())).abs() < 1.2e-3);
 }
 
+/// Points less edges plus triangles, by Euler's formula 2 for each shell, less 2 for each hole through it.
+fn characteristic(solid: &Solid) -> i64 {
+    let mesh = evaluate(solid, Options { join: false, ..Options::default() }).unwrap().mesh;
+    let (mut points, mut edges) = (BTreeSet::new(), BTreeSet::new());
+    for face in mesh.faces() {
+        let corners: Vec<u32> = mesh.corners(face).iter().map(|corner| corner.point).collect();
+        let next = corners.iter().cycle().skip(1);
+        points.extend(corners.iter().copied());
+        assert!(corners.iter().zip(next).all(|(&from, &to)| edges.insert((from, to))), "an edge is walked twice");
+    }
+    assert!(edges.iter().all(|&(from, to)| edges.contains(&(to, from))), "an edge is walked one way alone");
+    points.len() as i64 - edges.len() as i64 / 2 + mesh.faces().len() as i64
+}
+
+#[test]
+fn shells_and_holes_are_as_many_as_they_should_be() {
+    let two = cube(DVec3::ZERO, DVec3::splat(2.0), 0);
+    let drill = |x: f64| {
+        let map = DAffine3::from_translation(dvec3(x, 1.0, -1.0)) * DAffine3::from_scale(dvec3(0.25, 0.25, 4.0));
+        leaf(Shell::cylinder(16)).placed(map)
+    };
+    assert_eq!(characteristic(&two), 2);
+    assert_eq!(characteristic(&Solid::Difference(vec![two.clone(), cube(DVec3::ONE, DVec3::splat(2.0), 0)])), 2);
+    assert_eq!(characteristic(&Solid::Difference(vec![two.clone(), drill(1.0)])), 0);
+    assert_eq!(characteristic(&Solid::Difference(vec![two, drill(0.5), drill(1.5)])), -2);
+    assert_eq!(characteristic(&leaf(Shell::torus(0.3, 12))), 0);
+    let hollow = leaf(Shell::cube().hollow(dvec3(0.9, 0.9, 0.75)).unwrap());
+    assert_eq!(characteristic(&hollow), 4);
+}
+
 #[test]
 fn hollow_shapes_need_no_operation() {
-    let hollow = done(&leaf(Shell::cube().hollow(dvec3(0.9, 0.9, 0.75)).unwrap()));
+    let shell = leaf(Shell::cube().hollow(dvec3(0.9, 0.9, 0.75)).unwrap());
+    let hollow = done(&shell);
     about(hollow.report.volume, 0.3925);
     assert_eq!((hollow.report.polygons, hollow.report.closed), (12, true));
+    assert_eq!(evaluate(&shell, Options { join: false, ..Options::default() }).unwrap().report.polygons, 24);
     let sphere = Shell::sphere(16).hollow(DVec3::splat(0.5)).unwrap();
     about(volume(&leaf(sphere.clone())), 7.0 / 8.0 * volume(&leaf(Shell::sphere(16))));
     // The other way of making it.
@@ -370,6 +403,15 @@ fn scene_files_have_solids() {
 }
 
 #[test]
+fn a_solid_of_which_nothing_is_left_is_told_where_there_is_something_else() {
+    let folder = Folder::new();
+    let nothing = "Difference([Cube(), Place([Scale(3, 3, 3), Translate(-1, -1, -1)], Cube())])";
+    let scene = load(&folder, &file(&format!("(shape: Csg(Cube())), (shape: Csg({nothing}))"))).unwrap();
+    assert_eq!(scene.mesh.faces().len(), 6);
+    assert!(scene.notes.contains(&"nothing is left of a solid of 2 primitives".to_owned()), "{:?}", scene.notes);
+}
+
+#[test]
 fn what_cannot_be_is_refused_at_its_place() {
     let folder = Folder::new();
     let open = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 3\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n";
@@ -392,6 +434,8 @@ fn what_cannot_be_is_refused_at_its_place() {
         "Prism(points: [(0, 0), (1, 1), (1, 0), (0, 1)])",
         "Prism(points: [(0, 0), (1, 0), (2, 0)])",
         "Place([Scale(1, 0, 1)], Cube())",
+        "Place([Scale(1, inf, 1)], Cube())",
+        "Place([Translate(NaN, 0, 0)], Cube())",
         "Union([Cube()])",
         "Difference([])",
         "Hollow(solid: Cube(), keep: (0.9, 1, 0.9))",
