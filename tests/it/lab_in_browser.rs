@@ -183,7 +183,7 @@ fn scenes_are_dropped_on_the_page() {
     choose("mine.obj");
     page.wait_for("location.search.includes('mine.obj') && !isBusy()");
     assert_eq!(page.eval("sides.a.command.textContent"), "pcs-sim --scene mine.obj --size 16x16");
-    assert!(shown(&page, "a").0.contains("scene mine (1 polygons)"));
+    assert!(shown(&page, "a").0.contains("scene mine (1 polygon)"));
     page.eval(
         "{ const dataTransfer = new DataTransfer();
            dataTransfer.items.add(new File(['v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nv 1 1 0\\nf 1 2 3\\nf 2 3 4\\n'], 'dropped.obj'));
