@@ -36,6 +36,9 @@ pub enum Format {
     Pfm,
 }
 
+/// How images are named.
+pub const IMAGES_END: &str = "images end in .png or .pfm; -.png and -.pfm are standard output";
+
 /// The files that the command writes.
 struct Outputs {
     image: Option<OutputFile>,
@@ -109,9 +112,7 @@ fn format(args: &ImageArgs) -> Result<Format, InputError> {
                 .help("leave out one of the two"))
         }
         (Some(format), _) => Ok(format),
-        (None, _) => {
-            Err(InputError::in_file(&args.output, "is no name of an image").help("images end in .png or .pfm"))
-        }
+        (None, _) => Err(InputError::in_file(&args.output, "is no name of an image").help(IMAGES_END)),
     }
 }
 
@@ -206,6 +207,7 @@ fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError>
         args.against.as_deref(),
     ];
     outputs::check_distinct(&named(args), &inputs)?;
+    outputs::check_png(args.refined.as_deref())?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
     Ok(Outputs {
         image: open(Some(&args.output))?,

@@ -14,7 +14,7 @@ use pcs_sim::report::{cube as told, hits};
 use pcs_sim::run::{CubeOutcome, CubeRunOptions, CubeSetup, CubeSpec, OutputFile, SceneOptions, moot};
 
 use super::args::Typed;
-use super::image::{Format, write_image};
+use super::image::{Format, IMAGES_END, write_image};
 use super::ipsc2_args::Ipsc2Args;
 use super::run::workers;
 use super::views::{Seen, Views};
@@ -108,7 +108,7 @@ fn open_outputs(args: &Ipsc2Args, scene: &Path) -> Result<Outputs, InputError> {
     let inputs = [Some(scene), args.cube.machine.as_deref(), args.config.as_deref()];
     outputs::check_distinct(&named(args), &inputs)?;
     let image = |path: &PathBuf| {
-        let wrong = || InputError::in_file(path, "is no name of an image").help("images end in .png or .pfm");
+        let wrong = || InputError::in_file(path, "is no name of an image").help(IMAGES_END);
         let format = Format::of(path).ok_or_else(wrong)?;
         Ok::<_, InputError>((outputs::create(path, args.force)?, format))
     };

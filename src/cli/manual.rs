@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use clap::{Command, CommandFactory};
+use clap::{Arg, ArgAction, Command, CommandFactory};
 use clap_mangen::Man;
 use pcs_sim::machine::{CapitanFile, Ipsc2File, MachineFile};
 use pcs_sim::run::moot;
@@ -27,6 +27,23 @@ pub fn command() -> Command {
         "run" => hidden(command, refused),
         _ => command.mut_subcommand(name, |command| hidden(command, refused)),
     })
+}
+
+/// The flags of all commands that take no value, as they are typed.
+pub fn switches(command: &Command) -> Vec<String> {
+    let bare = command.get_arguments().filter(|arg| !arg.is_positional() && !arg.get_action().takes_values());
+    let typed = bare.flat_map(|arg| {
+        let long = arg.get_long().map(|long| format!("--{long}"));
+        long.into_iter().chain(arg.get_short().map(|short| format!("-{short}")))
+    });
+    typed.chain(command.get_subcommands().flat_map(switches)).collect()
+}
+
+/// The same commands, whose files without a flag may be streams that tell their format (`-.obj`), though these look like flags.
+pub fn taking_streams(command: Command) -> Command {
+    let is_file = |arg: &Arg| arg.is_positional() && matches!(arg.get_action(), ArgAction::Set);
+    let command = command.mut_args(|arg| if is_file(&arg) { arg.allow_hyphen_values(true) } else { arg });
+    command.mut_subcommands(taking_streams)
 }
 
 fn hidden(command: Command, arguments: &[&str]) -> Command {
@@ -56,6 +73,7 @@ fn left_out(name: &str) -> Option<&'static str> {
     match name {
         "memory_words" => Some("as many as it takes"),
         "x_fifo_words" | "y_fifo_words" | "z_fifo_words" => Some("fifo_words"),
+        "host_filter_us" | "host_mask_us" => Some("0"),
         _ => None,
     }
 }

@@ -38,6 +38,7 @@ mod why_args;
 use std::convert::Infallible;
 use std::ffi::{OsStr, OsString};
 use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -47,6 +48,7 @@ use clap::{ArgMatches, FromArgMatches};
 use args::Typed;
 use commands::{Cli, Command};
 use pcs_sim::error::InputError;
+use pcs_sim::input::{STREAM, is_stream};
 use pcs_sim::isa::Fault;
 use pcs_sim::machine::Stuck;
 use pcs_sim::measure::{Actor, At, Clock, When};
@@ -151,9 +153,10 @@ impl From<MeasureError> for Failure {
 
 /// Runs the command. Exit status 2 for bad usage or input, 1 for a run that failed, 130 for one that was stopped.
 pub fn main() -> ExitCode {
-    let parsed = manual::command()
-        .try_get_matches_from(joined(ipsc2::spelled_out(std::env::args_os().collect()).into_iter()))
-        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let all = manual::command();
+    let typed = joined(ipsc2::spelled_out(std::env::args_os().collect()).into_iter(), &manual::switches(&all));
+    let all = if typed.iter().any(|word| is_named_stream(word)) { manual::taking_streams(all) } else { all };
+    let parsed = all.try_get_matches_from(typed).and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -175,11 +178,16 @@ pub fn main() -> ExitCode {
 }
 
 /// What was typed, with streams that tell their format (`--image -.png`) joined to their flags: by themselves they look like flags.
-fn joined(typed: impl Iterator<Item = OsString>) -> Vec<OsString> {
+/// `switches` take no value.
+fn joined(typed: impl Iterator<Item = OsString>, switches: &[String]) -> Vec<OsString> {
     let mut arguments: Vec<OsString> = Vec::new();
     let starts = |argument: &OsStr, with: &str| argument.as_encoded_bytes().starts_with(with.as_bytes());
+    let takes_value = |word: &OsStr| {
+        let is_switch = switches.iter().any(|switch| word == switch.as_str());
+        starts(word, "-") && word != STREAM && !is_named_stream(word) && !is_switch
+    };
     for argument in typed {
-        match arguments.last_mut().filter(|flag| starts(flag, "-") && starts(&argument, "-.")) {
+        match arguments.last_mut().filter(|flag| takes_value(flag) && is_named_stream(&argument)) {
             Some(flag) => {
                 flag.push(if starts(flag, "--") { "=" } else { "" });
                 flag.push(argument);
@@ -188,6 +196,11 @@ fn joined(typed: impl Iterator<Item = OsString>) -> Vec<OsString> {
         }
     }
     arguments
+}
+
+/// Whether a word stands for a stream and tells its format: `-.png`.
+fn is_named_stream(word: &OsStr) -> bool {
+    word != STREAM && is_stream(Path::new(word))
 }
 
 fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {

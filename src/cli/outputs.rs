@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
-use pcs_sim::input::is_stream;
+use pcs_sim::input::{STREAM, is_stream};
 use pcs_sim::run::{OutputFile, OutputFolder, noting};
 
 use super::{Failure, interrupt, take_stdout};
@@ -22,8 +22,19 @@ pub fn create(path: &Path, force: bool) -> Result<OutputFile, InputError> {
     interrupt::outputs().file(path, force)
 }
 
+/// Fails if a picture that is written as PNG goes to standard output under the name of another format.
+pub fn check_png(path: Option<&Path>) -> Result<(), InputError> {
+    match path.filter(|path| is_stream(path) && path.extension().is_some_and(|ending| ending != "png")) {
+        Some(path) => Err(InputError::in_file(path, "the picture is written as PNG").help("-.png is standard output")),
+        None => Ok(()),
+    }
+}
+
 /// Makes a folder for result files, unless it is there.
 pub fn folder(path: &Path) -> std::io::Result<OutputFolder> {
+    if is_stream(path) {
+        return Err(std::io::Error::other("standard output is no folder"));
+    }
     interrupt::outputs().folder(path)
 }
 
@@ -43,7 +54,8 @@ pub fn check_distinct(outputs: &[Option<&PathBuf>], inputs: &[Option<&Path>]) ->
     let outputs: Vec<(&PathBuf, PathBuf)> = outputs.iter().copied().flatten().map(|path| (path, place(path))).collect();
     for (index, (path, its_place)) in outputs.iter().enumerate() {
         if outputs[..index].iter().any(|(_, other)| other == its_place) && !is_device(path) {
-            return Err(InputError::in_file(path, "the file is named for two results"));
+            let what = if is_stream(path) { "standard output" } else { "the file" };
+            return Err(InputError::in_file(path, format!("{what} is named for two results")));
         }
         let mut inputs = inputs.iter().flatten().filter(|input| !is_stream(input));
         if inputs.any(|input| place(input) == *its_place) {
@@ -54,11 +66,14 @@ pub fn check_distinct(outputs: &[Option<&PathBuf>], inputs: &[Option<&Path>]) ->
 }
 
 fn is_device(path: &Path) -> bool {
-    path.exists() && !path.is_file()
+    !is_stream(path) && path.exists() && !path.is_file()
 }
 
 /// One name for each place, however it is spelt: the file's true path, or its folder's where it does not exist yet.
 fn place(path: &Path) -> PathBuf {
+    if is_stream(path) {
+        return PathBuf::from(STREAM);
+    }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let beside = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
     path.canonicalize().ok().or_else(beside).unwrap_or_else(|| path.to_owned())

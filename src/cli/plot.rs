@@ -34,10 +34,12 @@ pub struct Files(Vec<(OutputFile, Format)>);
 impl Files {
     /// `name` with the ending of each format.
     pub fn open(name: &Path, formats: &[Format], force: bool) -> Result<Files, InputError> {
+        let streamed = streamed(name)?;
+        let formats = streamed.as_ref().map_or(formats, std::slice::from_ref);
         if is_stream(name) && formats.len() > 1 {
             let error =
                 InputError::new(format!("standard output takes one picture, and {} are asked for", formats.len()));
-            return Err(error.help("ask for one with --plot-format, or name a file"));
+            return Err(error.help("ask for one, as with -.svg or --plot-format svg, or name a file"));
         }
         let open = |&format: &Format| {
             let mut path = name.to_owned().into_os_string();
@@ -54,4 +56,14 @@ impl Files {
             outputs::finish(Some(file), written, |file| std::io::Write::write_all(file, rendered.bytes(format)))
         })
     }
+}
+
+/// The format of a picture that goes to standard output, if its name tells it: `-.svg`.
+fn streamed(name: &Path) -> Result<Option<Format>, InputError> {
+    let Some(ending) = name.extension().filter(|_| is_stream(name)) else {
+        return Ok(None);
+    };
+    let known = [Format::Svg, Format::Png, Format::Pdf].into_iter().find(|format| ending == format.ending());
+    let error = || InputError::in_file(name, "is no name of a picture").help("pictures end in .svg, .png or .pdf");
+    known.map(Some).ok_or_else(error)
 }

@@ -74,6 +74,7 @@ fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
         args.config.as_deref(),
     ];
     outputs::check_distinct(&named(args), &inputs)?;
+    outputs::check_png(args.image.as_deref())?;
     let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
     Ok(Outputs {
         stats: open(&args.results.stats)?,

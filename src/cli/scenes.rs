@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pcs_sim::error::InputError;
-use pcs_sim::report::summary::{WIDTH, aligned, grouped, table, wrapped};
+use pcs_sim::report::summary::{WIDTH, aligned, grouped, plural, table, wrapped};
 use pcs_sim::run::load_scene;
 use pcs_sim::scene::{builtin, write_ply};
 
@@ -30,10 +30,10 @@ fn one(name: &str, args: &ScenesArgs) -> Result<(), Failure> {
     let (faces, points) = (scene.mesh.faces().len() as u64, scene.mesh.points.len() as u64);
     let (materials, lights) = (scene.materials.len(), scene.lights.len());
     print(&format!(
-        "scene {}: {} polygons over {} points; materials: {materials}, lights: {lights}, solids: {}\n",
+        "scene {}: {} over {}; materials: {materials}, lights: {lights}, solids: {}\n",
         scene.name,
-        grouped(faces),
-        grouped(points),
+        plural(faces, "polygon"),
+        plural(points, "point"),
         scene.solids.len(),
     ))?;
     let mut written = Vec::new();
@@ -44,7 +44,8 @@ fn one(name: &str, args: &ScenesArgs) -> Result<(), Failure> {
 fn checked(path: &Path) -> Result<&Path, InputError> {
     match path.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("ply") => Ok(path),
-        _ => Err(InputError::in_file(path, "polygons are written as PLY").help("give it a name that ends in .ply")),
+        _ => Err(InputError::in_file(path, "polygons are written as PLY")
+            .help("give it a name that ends in .ply; -.ply is standard output")),
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use pcs_sim::error::InputError;
 use pcs_sim::report::account;
 use pcs_sim::report::sizing::{self, SizesTable};
+use pcs_sim::report::summary::plural;
 use pcs_sim::report::table::{self, Table};
 use pcs_sim::run::{self, Front, KeptOps, Layers, OutputFile, PlannedRun, Replay, RunSpec, Searching, Workers, moot};
 
@@ -44,7 +45,11 @@ pub fn size_fifos(args: &SizeArgs, typed: &Typed) -> Result<(), Failure> {
     machine.notes.iter().for_each(super::note);
     let bar = progress::waiting("sizing the FIFOs");
     let note = |Searching { replays, points }| {
-        bar.set_message(format!("sizing the FIFOs: {points} of {} machines found, {replays} replays", speeds.len()));
+        bar.set_message(format!(
+            "sizing the FIFOs: {points} of {} found, {}",
+            plural(speeds.len() as u64, "machine"),
+            plural(replays, "replay")
+        ));
     };
     let front = run::size_fifos(sized.ops.recorded(), &speeds, &workers.cancel, note)?;
     bar.finish_and_clear();

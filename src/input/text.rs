@@ -5,7 +5,10 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::lines::grouped;
 use crate::error::InputError;
+
+pub(crate) use super::lines::plural;
 
 /// Largest coordinate taken, in absolute value: its square and its cube's products still fit 32-bit arithmetic.
 pub(crate) const LARGEST_COORDINATE: f64 = 1e15;
@@ -199,17 +202,12 @@ pub(crate) fn amount(number: f64) -> Result<f32, String> {
     Ok(number as f32)
 }
 
-/// "1 face", "2 faces".
-pub(crate) fn plural(count: u64, noun: &str) -> String {
-    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
-}
-
 /// A note of things passed over, if there are any: "2 faces of fewer than 3 corners were passed over".
 pub(crate) fn passed_over(count: u64, one: &str, many: &str) -> Option<String> {
     match count {
         0 => None,
         1 => Some(format!("1 {one} was passed over")),
-        _ => Some(format!("{count} {many} were passed over")),
+        _ => Some(format!("{} {many} were passed over", grouped(count))),
     }
 }
 

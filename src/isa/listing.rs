@@ -7,6 +7,7 @@ use super::encoding::Instruction;
 use super::executable::Executable;
 use super::program::Program;
 use super::table::{Format, Opcode};
+use crate::input::lines::{WIDTH, wrapped};
 
 /// The listing of a program: every instruction with its address, word and cycles; the data; the loops.
 ///
@@ -15,6 +16,9 @@ pub fn listing(executable: &Executable) -> String {
     let instructions = executable.instructions.len() as u32;
     rows(executable, 0..instructions) + &data(executable.program()) + &loops(executable)
 }
+
+/// The column in which the source of an instruction begins.
+const SOURCE: usize = 57;
 
 /// The instructions at some addresses: a row each, under the names of their files.
 pub fn rows(executable: &Executable, addresses: Range<u32>) -> String {
@@ -25,8 +29,10 @@ pub fn rows(executable: &Executable, addresses: Range<u32>) -> String {
         let place = program.lines.get(address as usize).map(|place| place.file);
         if place != file {
             file = place;
-            let path = place.and_then(|file| program.files.get(file as usize)).map(|file| file.path.display());
-            let _ = path.map(|path| writeln!(text, "{:57}{path}", ""));
+            let path =
+                place.and_then(|file| program.files.get(file as usize)).map(|file| file.path.display().to_string());
+            let _ = path
+                .map(|path| writeln!(text, "{:1$}{path}", "", SOURCE.min(WIDTH.saturating_sub(path.chars().count()))));
         }
         text.push_str(&row(executable, address));
     }
@@ -44,8 +50,15 @@ pub fn row(executable: &Executable, address: u32) -> String {
     let word = program.code[address as usize];
     let (line, source) = source(program, address);
     let line = line.map_or(String::new(), |line| line.to_string());
-    let row = format!("{address:>7}  {word:08x}  {cycles:>6}  {instruction:<22} {line:>5}  {source}");
-    row.trim_end().to_owned() + "\n"
+    let row = format!("{address:>7}  {word:08x}  {cycles:>6}  {instruction:<22} {line:>5}  ");
+    let source = wrapped(&statement(source), WIDTH - SOURCE).replace('\n', &format!("\n{:SOURCE$}", ""));
+    (row + &source).trim_end().to_owned() + "\n"
+}
+
+/// What a line of source says, without its comment and the spaces that set its parts off.
+fn statement(source: &str) -> String {
+    let said = source.split(';').next().unwrap_or_default();
+    said.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// What an instruction is, and the line of source that it comes from: its number and its text.

@@ -49,6 +49,8 @@ pub struct LinkStats {
     pub into: Option<Actor>,
     /// Cycles in which it carried words; of wires that carry channels side by side, those of the busiest.
     pub busy: Cycles,
+    /// As many of them as words take that were read before the end; of a bus all.
+    pub read: Cycles,
 }
 
 impl FifoStats {

@@ -101,6 +101,11 @@ impl Topology {
         self.fifos.iter().position(|fifo| fifo.group == group && fifo.to == to)
     }
 
+    /// The FIFO of a group that somebody writes to, by its place.
+    pub fn fifo_from(&self, group: &str, from: Actor) -> Option<usize> {
+        self.fifos.iter().position(|fifo| fifo.group == group && fifo.from == from)
+    }
+
     /// The FIFOs that somebody reads, by their places.
     pub fn inputs_of(&self, to: Actor) -> impl Iterator<Item = usize> + '_ {
         self.fifos.iter().enumerate().filter(move |(_, fifo)| fifo.to == to).map(|(place, _)| place)

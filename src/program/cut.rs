@@ -7,6 +7,7 @@ use crate::cancel::Cancel;
 use crate::error::InputError;
 use crate::geometry::partition::{self, SubVolume, Weight};
 use crate::geometry::{Bounds, Numbering, Partition, Ray};
+use crate::input::text::plural;
 use crate::machine::KernelTimes;
 use crate::scene::Mesh;
 
@@ -104,7 +105,8 @@ impl Cut<'_> {
         self.program.check()?;
         let (polygons, groups) = (&self.surfaces.polygons, self.program.groups);
         if groups > polygons.len() {
-            let message = format!("{groups} groups are more than the scene's {} polygons", polygons.len());
+            let message =
+                format!("{groups} groups are more than the scene's {}", plural(polygons.len() as u64, "polygon"));
             return Err(InputError::new(message).help("use fewer cells or a larger scene").into());
         }
         let all: Vec<u32> = (0..polygons.len() as u32).collect();

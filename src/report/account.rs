@@ -9,7 +9,7 @@ use super::moment;
 use super::plot::Caption;
 use super::prediction::{self, Row};
 use super::stats::{self, Configuration, Counted};
-use super::summary::{self, grouped};
+use super::summary::{self, grouped, plural};
 use super::why;
 use crate::error::InputError;
 use crate::host::color_table::{Color, ColorError, ColorTable, Palette};
@@ -31,14 +31,14 @@ pub fn title(setup: &Setup) -> String {
 pub fn run_title(spec: &RunSpec, scene: &Scene, workload: &Workload, rays: usize) -> String {
     let RunSpec { program, order, .. } = spec;
     format!(
-        "{} on {} cells in {} of {}: scene {} ({} polygons), {} rays{}",
+        "{} on {} in {} of {}: scene {} ({}), {}{}",
         program.name,
-        workload.cells(),
-        plural(workload.groups(), "group"),
+        plural(workload.cells() as u64, "cell"),
+        plural(workload.groups() as u64, "group"),
         program.stages.len(),
         scene.name,
-        grouped(workload.polygons().len() as u64),
-        grouped(rays as u64),
+        plural(workload.polygons().len() as u64, "polygon"),
+        plural(rays as u64, "ray"),
         in_order(*order),
     )
 }
@@ -47,21 +47,22 @@ pub fn run_title(spec: &RunSpec, scene: &Scene, workload: &Workload, rays: usize
 pub fn image_title(setup: &Setup, rendered: &Rendered) -> String {
     let Setup { spec: RunSpec { program, order, .. }, scene, workload, .. } = setup;
     let rays: u64 = rendered.kinds.iter().map(|kind| kind.rays).sum();
-    let polygons = grouped(workload.polygons().len() as u64);
+    let polygons = plural(workload.polygons().len() as u64, "polygon");
     let per_pixel = rays as f64 / rendered.pixels.len().max(1) as f64;
-    let what = format!("scene {} ({polygons} polygons), {} rays, {per_pixel:.2} a pixel", scene.name, grouped(rays));
+    let what = format!("scene {} ({polygons}), {}, {per_pixel:.2} a pixel", scene.name, plural(rays, "ray"));
     if rendered.timing.is_none() {
         return format!("image without timing: {what}");
     }
-    let groups = plural(workload.groups(), "group");
-    let (name, cells, order) = (&program.name, workload.cells(), in_order(*order));
-    format!("{name} on {cells} cells in {groups} of {}: {what}{order}", program.stages.len())
+    let (cells, groups) = (plural(workload.cells() as u64, "cell"), plural(workload.groups() as u64, "group"));
+    let (name, order) = (&program.name, in_order(*order));
+    format!("{name} on {cells} in {groups} of {}: {what}{order}", program.stages.len())
 }
 
 /// What runs, in one line: a replay.
 pub fn replay_title(replay: &Replay) -> String {
     let Replay { spec, trace, .. } = replay;
-    format!("replay of {} on {} cells: {} rays", spec.ops.display(), trace.cells(), grouped(trace.jobs()))
+    let (cells, rays) = (plural(trace.cells() as u64, "cell"), plural(trace.jobs(), "ray"));
+    format!("replay of {} on {cells}: {rays}", spec.ops.display())
 }
 
 /// What pictures of a run with that title tell of it.
@@ -79,7 +80,8 @@ pub fn replay_caption(replay: &Replay) -> Caption {
 /// The same of a trace whose FIFOs are sized.
 pub fn sized_trace_title(replay: &Replay) -> String {
     let Replay { spec, trace, .. } = replay;
-    format!("{} on {} cells: {} rays", spec.ops.display(), trace.cells(), grouped(trace.jobs()))
+    let (cells, rays) = (plural(trace.cells() as u64, "cell"), plural(trace.jobs(), "ray"));
+    format!("{} on {cells}: {rays}", spec.ops.display())
 }
 
 /// What people read of a run of primary rays.
@@ -100,8 +102,8 @@ pub fn head(setup: &Setup, outcome: &Outcome) -> String {
     }
     lines.extend([
         format!(
-            "{} rays hit ({:.1} %); {} voxels, {} slabs tests and {} intersection tests a ray",
-            grouped(hits),
+            "{} hit ({:.1} %); {} voxels, {} slabs tests and {} intersection tests a ray",
+            plural(hits, "ray"),
             100.0 * hits as f64 / rays.max(1) as f64,
             per_ray(outcome.counts.voxels, rays),
             per_ray(outcome.counts.slab_tests, rays),
@@ -164,7 +166,7 @@ pub fn moment_text(
 /// Of how many samples rays were sent, and of how many of these hit.
 fn samples_line(samples: u64, sent: u64, hits: u64) -> String {
     let share = 100.0 * sent as f64 / samples.max(1) as f64;
-    format!("{} samples, {} sent ({share:.1} %), of these {} hit", grouped(samples), grouped(sent), grouped(hits))
+    format!("{}, {} sent ({share:.1} %), of these {} hit", plural(samples, "sample"), grouped(sent), grouped(hits))
 }
 
 /// What an image's samples came to, if they were not all alike.
@@ -174,7 +176,7 @@ fn sampling_lines(setup: &Setup, rendered: &Rendered) -> String {
     let refined = setup.image().adaptive.then(|| {
         let (refined, pixels) = (rendered.refined.len(), rendered.pixels.len());
         let share = 100.0 * refined as f64 / pixels.max(1) as f64;
-        format!("{} of {} pixels oversampled ({share:.1} %)", grouped(refined as u64), grouped(pixels as u64))
+        format!("{} of {} oversampled ({share:.1} %)", grouped(refined as u64), plural(pixels as u64, "pixel"))
     });
     sent.into_iter().chain(refined).map(|line| format!("\n{line}")).collect()
 }
@@ -216,11 +218,11 @@ pub fn colors_line(table: &ColorTable, palette: Palette, pixels: &[Color]) -> St
         (Some(level), Some(bound)) => format!("; octree of level {level}, which is off by at most {bound:.1}"),
         _ => String::new(),
     };
-    format!(
-        "{} colours by {}: off by {largest:.1} of 255 at most, mean square {mean_square:.2} a pixel{octree}\n\n",
-        table.colors.len(),
+    summary::prose(&format!(
+        "{} by {}: off by {largest:.1} of 255 at most, mean square {mean_square:.2} a pixel{octree}\n\n",
+        plural(table.colors.len() as u64, "colour"),
         palette.name(),
-    )
+    ))
 }
 
 /// What people read of a replay.
@@ -244,15 +246,15 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
     let Forecast { array, predicted, best, polygons, rays } = forecast;
     let program = &spec.program;
     let title = format!(
-        "{} on {} cells in {} of {}, grid coefficient {}: scene {} ({} polygons), {} rays{}",
+        "{} on {} in {} of {}, grid coefficient {}: scene {} ({}), {}{}",
         program.name,
-        program.cells(),
-        plural(program.groups, "group"),
+        plural(program.cells() as u64, "cell"),
+        plural(program.groups as u64, "group"),
         program.stages.len(),
         program.grid_coefficient,
         scene.name,
-        grouped(*polygons as u64),
-        grouped(*rays as u64),
+        plural(*polygons as u64, "polygon"),
+        plural(*rays as u64, "ray"),
         in_order(spec.order),
     );
     let head = format!("{title}\n{}", machine_line(&machine.spec));
@@ -369,9 +371,4 @@ fn kernel_names(kernels: &[Kernel]) -> String {
 
 fn per_ray(count: u64, rays: usize) -> String {
     format!("{:.2}", count as f64 / rays.max(1) as f64)
-}
-
-/// `1 group`, `2 groups`.
-pub fn plural(count: usize, noun: &str) -> String {
-    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use super::bottleneck;
 use super::plot::{Caption, RegionMap};
 use super::stats::{Configuration, station};
-use super::summary::{self, Rows, grouped, percent, time};
+use super::summary::{self, Rows, grouped, percent, plural, time};
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::measure::{Clock, StateTimes};
@@ -117,20 +117,25 @@ fn title(setup: &CubeSetup) -> String {
         CubeMode::SharedMemory => "with a shared memory",
     };
     format!(
-        "image of {} ({} polygons) on {} nodes {how}: {} pixels, {} rays",
+        "image of {} ({}) on {} {how}: {}, {}",
         scene.name,
-        grouped(scene.polygons as u64),
-        spec.machine.nodes,
-        grouped(spec.size.pixels() as u64),
-        grouped(scene.graph.rays.len() as u64),
+        plural(scene.polygons as u64, "polygon"),
+        plural(spec.machine.nodes as u64, "node"),
+        plural(spec.size.pixels() as u64, "pixel"),
+        plural(scene.graph.rays.len() as u64, "ray"),
     )
 }
 
 fn machine_line(spec: &CubeSpec) -> String {
     let machine = &spec.machine;
     format!(
-        "machine: hypercube of {} nodes of {} kbyte, cycle {} ns, short message {} µs, long {} µs, {} µs a byte",
-        machine.nodes, machine.node_kbyte, machine.clock_ns, machine.short_us, machine.long_us, machine.byte_us
+        "machine: hypercube of {} of {} kbyte, cycle {} ns, short message {} µs, long {} µs, {} µs a byte",
+        plural(machine.nodes as u64, "node"),
+        machine.node_kbyte,
+        machine.clock_ns,
+        machine.short_us,
+        machine.long_us,
+        machine.byte_us
     )
 }
 
@@ -144,23 +149,23 @@ fn shares(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
             Distribution::Lines => "lines of pixels in turn",
             Distribution::Tiles => "tiles of 8 x 8 pixels as nodes ask for them",
         };
-        return format!("shared out: {} pages of {bytes} bytes; {pixels}", grouped(pages.into()));
+        return format!("shared out: {} of {bytes} bytes; {pixels}", plural(pages.into(), "page"));
     };
     let [across, down] = scene.cut.regions.plane().size();
     let flow = match regions.flow {
         FlowKind::Unlimited => "unlimited queues".to_owned(),
-        FlowKind::Block => format!("queues of {} rays that block", outcome.slots.unwrap_or(0)),
-        FlowKind::Window => format!("{} pixels under way", regions.window.unwrap_or(0)),
+        FlowKind::Block => format!("queues of {} that block", plural(outcome.slots.unwrap_or(0) as u64, "ray")),
+        FlowKind::Window => format!("{} under way", plural(regions.window.unwrap_or(0) as u64, "pixel")),
         FlowKind::Classes => {
             let how = if regions.grant == Grant::Handshake { ", asked for" } else { "" };
-            format!("{} slots by rank{how}", outcome.slots.unwrap_or(0))
+            format!("{} by rank{how}", plural(outcome.slots.unwrap_or(0) as u64, "slot"))
         }
     };
     format!(
-        "shared out: {} x {} cells by {} sampled pixels; {}mapping {}; {flow}; termination by {}",
+        "shared out: {} x {} cells by {}; {}mapping {}; {flow}; termination by {}",
         across,
         down,
-        grouped(scene.cut.sampled as u64),
+        plural(scene.cut.sampled as u64, "sampled pixel"),
         if regions.grids == Grids::Own { "grids of their own; " } else { "" },
         regions.mapping.name(),
         regions.termination.name(),
@@ -208,9 +213,9 @@ fn queues(setup: &CubeSetup, outcome: &CubeOutcome) -> Vec<String> {
             balance(&measured),
         ),
         format!(
-            "ray messages a ray: {:.2}; longest queue {} rays; {link}",
+            "ray messages a ray: {:.2}; longest queue {}; {link}",
             sent as f64 / rays,
-            grouped(longest as u64),
+            plural(longest as u64, "ray"),
         ),
     ]
 }

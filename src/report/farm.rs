@@ -3,11 +3,10 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::account::plural;
 use super::bottleneck;
 use super::plot::Caption;
 use super::stats::{Configuration, station};
-use super::summary::{self, Rows, grouped, percent, prose, time};
+use super::summary::{self, Rows, percent, plural, prose, time};
 use super::why::{self, PathJson};
 use crate::machine::{Capitan, CapitanFile, Cycles};
 use crate::measure::LinkStats;
@@ -35,7 +34,7 @@ pub fn text(setup: &FarmSetup, outcome: &FarmOutcome) -> String {
 /// What people read of farms of several numbers of workers: a row for each, and what limits most of them.
 pub fn compared(setup: &FarmSetup, outcomes: &[FarmOutcome]) -> String {
     let last = outcomes.last().map_or(String::new(), |last| {
-        format!("With {}: {}\n", plural(last.workers, "worker"), bottleneck::sentence(&last.stats))
+        format!("With {}: {}\n", plural(last.workers as u64, "worker"), bottleneck::sentence(&last.stats))
     });
     let fewest = outcomes.first().map_or(0, |first| first.workers);
     let shares = shares(&setup.spec);
@@ -51,22 +50,27 @@ pub fn caption(setup: &FarmSetup, outcome: &FarmOutcome) -> Caption {
 
 /// What runs, in one line.
 fn title(setup: &FarmSetup, outcome: &FarmOutcome) -> String {
-    format!("farm of {}: {}", plural(outcome.workers, "worker"), what(setup))
+    format!("farm of {}: {}", plural(outcome.workers as u64, "worker"), what(setup))
 }
 
 /// Scene, image and work items.
 fn what(setup: &FarmSetup) -> String {
     let FarmSetup { spec, scene, items, .. } = setup;
-    let polygons = scene.polygons.map_or(String::new(), |count| format!(" ({} polygons)", grouped(count as u64)));
-    let (pixels, count) = (grouped(spec.size.pixels() as u64), grouped(items.len() as u64));
-    format!("scene {}{polygons}, {pixels} pixels in {count} {}s", scene.name, items.noun)
+    let polygons = scene.polygons.map_or(String::new(), |count| format!(" ({})", plural(count as u64, "polygon")));
+    let (pixels, items) = (plural(spec.size.pixels() as u64, "pixel"), plural(items.len() as u64, items.noun));
+    format!("scene {}{polygons}, {pixels} in {items}", scene.name)
 }
 
 /// The machine in one line.
 fn machine_line(machine: &CapitanFile) -> String {
     format!(
-        "machine: {} processors of {} kbyte, {} buses of {} Mbyte/s, {} ms a message",
-        machine.processors, machine.memory_kbyte, machine.buses, machine.bus_mb_s, machine.message_ms,
+        "machine: {} of {} kbyte, {} of {} Mbyte/s, {} ms a message",
+        plural(machine.processors as u64, "processor"),
+        machine.memory_kbyte,
+        // A word of its own plural.
+        if machine.buses == 1 { "1 bus".to_owned() } else { format!("{} buses", machine.buses) },
+        machine.bus_mb_s,
+        machine.message_ms,
     )
 }
 

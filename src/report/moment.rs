@@ -1,6 +1,6 @@
 //! One moment of a run in words: what somebody does then, and whom it waits for.
 
-use super::summary::{WIDTH, grouped, time, wrapped};
+use super::summary::{WIDTH, grouped, plural, time, wrapped};
 use super::why::label;
 use crate::measure::{
     Actor, Clock, CriticalPath, Doing, FifoInfo, Snapshot, StateKind, StationMoment, Topology, WaitAt, Waiting, What,
@@ -108,12 +108,12 @@ fn recorded_line(topology: &Topology, waiting: &Waiting) -> String {
 }
 
 fn waits_for_word(fifo: &FifoInfo) -> String {
-    format!("waits for {}: {} is empty (0 of {} words)", fifo.from, fifo.name, fifo.capacity.0)
+    format!("waits for {}: {} is empty (0 of {})", fifo.from, fifo.name, plural(fifo.capacity.0, "word"))
 }
 
 fn waits_for_room(fifo: &FifoInfo) -> String {
     let words = fifo.capacity.0;
-    format!("waits for {}: {} is full ({words} of {words} words)", fifo.to, fifo.name)
+    format!("waits for {}: {} is full ({} of {})", fifo.to, fifo.name, grouped(words), plural(words, "word"))
 }
 
 fn waits_for_wire(fifo: &FifoInfo) -> String {

@@ -8,54 +8,11 @@ use super::time_unit::TimeUnit;
 use crate::measure::{Clock, FifoInfo, FifoStats, Measured, State, StateTimes};
 use crate::quantities::Cycles;
 
-/// Columns that terminals and printed logs have.
-pub const WIDTH: usize = 80;
+pub use crate::input::lines::{WIDTH, grouped, plural, wrapped};
 
 /// Sentences as people read them: a line that is longer than [`WIDTH`] goes on in another one.
 pub fn prose(text: &str) -> String {
     text.split('\n').map(|line| wrapped(line, WIDTH)).collect::<Vec<_>>().join("\n")
-}
-
-/// The words of a line, in as many lines of up to so many characters as they need.
-pub fn wrapped(line: &str, width: usize) -> String {
-    if line.chars().count() <= width {
-        return line.to_owned();
-    }
-    let mut lines = vec![String::new()];
-    for word in words(line) {
-        let last = lines.len() - 1;
-        let taken = lines[last].chars().count();
-        if taken > 0 && taken + 1 + word.chars().count() > width {
-            lines.push(word.to_owned());
-        } else {
-            let gap = if taken > 0 { " " } else { "" };
-            lines[last] = format!("{}{gap}{word}", lines[last]);
-        }
-    }
-    lines.join("\n")
-}
-
-/// The words of a line. What a space sets off within a number, and before its unit, belongs to it.
-fn words(line: &str) -> Vec<&str> {
-    let is_digit = |at: usize| line.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
-    let mut words = Vec::new();
-    let mut from = 0;
-    for (at, _) in line.match_indices(' ') {
-        let in_number = at > 0 && is_digit(at - 1) && (line[at + 1..].starts_with('%') || is_digit(at + 1));
-        if !in_number {
-            words.push(&line[from..at]);
-            from = at + 1;
-        }
-    }
-    words.push(&line[from..]);
-    words
-}
-
-/// A number with its thousands set off: `262 144`.
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();
-    groups.join(" ")
 }
 
 /// A time in the unit that suits it: `1.234 ms`.
@@ -69,9 +26,9 @@ pub fn speed(run: &Measured, clock: Clock) -> String {
     let seconds = clock.seconds(run.cycles);
     let rate = if seconds > 0.0 { run.jobs as f64 / seconds } else { 0.0 };
     format!(
-        "simulated time {} ({} cycles of {} ns), {} {}s/s",
+        "simulated time {} ({} of {} ns), {} {}s/s",
         time(seconds),
-        grouped(run.cycles.0),
+        plural(run.cycles.0, "cycle"),
         clock.cycle_ns,
         grouped(rate.round() as u64),
         run.topology.names.job,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::summary::{Rows, WIDTH, aligned_with, grouped, percent, prose, table, time, wrapped};
+use super::summary::{Rows, WIDTH, aligned_with, grouped, percent, plural, prose, table, time, wrapped};
 use crate::machine::Capitan;
 use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit, Shape};
 use crate::quantities::Cycles;
@@ -172,11 +172,10 @@ fn length(path: &CriticalPath, cycles: Cycles) -> String {
 
 /// The length of a path.
 fn whole(path: &CriticalPath) -> String {
-    let length = length(path, path.cycles);
-    if path.topology.shape == Shape::Farm { length } else { length + " cycles" }
+    if path.topology.shape == Shape::Farm { length(path, path.cycles) } else { plural(path.cycles.0, "cycle") }
 }
 
-/// A part of a path, in words: `the grid's steps in cell 0`, `X4, full`.
+/// A part of a path, in words: `the grid's steps in cell 0`, `X4, full until cell 4 reads`.
 fn phrase(path: &CriticalPath, part: &PathPart) -> String {
     let fifo = |fifo: usize| &path.topology.fifos[fifo].name;
     match part.cause {
@@ -186,7 +185,13 @@ fn phrase(path: &CriticalPath, part: &PathPart) -> String {
         Cause::Move => format!("moving words in {}", place(path, part.at)),
         Cause::Latency(place) => format!("the way into {}", fifo(place)),
         Cause::Wire(place) => format!("the wire into {}", fifo(place)),
-        Cause::Slot(place) => format!("{}, full", fifo(place)),
+        Cause::Slot(fifo) => {
+            format!(
+                "{}, full until {} reads",
+                path.topology.fifos[fifo].name,
+                place(path, path.topology.fifos[fifo].to)
+            )
+        }
     }
 }
 
@@ -247,7 +252,7 @@ pub fn place_rows(path: &CriticalPath) -> Rows {
     let others = &places[rows.len()..];
     if !others.is_empty() {
         let cycles: Cycles = others.iter().map(|(_, (cycles, _))| *cycles).sum();
-        rows.push(vec![format!("{} others", others.len()), length(path, cycles), share(cycles), String::new()]);
+        rows.push(vec![plural(others.len() as u64, "other"), length(path, cycles), share(cycles), String::new()]);
     }
     Rows { header: ["where", lengths(path), "share", "mostly"].map(str::to_owned).to_vec(), rows }
 }

@@ -12,19 +12,21 @@ use super::spec::{RunSpec, is_builtin};
 use crate::error::InputError;
 use crate::host::sampling::AdaptiveBy;
 use crate::host::screen::ScreenRectangles;
+use crate::input::name_inside;
 use crate::machine::MachineOptions;
 use crate::program::farm::ItemKind;
 use crate::program::{ArrayProgram, Masks};
 use crate::scene::builtin;
 
 /// What commands share with others and refuse in any case, so that no help tells of it. (`run` is the command without a name.)
-pub const ALWAYS_REFUSED: [(&str, &[&str]); 6] = [
+pub const ALWAYS_REFUSED: [(&str, &[&str]); 7] = [
     ("run", &["host_hit_us"]),
     ("replay", &["memory_words"]),
     ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk"]),
     ("size-fifos", &DEPTHS),
-    ("farm", &["adaptive", "enough"]),
-    ("ipsc2", &["adaptive", "why", "enough"]),
+    ("farm", &["adaptive", "adaptive_by", "threshold", "enough"]),
+    ("ipsc2", &["adaptive", "adaptive_by", "threshold", "why", "enough"]),
+    ("calibrate-ipsc2", &ADAPTIVE),
 ];
 
 /// Refuses the flags that a run of primary rays would not look at.
@@ -264,7 +266,8 @@ fn check_resolution(scene: &str, resolution: Option<u32>) -> Result<(), InputErr
     let of_polygons = if is_builtin(scene) {
         builtin::all().iter().any(|known| known.name == scene && known.default_resolution.is_none())
     } else {
-        let extension = Path::new(scene).extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        let inside = name_inside(Path::new(scene));
+        let extension = inside.extension().map(|extension| extension.to_string_lossy().to_lowercase());
         matches!(extension.as_deref(), Some("obj" | "ply"))
     };
     if of_polygons && resolution.is_some() {

@@ -117,6 +117,7 @@ parameters! {
     /// The machine that changes are laid over.
     pub struct MachineFileOptions under "Machine" {
         /// On which machine: pcs, or the nodes of an iPSC/2 as a row of cells. (With --mode regions or shared-memory: see ipsc2.)
+        /// [default: pcs]
         #[cfg_attr(feature = "cli", arg(conflicts_with = "machine"))]
         on: On, "MACHINE", Text, "machine";
         /// A machine file of your own; the flags below change it further [default: PCS].

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::options::{CellsRun, MachineFileOptions, Mode, On, RunOptions, Switch};
-use crate::error::InputError;
+use crate::error::{InputError, Place};
 use crate::geometry::{Edges, Ray};
 use crate::host::camera::{self, ImageSize};
 use crate::host::order::{Order, Sequence};
@@ -16,6 +16,7 @@ use crate::host::ray_file;
 use crate::host::sampling::{AdaptiveBy, Criterion, Sampling};
 use crate::host::screen::ScreenRectangles;
 use crate::host::shading::Limits;
+use crate::input::STREAM;
 use crate::input::fields::{self, is_default};
 use crate::isa::Processor;
 use crate::machine::{Machine, MachineFile};
@@ -91,13 +92,12 @@ pub struct ReplaySpec {
 impl ReplaySpec {
     /// Reads a description: a replay's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<ReplaySpec, InputError> {
-        read_configuration::<ReplaySpec>(path, "replay")?.checked()
+        read_configuration::<ReplaySpec>(path, REPLAY)?.checked()
     }
 
     /// The same from JSON that is at hand.
     pub fn from_json(value: serde_json::Value) -> Result<ReplaySpec, InputError> {
-        let described = configuration::<ReplaySpec>(value);
-        described.map_err(|error| InputError::new(format!("describes no replay: {error}")))?.checked()
+        configuration::<ReplaySpec>(value, REPLAY)?.checked()
     }
 
     fn checked(self) -> Result<ReplaySpec, InputError> {
@@ -109,22 +109,44 @@ impl ReplaySpec {
 /// Reads a configuration, or the one in statistics.
 pub(super) fn read_configuration<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, InputError> {
     let text = fields::read_text(path)?;
-    let described = serde_json::from_str(&text).and_then(configuration);
-    described.map_err(|error| InputError::in_file(path, format!("describes no {what}: {error}")))
+    let value = serde_json::from_str(&text)
+        .map_err(|error| InputError::in_file(path, format!("describes no {what}: {error}")))?;
+    let place = Some(Place { file: path.to_owned(), spot: None });
+    configuration(value, what).map_err(|error| InputError { place, ..error })
 }
 
 /// What a configuration describes, or the one in statistics.
-pub(super) fn configuration<T: DeserializeOwned>(mut value: serde_json::Value) -> serde_json::Result<T> {
+pub(super) fn configuration<T: DeserializeOwned>(mut value: serde_json::Value, what: &str) -> Result<T, InputError> {
     let configuration = match value.get_mut("configuration") {
         Some(configuration) => configuration,
         None => &mut value,
     };
+    let kind = KINDS.iter().find(|(field, ..)| configuration.pointer(field).is_some());
+    if let Some((.., told, command)) = kind.filter(|(_, kind, ..)| *kind != what) {
+        let error = InputError::new(format!("describes no {what}, but {told}"));
+        return Err(error.help(format!("`pcs-sim {command}` repeats it")));
+    }
     // It tells more than what was asked for: what the scene came to, which is worked out again.
     if let Some(fields) = configuration.as_object_mut() {
         FACTS.iter().for_each(|fact| drop(fields.remove(*fact)));
     }
     serde_json::from_value(configuration.take())
+        .map_err(|error| InputError::new(format!("describes no {what}: {error}")))
 }
+
+/// What configurations describe: a field by which to know it, what it is and is called, and the command that repeats it.
+const KINDS: [(&str, &str, &str, &str); 5] = [
+    ("/ops", REPLAY, "a replay", "replay --config FILE"),
+    ("/tasks", FARM, "a farm", "farm --config FILE"),
+    ("/machine/nodes", CUBE, "an image on a hypercube", "ipsc2 --config FILE"),
+    ("/image", RUN, "a whole image", "image --config FILE -o IMAGE"),
+    ("/program", RUN, "a run", "--config FILE"),
+];
+
+const REPLAY: &str = "replay";
+const RUN: &str = "run";
+pub(super) const FARM: &str = "farm";
+pub(super) const CUBE: &str = "image on a hypercube";
 
 /// What a configuration says of its scene beside the run's description.
 const FACTS: [&str; 3] = ["polygons", "memory", "solids"];
@@ -291,13 +313,12 @@ impl RunSpec {
 
     /// Reads a description: a run's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<RunSpec, InputError> {
-        read_configuration::<RunSpec>(path, "run")?.checked()
+        read_configuration::<RunSpec>(path, RUN)?.checked()
     }
 
     /// The same from JSON that is at hand.
     pub fn from_json(value: serde_json::Value) -> Result<RunSpec, InputError> {
-        let described = configuration::<RunSpec>(value);
-        described.map_err(|error| InputError::new(format!("describes no run: {error}")))?.checked()
+        configuration::<RunSpec>(value, RUN)?.checked()
     }
 
     fn checked(self) -> Result<RunSpec, InputError> {
@@ -395,6 +416,10 @@ fn check_edges(edges: Edges, cells_run: CellsRun) -> Result<(), InputError> {
 ///
 /// If there is no such scene, or its file is wrong.
 pub fn load_scene(scene: &str, size_factor: Option<u32>, resolution: Option<u32>) -> Result<Scene, InputError> {
+    if scene == STREAM {
+        let error = InputError::new("standard input does not tell what kind of scene comes");
+        return Err(error.help("name it with an ending: -.obj, -.ply, ..."));
+    }
     if is_builtin(scene) {
         return builtin::generate(scene, size_factor, resolution);
     }

@@ -17,6 +17,9 @@ use crate::report::table::{Column, Kind};
 use crate::run::is_builtin;
 use crate::scene::ReadOptions;
 
+/// Letters of each half of a point's identity.
+pub(super) const HALF: usize = 16;
+
 /// The points of a sweep: every combination of its parameters' values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sweep {
@@ -95,18 +98,14 @@ impl Sweep {
         values
     }
 
-    /// What tells a point apart from all others: its values, and what is in the files that they name and in those behind
-    /// them. The same on any machine.
+    /// What tells a point apart from all others: by its first half its values, by its second one what is in the files that they name
+    /// and in those behind them. The same on any machine.
     pub fn identity(&self, index: usize) -> String {
-        let values = self.point(index);
-        let values = self.parameters.iter().map(|parameter| parameter.column.name).zip(values);
-        let with_files = values.map(|(name, value)| {
-            let key = (name, value);
-            let files = self.files.get(&key);
-            (key, files)
-        });
-        let all: Vec<_> = with_files.collect();
-        blake3::hash(format!("{all:?}").as_bytes()).to_hex()[..32].to_owned()
+        let names = self.parameters.iter().map(|parameter| parameter.column.name);
+        let values: Vec<(&'static str, String)> = names.zip(self.point(index)).collect();
+        let files: Vec<Option<&Vec<FileRead>>> = values.iter().map(|value| self.files.get(value)).collect();
+        let half = |text: String| blake3::hash(text.as_bytes()).to_hex()[..HALF].to_owned();
+        half(format!("{values:?}")) + &half(format!("{files:?}"))
     }
 
     /// The sweep as a file says it, its ranges written out.

@@ -1,11 +1,12 @@
 //! The journal of a sweep: a line for each point that is done, so that a killed sweep can go on, and one that gets more
 //! points runs no others.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
+use super::file::HALF;
 use crate::error::InputError;
 
 /// The results of the points that are done, in memory and in a file that outlives the process. As long as it is open, no
@@ -16,6 +17,8 @@ pub(super) struct Journal {
     heading: Heading,
     /// For each point, its results once it is done.
     results: Vec<Option<Vec<String>>>,
+    /// What the file says already of points that failed, which are run again.
+    failures: HashMap<String, Vec<String>>,
 }
 
 /// What a journal is for.
@@ -23,9 +26,9 @@ pub(super) struct Journal {
 pub(super) struct Heading {
     /// What all points have in common: the program's version, and what is told of a point.
     pub kind: String,
-    /// What tells each point apart from all others.
+    /// What tells each point apart from all others: a [`Sweep::identity`](super::Sweep::identity).
     pub points: Vec<String>,
-    /// How many cells a point's results have.
+    /// How many cells a point's results have; the last tells why it failed.
     pub cells: usize,
 }
 
@@ -58,7 +61,8 @@ impl Journal {
                 return Err(error.help("wait for it to end, or give the table another name"));
             }
         }
-        let mut journal = Journal { file, results: vec![None; heading.points.len()], heading };
+        let mut journal =
+            Journal { file, results: vec![None; heading.points.len()], heading, failures: HashMap::new() };
         match journal.recover() {
             Ok(()) => Ok(journal),
             Err(Refused::OtherSweep | Refused::OtherPoints(_) | Refused::Damaged(_)) if force => {
@@ -79,7 +83,8 @@ impl Journal {
         }
     }
 
-    /// Reads what is there, and cuts off a line that was being written when the process ended.
+    /// Reads what is there, and cuts off a line that was being written when the process ended. Points that failed are to be run
+    /// again, also where a file that they name has come or has changed since.
     fn recover(&mut self) -> Result<(), Refused> {
         let mut bytes = Vec::new();
         self.file.read_to_end(&mut bytes)?;
@@ -95,12 +100,16 @@ impl Journal {
         for (place, point) in self.heading.points.iter().enumerate() {
             places.entry(point).or_default().push(place);
         }
+        let values: HashSet<&str> = self.heading.points.iter().filter_map(|point| point.get(..HALF)).collect();
+        let is_known = |point: &str| point.get(..HALF).is_some_and(|point| values.contains(point));
         let mut of_others = 0;
         for (line, number) in lines.zip(2..) {
             let entry: Result<(&str, Vec<String>), _> = serde_json::from_slice(line);
             let entry = entry.ok().filter(|(_, results)| results.len() == self.heading.cells);
             let (point, results) = entry.ok_or(Refused::Damaged(number))?;
+            let failed = results.last().is_some_and(|reason| !reason.is_empty());
             match places.get(point) {
+                _ if failed && is_known(point) => drop(self.failures.insert(point.to_owned(), results)),
                 Some(places) => places.iter().for_each(|&place| self.results[place] = Some(results.clone())),
                 None => of_others += 1,
             }
@@ -121,6 +130,7 @@ impl Journal {
                 lines += &line(point, results)?;
             }
         }
+        self.failures.clear();
         self.file.set_len(0)?;
         self.file.rewind()?;
         self.file.write_all(lines.as_bytes())
@@ -131,6 +141,11 @@ impl Journal {
         &self.heading.points
     }
 
+    /// Forgets that a point is done.
+    pub fn forget(&mut self, index: usize) {
+        self.results[index] = None;
+    }
+
     /// Whether a point is done.
     pub fn has(&self, index: usize) -> bool {
         self.results[index].is_some()
@@ -138,7 +153,10 @@ impl Journal {
 
     /// Enters a point that is done: in one write, so that a kill loses at most its own line.
     pub fn enter(&mut self, index: usize, results: Vec<String>) -> std::io::Result<()> {
-        self.file.write_all(line(&self.heading.points[index], &results)?.as_bytes())?;
+        let point = &self.heading.points[index];
+        if self.failures.get(point) != Some(&results) {
+            self.file.write_all(line(point, &results)?.as_bytes())?;
+        }
         self.results[index] = Some(results);
         Ok(())
     }

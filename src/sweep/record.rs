@@ -64,6 +64,8 @@ const PAUSE_FACTOR: u32 = 20;
 impl Record {
     /// Opens the record of a sweep, or starts one. `path` names the table, as `.csv` or `.parquet`.
     ///
+    /// Points that failed are to be run again.
+    ///
     /// Fails if there are such files of something else and `force` was not asked for, and if another process has it open.
     pub fn open(sweep: &Sweep, path: &Path, force: bool) -> Result<Record, InputError> {
         let places = Places::new(path)?;
@@ -133,6 +135,15 @@ impl Record {
             self.enter(index, results.to_vec(), row)?;
         }
         Ok(())
+    }
+
+    /// Takes the points that failed for points that are not done, which are run again.
+    pub fn forget_failures(&mut self) {
+        let failed = self.rows.iter().filter(|(_, row)| row.last().is_some_and(|reason| !reason.is_empty()));
+        for index in failed.map(|(index, _)| *index).collect::<Vec<_>>() {
+            self.rows.remove(&index);
+            self.journal.forget(index);
+        }
     }
 
     /// Tells in the table why a point is not done. It is run when the sweep goes on.

@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 
 use super::{Points, effective, parameters};
-use crate::report::account::plural;
+use crate::report::summary::plural;
 use crate::report::table::{Column, Table};
 
 /// The column that tells how many cells the array of a point has, if the sweep does not say so.
@@ -32,7 +32,7 @@ pub fn what_ran(table: &Table<'_>) -> String {
         .collect();
     told.sort_by_key(|(_, values)| values.len() > 1);
     let told: Vec<String> = told.iter().map(|(name, values)| format!("{name} {}", listed(values))).collect();
-    let points = plural(table.rows.len(), "point");
+    let points = plural(table.rows.len() as u64, "point");
     if told.is_empty() { points } else { format!("{points}: {}", told.join("; ")) }
 }
 

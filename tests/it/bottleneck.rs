@@ -57,9 +57,10 @@ fn shallow_fifos_of_words_to_the_left() {
         rays(40, |ray| format!("{ray} host a{} w8\n{ray} 0 x8 g350 b9 o1\n{ray} 1 x8 z9 n300 i1 o5\n", ray.max(1) - 1));
     let trace = trace.replacen("a0 ", "", 1);
     let (sentence, cycles) = replay(&trace, "--z-fifo-words 4");
-    assert!(sentence.contains("but full FIFOs block a cell for "), "{sentence}");
+    assert!(sentence.contains("but cell 1 stands blocked for "), "{sentence}");
+    assert!(sentence.contains(" as Z0 is full, which cell 0 reads: deeper FIFOs, "), "{sentence}");
     let (deep, fewer) = replay(&trace, "--z-fifo-words 16");
-    assert!(!deep.contains("full FIFOs"), "{deep}");
+    assert!(!deep.contains("is full"), "{deep}");
     assert!(fewer < cycles * 7 / 10, "{fewer} against {cycles}");
 }
 
@@ -69,4 +70,39 @@ fn uneven_work() {
         rays(40, |ray| format!("{ray} host a{} w8\n{ray} 0 x8 g300 o1\n{ray} 1 x8 i1 n300 o5\n", ray.max(1) - 1));
     let trace = trace.replacen("a0 ", "", 1);
     insta::assert_snapshot!(replay(&trace, "").0);
+}
+
+/// Words that nobody reads hold nobody up, however long they take on their way.
+#[test]
+fn words_that_nobody_reads() {
+    for (trace, rate) in
+        [("0 host w20\n0 0 o5\n", 80), ("0 host w8\n0 0 o5\n", 80), ("0 host w8\n0 0 x8 o100\n0 1 x8 g300 o5\n", 8)]
+    {
+        let at = |rate: u32| replay(trace, &format!("--link-mb-s {rate}"));
+        let (sentence, cycles) = at(rate);
+        assert!(!sentence.contains("link"), "{sentence}");
+        assert!(at(2 * rate).1 > cycles * 7 / 10, "{sentence}");
+    }
+}
+
+/// There is nobody else to speak of.
+#[test]
+fn a_single_cell() {
+    let waits = rays(20, |ray| format!("{ray} host c600 w8\n{ray} 0 x8 g500 o5\n"));
+    let told = ["0 host w20\n0 0 o5\n", "0 host c10 w8\n0 0 o5\n", &waits].map(|trace| replay(trace, "").0);
+    insta::assert_snapshot!(told.join("\n"));
+    assert!(told.iter().all(|sentence| !sentence.contains("cells") && !sentence.contains("busiest")), "{told:?}");
+}
+
+/// On Z the one that a cell waits for is on the other side: words come from the right, and room from the left.
+#[test]
+fn neighbours_that_wait_on_z() {
+    let full = rays(12, |ray| {
+        format!("{ray} host w8\n{ray} 0 x8 g700 b12 o1\n{ray} 1 x8 z12 g30 i1 o1\n{ray} 2 x8 i1 g30 o5\n")
+    });
+    let empty = rays(12, |ray| {
+        format!("{ray} host w8\n{ray} 0 x8 g20 b12 o1\n{ray} 1 x8 g20 b12 z12 i1 o1\n{ray} 2 x8 z12 g600 i1 o5\n")
+    });
+    let told = [full, empty].map(|trace| replay(&trace, "--z-fifo-words 4").0);
+    insta::assert_snapshot!(told.join("\n"));
 }

@@ -113,7 +113,8 @@ fn images_have_as_many_colours_as_asked_for() {
         let text = folder
             .run(&format!("image room --size 48x32 --timing off --colors 24 --palette {palette} -o {name}"))
             .success();
-        said += text.lines().find(|line| line.contains(" colours by ")).unwrap();
+        let told = text.lines().skip_while(|line| !line.contains(" colours by ")).take_while(|line| !line.is_empty());
+        said += &told.collect::<Vec<_>>().join(" ");
         said += "\n";
         let info = decoded(&folder.path(&name)).info;
         assert_eq!(info.color_type, png::ColorType::Indexed);

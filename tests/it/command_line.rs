@@ -126,6 +126,13 @@ fn the_quiet_say_nothing() {
 fn results_fit_80_columns() {
     let folder = Folder::new();
     folder.run("--scene room --size 8x6 --ops a.ops --stats a.json").success();
+    folder.file("steps", "break 18\nlist\nbreak\nquit\n");
+    let programs = std::fs::canonicalize("pcs-programs/cells").unwrap();
+    std::os::unix::fs::symlink(&programs, folder.path("cells")).unwrap();
+    let names = std::fs::read_dir(&programs).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let listings: Vec<String> =
+        names.filter(|name| name.ends_with(".pcs")).map(|name| format!("asm cells/{name} --listing")).collect();
+    assert!(listings.len() > 5);
     for run in [
         "--scene room --size 8x6 --why",
         "--scene room --size 4x4 --cells-run programs",
@@ -143,8 +150,14 @@ fn results_fit_80_columns() {
         "compare a.json a.json --all",
         "scenes",
         "figure7",
-    ] {
-        let text = folder.run(run).success();
+        "image room --size 8x6 -o c.png --colors 24 --palette peano-large",
+        "step cells/fir.pcs --script steps",
+    ]
+    .into_iter()
+    .map(str::to_owned)
+    .chain(listings)
+    {
+        let text = folder.run(&run).success();
         let widest = text.lines().max_by_key(|row| row.chars().count()).unwrap();
         assert!(widest.chars().count() <= 80, "{run}: {widest}");
     }
@@ -169,6 +182,7 @@ fn help_leaves_out_what_is_always_refused() {
             "run" => ("", "--scene room"),
             "replay" => (command, "a.ops"),
             "size-fifos" => (command, "--scene room"),
+            "calibrate-ipsc2" => (command, "room --seconds 100"),
             _ => (command, "room"),
         };
         let help = folder.run(&format!("{name} --help")).success();
@@ -292,4 +306,61 @@ fn the_readme_shows_a_real_run() {
     let command = "$ pcs-sim --mode pipeline --scene reference --size 512x512\n";
     let shown = readme.split(command).nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     assert_eq!(Folder::new().run(command["$ pcs-sim ".len()..].trim()).success(), shown);
+}
+
+/// One thing is one thing, wherever people read of it.
+#[test]
+fn one_of_a_kind_has_no_plural() {
+    let folder = Folder::new();
+    folder.file("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.file("one.ops", "0 host w1\n0 0 r1 o5\n");
+    folder.file("one.ron", r#"(scene: "one.obj", size: "1x1", fifo_words: [4])"#);
+    for run in [
+        "--scene one.obj --size 1x1 --mode broadcast --cells 1 --why",
+        "--scene one.obj --size 1x1 --screen-rectangles scene",
+        "image one.obj --size 1x1 -o i.png --adaptive --samples 2",
+        "image one.obj --size 1x1 -o few.png --colors 1",
+        "farm one.obj --size 1x1 --tasks 1 --buses 1",
+        "ipsc2 one.obj --size 1x1 --nodes 1 --mode shared-memory",
+        "ipsc2 one.obj --size 8x8 --nodes 1 --flow window --window 1",
+        "replay one.ops --fifo-words 1 --why",
+        "why one.ops --cell 0 --at 1 --fifo-words 1",
+        "size-fifos --ops one.ops",
+        "model one.obj --size 1x1",
+        "scenes one.obj",
+        "sweep one.ron -o t.csv",
+        "sweep one.ron --count",
+    ] {
+        let text = folder.run(run).success();
+        let is_number = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_ascii_digit());
+        // The first word of a line is a name where it is a number.
+        for line in text.lines() {
+            let words: Vec<&str> = line.split([' ', '(']).filter(|word| !word.is_empty()).collect();
+            for three in words.windows(3) {
+                let noun = three[2].trim_end_matches([')', ',', ';', ':', '.']);
+                let is_plural =
+                    noun.len() > 2 && noun != "bus" && noun.ends_with('s') && noun.chars().all(char::is_alphabetic);
+                let is_one = three[1] == "1" && !is_number(three[0]);
+                assert!(!(is_one && is_plural), "{run}: {line}");
+            }
+        }
+    }
+}
+
+/// Whatever of a machine can be changed tells what holds without.
+#[test]
+fn flags_of_machines_tell_their_defaults() {
+    let folder = Folder::new();
+    for command in ["", "image", "replay", "model", "size-fifos", "why", "farm", "ipsc2"] {
+        let help = folder.run(&format!("{command} --help")).success();
+        let (_, machine) = help.split_once("\nMachine:\n").unwrap();
+        let is_heading = |line: &str| line.ends_with(':') && !line.starts_with(' ');
+        let lines: Vec<&str> = machine.lines().take_while(|line| !is_heading(line)).collect();
+        let text = lines.join("\n");
+        let flags: Vec<&str> = text.split("\n      --").collect();
+        assert!(flags.len() > 8, "{command}: {text}");
+        for flag in flags {
+            assert!(flag.contains("[default:"), "{command}: {flag}");
+        }
+    }
 }

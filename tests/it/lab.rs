@@ -119,7 +119,7 @@ fn a_scene_that_is_dropped_is_run_and_one_that_is_wrong_is_told_as_by_the_comman
     assert_eq!(taken.status, 200, "{}", taken.body);
     let scene = serde_json::from_str::<Value>(&taken.body).unwrap()["scene"].as_str().unwrap().to_owned();
     let done = lab.get(&format!("/run?scene={scene}&size=8x8")).done();
-    assert!(done["title"].as_str().unwrap().contains("scene a (1 polygons)"), "{done}");
+    assert!(done["title"].as_str().unwrap().contains("scene a (1 polygon)"), "{done}");
     assert_eq!(done["command"], "pcs-sim --scene a.obj --size 8x8");
     // The same again has the same address, in this lab as in any.
     let again =

@@ -202,7 +202,7 @@ fn scenes_are_dropped_on_the_page() {
     choose("mine.obj");
     page.wait_for("location.search.includes('mine.obj') && !isBusy()");
     assert_eq!(page.eval("sides.a.command.textContent"), "pcs-sim --scene mine.obj --size 16x16");
-    assert!(shown(&page, "a").0.contains("scene mine (1 polygons)"));
+    assert!(shown(&page, "a").0.contains("scene mine (1 polygon)"));
     drop_on(&page, "window", &scene_of(2, "dropped.obj"));
     page.wait_for("location.search.includes('dropped.obj') && !isBusy()");
     assert!(shown(&page, "a").0.contains("scene dropped (2 polygons)"));

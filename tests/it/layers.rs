@@ -322,7 +322,7 @@ fn a_configuration_of_something_else_is_refused() {
     folder.run(&format!("{small} --cells-run programs --stats programs.json")).success();
     let cases = [
         ("--config image.json", "the configuration is that of a whole image"),
-        ("--config replay.json", "describes no run: unknown field `ops`"),
+        ("--config replay.json", "describes no run, but a replay"),
         ("replay --config run.json", "describes no replay"),
         ("model --config image.json", "the configuration is that of a whole image"),
         ("model --config programs.json", "the configuration is that of cells that run programs"),
@@ -333,5 +333,48 @@ fn a_configuration_of_something_else_is_refused() {
     for (arguments, message) in cases {
         let error = folder.run(arguments).refused();
         assert!(error.contains(message), "{arguments}: {error}");
+    }
+}
+
+/// A configuration that is given to another command says which one repeats it.
+#[test]
+fn a_configuration_of_another_command_names_it() {
+    let folder = Folder::new();
+    for run in [
+        "--scene room --size 4x3 --stats run.json --ops run.ops",
+        "image room --size 4x3 -o i.png --stats image.json",
+        "image room --on ipsc2 --size 16x12 --stats ipsc2.json",
+        "image room --on ipsc2 --mode shared-memory --size 16x12 --stats shared.json",
+        "farm room --size 4x3 --stats farm.json",
+        "replay run.ops --stats replay.json",
+    ] {
+        folder.run(run).success();
+    }
+    let repeated = [
+        ("run.json", "`pcs-sim --config FILE`"),
+        ("image.json", "`pcs-sim image --config FILE -o IMAGE`"),
+        ("ipsc2.json", "`pcs-sim ipsc2 --config FILE`"),
+        ("shared.json", "`pcs-sim ipsc2 --config FILE`"),
+        ("farm.json", "`pcs-sim farm --config FILE`"),
+        ("replay.json", "`pcs-sim replay --config FILE`"),
+    ];
+    let commands = [
+        ("", &["run.json", "image.json"][..]),
+        ("image -o x.png", &["run.json", "image.json"]),
+        ("model", &["run.json", "image.json"]),
+        ("size-fifos", &["run.json", "image.json"]),
+        ("why", &["run.json", "image.json"]),
+        ("ipsc2", &["ipsc2.json", "shared.json"]),
+        ("farm", &["farm.json"]),
+        ("replay", &["replay.json"]),
+    ];
+    for (command, own) in commands {
+        for (file, by) in repeated.iter().filter(|(file, _)| !own.contains(file)) {
+            let error = folder.run(&format!("{command} --config {file}")).refused();
+            assert!(
+                error.contains(by) && error.contains(file) && !error.contains("unknown field"),
+                "{command}: {error}"
+            );
+        }
     }
 }

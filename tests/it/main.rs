@@ -46,6 +46,7 @@ mod model_command;
 mod modes_agree;
 mod moments_are_exact;
 mod objects;
+mod offered;
 mod order;
 mod own_inputs;
 mod packed;

@@ -88,3 +88,89 @@ fn formats_that_endings_tell_come_and_go_by_streams() {
     let image = given(&folder, "scene.obj", "image room --size 8x8 -o -.pfm");
     assert!(image == bytes("a.pfm"));
 }
+
+/// Scenes and rays may be packed as results are; what others packed is named, with what unpacks it.
+#[test]
+fn scenes_and_rays_are_unpacked() {
+    let folder = Folder::new();
+    let (scene, rays) = ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "ox,oy,oz,dx,dy,dz\n0.2,0.2,1,0,0,-1\n");
+    let gzip = |text: &str| {
+        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+        std::io::Write::write_all(&mut packed, text.as_bytes()).unwrap();
+        packed.finish().unwrap()
+    };
+    folder.file("square.obj", scene);
+    folder.file("square.obj.gz", gzip(scene));
+    folder.file("square.obj.zst", zstd::encode_all(scene.as_bytes(), 0).unwrap());
+    folder.file("rays.csv", rays);
+    folder.file("rays.csv.gz", gzip(rays));
+    let run = |scene: &str, rays: &str| folder.run(&format!("--scene {scene} --rays {rays}")).success();
+    let plain = run("square.obj", "rays.csv");
+    assert!(plain.contains("scene square (1 polygon), 1 ray\n"), "{plain}");
+    assert_eq!(run("square.obj.gz", "rays.csv.gz"), plain);
+    assert_eq!(run("square.obj.zst", "rays.csv"), plain);
+    let error = folder.run("--scene square.obj.gz --resolution 4 --size 4x4").refused();
+    assert!(error.contains("this scene is of polygons only"), "{error}");
+    for (ending, start, by) in [
+        ("xz", &b"\xfd7zXZ\0"[..], "xz -d"),
+        ("bz2", b"BZh91AY&SY", "bzip2 -d"),
+        ("zip", b"PK\x03\x04", "unzip"),
+        ("7z", b"7z\xbc\xaf\x27\x1c", "7z x"),
+    ] {
+        for name in ["square.obj", "rays.csv", "run.ops", "run.json"] {
+            folder.file(&format!("{name}.{ending}"), start);
+            folder.file(&format!("renamed-{name}"), start);
+        }
+        for command in [
+            format!("--scene square.obj.{ending}"),
+            "--scene renamed-square.obj".to_owned(),
+            format!("--scene square.obj --rays rays.csv.{ending}"),
+            format!("replay run.ops.{ending}"),
+            "replay renamed-run.ops".to_owned(),
+            format!("--config run.json.{ending}"),
+        ] {
+            let error = folder.run(&command).refused();
+            assert!(error.contains(&format!("`{by}`")) && error.contains(&format!(".{ending}")), "{command}: {error}");
+        }
+    }
+}
+
+/// Streams stand wherever files do: without a flag, too, and each only once.
+#[test]
+fn streams_stand_for_files_without_a_flag() {
+    let folder = Folder::new();
+    folder.file("scene.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.file("t.csv", "x,y\n1,2\n2,3\n");
+    folder.run("image scene.obj --size 8x8 -o a.png --ops a.ops --stats a.json").success();
+    let bytes = |name: &str| std::fs::read(folder.path(name)).unwrap();
+    assert!(given(&folder, "scene.obj", "image -.obj --size 8x8 -o -.png") == bytes("a.png"));
+    assert!(given(&folder, "scene.obj", "scenes -.obj").starts_with(b"scene -: 1 polygon over 3 points"));
+    given(&folder, "a.ops", "replay -.ops --quiet");
+    given(&folder, "a.json", "compare --all -.json a.json");
+    folder.run("plot t.csv x=x y=y -o p").success();
+    for format in ["svg", "png"] {
+        let picture = given(&folder, "t.csv", &format!("plot -.csv x=x y=y -o -.{format} --title t"));
+        folder.run(&format!("plot t.csv x=x y=y -o {format} --title t")).success();
+        assert!(picture == bytes(&format!("{format}.{format}")), "{format}");
+    }
+    for (command, complaint) in [
+        ("plot t.csv x=x y=y -o -.gif", "is no name of a picture"),
+        ("--scene room --size 4x4 --image -.gif", "the picture is written as PNG"),
+        ("--scene room --size 4x4 --stats - --hits -.csv", "standard output is named for two results"),
+        ("--scene room --size 4x4 --stats - --hits -", "standard output is named for two results"),
+        ("--scene room --size 4x4 --plot -", "standard output is no folder"),
+        ("--scene - --size 4x4", "name it with an ending: -.obj"),
+        ("scenes -", "name it with an ending: -.obj"),
+        ("image room -o -", "-.png and -.pfm are standard output"),
+        ("scenes room --export -", "-.ply is standard output"),
+        ("--scene room --size 4x4 --trace -", "-.vcd is standard output"),
+        ("image room -.png", "unexpected argument"),
+        ("image -.obj --colours 5 -o a.png", "unexpected argument '--colours'"),
+    ] {
+        let error = folder.run(command).refused();
+        assert!(error.contains(complaint), "{command}: {error}");
+    }
+    let error = folder.run("man -").failed();
+    assert!(error.contains("standard output is no folder"), "{error}");
+    assert!(!folder.path("-").exists());
+}

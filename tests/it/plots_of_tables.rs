@@ -153,3 +153,96 @@ fn parquet_is_read_and_all_doors_speak_with_one_voice() {
     assert!(texts(&sweeps).contains(&what), "{:?}", texts(&sweeps));
     assert!(texts(&sweeps).contains(&"rays a second of simulated time, logarithmic"));
 }
+
+/// The texts of a picture as they stand across it: from where to where, at the most, and what they say. Rotated ones are left out.
+fn across(svg: &str) -> Vec<(f64, f64, &str)> {
+    let texts = svg.split("<text ").skip(1).filter(|text| !text.split('>').next().unwrap().contains("rotate"));
+    let attribute = |text: &str, name: &str| {
+        text.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap().to_owned()
+    };
+    let place = |text: &'_ str| {
+        let said = text.split('\n').nth(1).unwrap();
+        let size = attribute(text, "font-size").trim_end_matches("px").parse::<f64>().unwrap();
+        // Digits of the font are 0.636 of its size wide, and most letters narrower.
+        let (x, width) = (attribute(text, "x").parse::<f64>().unwrap(), 0.636 * size * said.chars().count() as f64);
+        match attribute(text, "text-anchor").as_str() {
+            "middle" => (x - width / 2.0, x + width / 2.0),
+            "end" => (x - width, x),
+            _ => (x, x + width),
+        }
+    };
+    texts
+        .map(|text| {
+            let (from, until) = place(text);
+            (from, until, text.split('\n').nth(1).unwrap())
+        })
+        .collect()
+}
+
+/// Long numbers at the end of the axis are in the picture, stand apart, and are not cut.
+#[test]
+fn numbers_along_the_axis_have_room() {
+    let folder = Folder::new();
+    for numbers in [
+        vec![0.0, 2e8, 4e8, 6e8, 8e8, 9.99e8],
+        vec![1e7, 2e7, 4e7, 8e7, 1.6e8, 3.2e8, 6.4e8],
+        vec![-44.621551513671875, -44.62155151367187],
+        vec![123_456_000.0, 123_456_001.0, 123_456_002.0],
+    ] {
+        let rows: String =
+            numbers.iter().enumerate().map(|(row, x)| format!("{x},{row},a\n{x},{},b\n", row + 1)).collect();
+        folder.file("t.csv", format!("x,y,line\n{rows}"));
+        for (words, width) in [("line=a", 1280.0), ("by=line", 1280.0 - 230.0), ("line=a cm=8x6", 302.0)] {
+            folder.run(&format!("plot t.csv x=x y=y {words} -o p --force --plot-format svg")).success();
+            let svg = folder.read("p.svg");
+            let texts = across(&svg);
+            // The numbers below the axis stand in one line, in the middle of their places.
+            let is_number =
+                |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit() || " .e-".contains(c));
+            let mut below: Vec<_> = texts.iter().filter(|text| is_number(text.2) && text.1 > 130.0).collect();
+            below.sort_by(|a, b| a.0.total_cmp(&b.0));
+            assert!(below.len() > usize::from(width > 400.0), "{words}: {texts:?}");
+            assert!(below.iter().all(|text| text.1 <= width), "{words}: {below:?}");
+            assert!(below.windows(2).all(|pair| pair[0].1 < pair[1].0), "{words}: {below:?}");
+            assert!(
+                texts.iter().all(|text| !text.2.ends_with('…') || !is_number(text.2.trim_end_matches('…'))),
+                "{texts:?}"
+            );
+        }
+    }
+}
+
+/// What is too long for a line gets smaller letters, and ends with dots where these do not do.
+#[test]
+fn long_titles_stay_in_the_picture() {
+    let folder = Folder::new();
+    folder.file("t.csv", TABLE);
+    for (length, is_cut) in [(100, false), (130, false), (400, true)] {
+        let title: String = "0123456789".chars().cycle().take(length).collect();
+        folder.run(&format!("plot t.csv x=cells y=speed_up scene=room -o p --force --title {title}")).success();
+        let svg = folder.read("p.svg");
+        let (_, until, told) = *across(&svg).iter().find(|text| text.2.starts_with("0123456789")).unwrap();
+        assert!(until <= 1280.0, "{length}: {until}");
+        assert_eq!(told.ends_with('…'), is_cut, "{told}");
+    }
+    // The captions of runs are as long as the names of files.
+    let name = format!("{}.ops", "n".repeat(200));
+    folder.file(&name, "0 host w8\n0 0 x8 g100 o5\n");
+    folder.run(&format!("replay {name} --plot plots --plot-format svg")).success();
+    let svg = std::fs::read_to_string(folder.path("plots/cells.svg")).unwrap();
+    let (_, until, told) = *across(&svg).iter().find(|text| text.2.starts_with("replay of nnn")).unwrap();
+    assert!(until <= 1280.0 && told.ends_with('…'), "{until} {told}");
+}
+
+/// The axis of relative values says to what.
+#[test]
+fn relative_axes_say_to_what() {
+    let folder = Folder::new();
+    folder.file("t.csv", TABLE);
+    for (to, told) in [("first", "relative to the first point of each line"), ("room", "relative to room")] {
+        folder.run(&format!("plot t.csv x=cells y=speed_up by=scene relative={to} -o p --force")).success();
+        let svg = folder.read("p.svg");
+        let axis = svg.split("<text ").find(|text| text.split('>').next().unwrap().contains("rotate")).unwrap();
+        assert!(axis.contains(told), "{axis}");
+    }
+}

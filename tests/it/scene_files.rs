@@ -344,3 +344,21 @@ proptest! {
         survives("ron", valid("ron"), &mutations);
     }
 }
+
+/// Of a material that is defined again the first definition holds, and a note says so.
+#[test]
+fn a_material_defined_again_is_told() {
+    let folder = crate::support::command::Folder::new();
+    folder.file("a.mtl", "newmtl red\nKd 1 0 0\nnewmtl red\nKd 0 1 0\n");
+    folder.file("b.mtl", "newmtl red\nKd 0 0 1\nnewmtl blue\nKd 0 0 1\nnewmtl blue\n");
+    folder.file(
+        "s.obj",
+        "mtllib a.mtl\nmtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 2 3\n",
+    );
+    let told = folder.run("scenes s.obj").stderr;
+    assert!(told.contains("note: a.mtl: a definition of `red` was passed over, which was defined before"), "{told}");
+    assert!(
+        told.contains("note: b.mtl: 2 definitions were passed over of materials that were defined before, `red` first"),
+        "{told}"
+    );
+}

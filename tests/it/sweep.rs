@@ -448,3 +448,50 @@ fn notes_of_scenes_are_told() {
     assert_eq!(sweep.stderr.matches(&note).count(), 1, "{}", sweep.stderr);
     assert!(sweep.stderr.contains(&format!("note: bent.obj: {note} (in 3 points)")), "{}", sweep.stderr);
 }
+
+/// What failed is tried again, also when a file has come that was missing; what is done is not, and is kept.
+#[test]
+fn points_that_failed_are_tried_again() {
+    let folder = Folder::new();
+    folder.file("one.ron", r#"(scene: ["room", "late.obj"], size: 4, fifo_words: [4, 8])"#);
+    let told = folder.run("sweep one.ron -o t.csv --accept-failures").success();
+    assert!(told.starts_with("4 points: 2 done, 2 failed\n"), "{told}");
+    folder.file("late.obj", OBJ);
+    let told = folder.run("sweep one.ron -o t.csv").success();
+    assert!(told.starts_with("4 points: 4 done (2 now)\n"), "{told}");
+    folder.run("sweep one.ron -o whole.csv").success();
+    assert_eq!(folder.read("t.csv"), folder.read("whole.csv"));
+    // The file is now one of points that are done.
+    folder.file("late.obj", OBJ.replace("v 0 1 0", "v 0 2 0"));
+    let error = folder.run("sweep one.ron -o t.csv").refused();
+    assert!(error.contains("2 of its points are not among these"), "{error}");
+    // A table is another sweep's even where all of its points failed.
+    folder.file("failing.ron", r#"(scene: "attic.obj", size: 4, fifo_words: [4, 8])"#);
+    folder.run("sweep failing.ron -o f.csv").failed();
+    let error = folder.run("sweep one.ron -o f.csv").refused();
+    assert!(error.contains("2 of its points are not among these"), "{error}");
+    // A program of the array, likewise.
+    folder.file("programs.ron", r#"(scene: "room", size: 4, program: ["pipeline", "own.ron"])"#);
+    folder.run("sweep programs.ron -o p.csv").failed();
+    folder.file("own.ron", std::fs::read("pcs-programs/broadcast.ron").unwrap());
+    let told = folder.run("sweep programs.ron -o p.csv").success();
+    assert!(told.starts_with("2 points: 2 done (1 now)\n"), "{told}");
+}
+
+/// A picture that cannot be drawn takes nothing from the table.
+#[test]
+fn a_plot_that_cannot_be_drawn_is_told_behind_the_table() {
+    let folder = Folder::new();
+    folder.file(
+        "sweep.ron",
+        r#"(scene: "room", size: 2, mode: ["pipeline", "broadcast"], fifo_words: [4, 8], link_mb_s: [80, 40])"#,
+    );
+    let sweep = "sweep sweep.ron -o t.csv --plot-format svg --plot x=fifo_words y=cycles --plot x=fifo_words y=cycles by=mode link_mb_s=80";
+    let ended = folder.run(sweep);
+    let picture = "t-cycles-over-fifo_words-by-mode-link_mb_s-80.svg";
+    assert!(ended.stdout.starts_with("8 points: 8 done\n") && ended.stdout.contains(&format!("wrote {picture}\n")));
+    assert!(ended.stdout.contains("wrote t.csv\n"), "{}", ended.stdout);
+    let error = ended.failed();
+    assert!(error.contains("cycles-over-fifo_words: ") && error.contains("`pcs-sim plot` draws the table"), "{error}");
+    assert!(!folder.names().contains(&"t-cycles-over-fifo_words.svg".to_owned()), "{:?}", folder.names());
+}

@@ -329,12 +329,6 @@ class FarmParameters(TypedDict, total=False):
     samples: int | None
     """Samples along a side of a pixel."""
 
-    adaptive_by: str | None
-    """What asks for samples."""
-
-    threshold: int | None
-    """Colours may differ by (of 255)."""
-
     depth: int | None
     """Reflections and refractions at the most."""
 
@@ -442,12 +436,6 @@ class CubeParameters(TypedDict, total=False):
 
     samples: int | None
     """Samples along a side of a pixel."""
-
-    adaptive_by: str | None
-    """What asks for samples."""
-
-    threshold: int | None
-    """Colours may differ by (of 255)."""
 
     depth: int | None
     """Reflections and refractions at the most."""

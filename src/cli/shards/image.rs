@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pcs_sim::error::InputError;
-use pcs_sim::report::account::plural;
+use pcs_sim::report::summary::plural;
 use pcs_sim::run::{FileRead, Rendered, RunSpec};
 use pcs_sim::shards::{Engine, Folder, Job, Lock, Plan, State, Work, joined_image, states};
 
@@ -73,7 +73,7 @@ fn join(folder: &Folder, plan: &Plan) -> Result<Rendered, Failure> {
     let missing = states.iter().filter(|(state, _)| matches!(state, State::Missing(_))).count();
     tell_missing(folder, missing);
     let open = states.iter().filter(|(state, _)| *state != State::Done).count();
-    let all = plural(plan.shards, "shard");
+    let all = plural(plan.shards as u64, "shard");
     Err(Failure::Output(match missing {
         0 => format!("{open} of {all} under way"),
         _ => format!("{missing} of {all} missing, which the same command makes:\n{}", reasons(&states).trim_end()),

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use pcs_sim::error::InputError;
-use pcs_sim::report::account::plural;
+use pcs_sim::report::summary::plural;
 use pcs_sim::run::Workers;
 use pcs_sim::shards::{Folder, Job, Lock, Plan, ShardError, State, Work, run_shard, states};
 
@@ -34,7 +34,7 @@ fn status(args: &FolderArgs) -> Result<(), Failure> {
     let states = states(&folder, &plan, job.as_ref())?;
     let count = |wanted: fn(&State) -> bool| states.iter().filter(|(state, _)| wanted(state)).count();
     let name = job.map_or_else(|| "not started".to_owned(), |job| job.name());
-    let mut text = format!("{}: {}, {name}\n", plan.result().display(), plural(plan.shards, "shard"));
+    let mut text = format!("{}: {}, {name}\n", plan.result().display(), plural(plan.shards as u64, "shard"));
     text += &format!(
         "{} done, {} running, {} waiting, {} missing\n",
         count(|state| *state == State::Done),
@@ -43,7 +43,7 @@ fn status(args: &FolderArgs) -> Result<(), Failure> {
         count(|state| matches!(state, State::Missing(_))),
     );
     if let Work::Sweep { .. } = plan.work {
-        text += &format!("{} found\n", plural(states.iter().map(|(_, found)| found).sum(), "point"));
+        text += &format!("{} found\n", plural(states.iter().map(|(_, found)| *found as u64).sum(), "point"));
     }
     print(&(text + &reasons(&states)))
 }
@@ -84,7 +84,7 @@ fn cancel(args: &FolderArgs) -> Result<(), Failure> {
     };
     job.cancel(&folder)?;
     let done = states(&folder, &plan, Some(&job))?.iter().filter(|(state, _)| *state == State::Done).count();
-    let share = format!("cancelled with {done} of {} done", plural(plan.shards, "shard"));
+    let share = format!("cancelled with {done} of {} done", plural(plan.shards as u64, "shard"));
     print(&format!("{share}; the command that started them goes on from there\n"))
 }
 
@@ -130,7 +130,7 @@ fn under_way(folder: &Folder, is_same: impl Fn(&Plan) -> bool) -> Result<Option<
 /// What is told of shards that are not waited for.
 fn detached(folder: &Folder, plan: &Plan, job: &Job) -> Result<(), Failure> {
     let shown = shown(folder);
-    let shards = plural(plan.shards, "shard");
+    let shards = plural(plan.shards as u64, "shard");
     print(&format!("{shards} under way: {}\n`pcs-sim sweep status|collect|cancel {shown}` goes on\n", job.name()))
 }
 
@@ -171,6 +171,6 @@ fn wait(folder: &Folder, job: &Job, mut look: impl FnMut() -> Result<bool, Failu
 fn tell_missing(folder: &Folder, missing: usize) {
     if missing > 0 {
         let logs = Path::new(&shown(folder)).join("logs");
-        note(format!("{} missing; what they said is in {}", plural(missing, "shard"), logs.display()));
+        note(format!("{} missing; what they said is in {}", plural(missing as u64, "shard"), logs.display()));
     }
 }

@@ -33,9 +33,10 @@ pub fn sweep(
             Some(started)
         }
         None => {
-            // What was found before is not run again.
+            // What was found before is not run again, but for what failed.
             if let Some(plan) = folder.plan().ok().flatten() {
                 Gathered::default().take((&folder, &plan), sweep, record, |_| ())?;
+                record.forget_failures();
             }
             start((engine, args), (sweep, table), record, &folder)?
         }

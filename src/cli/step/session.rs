@@ -49,7 +49,7 @@ impl<'a> Session<'a> {
                 if !set {
                     self.breakpoints.remove(&address);
                 }
-                format!("{} {}", if set { "set:    " } else { "removed:" }, row(self.executable, address))
+                format!("{}\n{}", if set { "set:" } else { "removed:" }, row(self.executable, address))
             }
             Command::Breakpoints => self.breakpoints.iter().map(|&address| row(self.executable, address)).collect(),
             Command::List => {

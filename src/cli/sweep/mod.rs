@@ -5,8 +5,8 @@ mod plots;
 
 use std::path::{Path, PathBuf};
 
-use pcs_sim::report::account::plural;
-use pcs_sim::report::summary::{WIDTH, wrapped};
+use pcs_sim::report::summary::{WIDTH, plural, wrapped};
+use pcs_sim::report::table::check_name;
 use pcs_sim::run::RecordingMemory;
 use pcs_sim::shards::Folder;
 use pcs_sim::sweep::{Account, Note, Record, Sweep, Unkept};
@@ -35,6 +35,7 @@ pub fn sweep(args: &SweepArgs) -> Result<(), Failure> {
 }
 
 fn run(args: &SweepArgs, sweep: &Sweep, (file, table): (&Path, &Path)) -> Result<(), Failure> {
+    check_name(table)?;
     let engine = args.engine.engine()?;
     let results = ["csv", "parquet", "sweep.ron", "journal"].map(|ending| table.with_extension(ending));
     let inputs: Vec<Option<&Path>> = sweep.files().map(|file| file.path.as_path()).chain([file]).map(Some).collect();
@@ -72,16 +73,18 @@ fn run(args: &SweepArgs, sweep: &Sweep, (file, table): (&Path, &Path)) -> Result
     let Some((beside, missing)) = ended else { return Ok(()) };
     tell(&beside.notes);
     let mut written: Vec<PathBuf> = record.table_paths().map(PathBuf::from).into();
-    plots.write(&record.table(), &mut written)?;
+    let undrawn = plots.write(&record.table(), &mut written)?;
     print(&format!("{}{}", account(&record, before, &beside.unkept), outputs::list(&written)))?;
-    match record.failures().count() {
-        _ if missing.0 > 0 => Err(Failure::Output(missing.told(sweep.points()))),
-        failed if failed > 0 && !args.accept_failures => {
-            let share = format!("{failed} of {} failed", points(sweep.points()));
-            let help = "the column `error` says why; --accept-failures takes such a table for a success";
-            Err(Failure::Output(format!("{share}: {help}")))
-        }
-        _ => Ok(()),
+    let failed = record.failures().count();
+    let help = "the column `error` says why; --accept-failures takes such a table for a success";
+    let failed = (failed > 0 && !args.accept_failures && missing.0 == 0)
+        .then(|| format!("{failed} of {} failed: {help}", points(sweep.points())));
+    let missing = (missing.0 > 0).then(|| missing.told(sweep.points()));
+    let undrawn = (!undrawn.is_empty())
+        .then(|| format!("{}; `pcs-sim plot` draws the table, which is whole", undrawn.join("; ")));
+    match [missing, failed, undrawn].into_iter().flatten().collect::<Vec<_>>() {
+        told if told.is_empty() => Ok(()),
+        told => Err(Failure::Output(told.join("\n"))),
     }
 }
 
@@ -122,8 +125,8 @@ pub fn account(record: &Record, before: usize, unkept: &Unkept) -> String {
     text += "\n";
     let Unkept { recordings, points: timed, rounds } = *unkept;
     if recordings > 0 {
-        let (larger, timed) = (plural(recordings, "recording"), points(timed));
-        let times = plural(rounds, "time");
+        let (larger, timed) = (plural(recordings as u64, "recording"), points(timed));
+        let times = plural(rounds as u64, "time");
         text +=
             &format!("{larger} larger than --recording-memory: {timed} timed while the rays were traced, {times}\n");
     }
@@ -146,5 +149,5 @@ pub fn account(record: &Record, before: usize, unkept: &Unkept) -> String {
 
 /// `1 point`, `2 points`.
 pub fn points(count: usize) -> String {
-    plural(count, "point")
+    plural(count as u64, "point")
 }

@@ -30,15 +30,17 @@ impl Plots {
         Ok(Plots { plots: asked.into_iter().map(open).collect::<Result<_, InputError>>()? })
     }
 
-    /// Draws them.
-    pub fn write(self, table: &Table<'_>, written: &mut Vec<PathBuf>) -> Result<(), Failure> {
+    /// Draws them, and tells of each that cannot be drawn why.
+    pub fn write(self, table: &Table<'_>, written: &mut Vec<PathBuf>) -> Result<Vec<String>, Failure> {
+        let mut undrawn = Vec::new();
         for (choice, files) in self.plots {
             let drawn = choice.of(table);
-            let rendered = curves::render(&drawn, &choice.axes, &choice.look, &sweep::what_ran(&drawn))
-                .map_err(|error| Failure::Output(format!("{}: {error}", choice.name(table.columns))))?;
-            files.write(&rendered, written)?;
+            match curves::render(&drawn, &choice.axes, &choice.look, &sweep::what_ran(&drawn)) {
+                Ok(rendered) => files.write(&rendered, written)?,
+                Err(error) => undrawn.push(format!("{}: {error}", choice.name(table.columns))),
+            }
         }
-        Ok(())
+        Ok(undrawn)
     }
 }
 

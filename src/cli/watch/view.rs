@@ -3,7 +3,7 @@
 use console::{Style, truncate_str};
 use pcs_sim::measure::{Clock, FifoInfo, SoFar, State, StateKind, StateTimes, States};
 use pcs_sim::quantities::Cycles;
-use pcs_sim::report::summary::{grouped, time};
+use pcs_sim::report::summary::{grouped, plural, time};
 
 /// An array between two looks at it.
 pub struct View<'a> {
@@ -93,7 +93,7 @@ impl View<'_> {
         };
         vec![
             self.heading(),
-            format!("{} cells, {what}; least, mean and most to the right", cells.len()),
+            format!("{}, {what}; least, mean and most to the right", plural(cells.len() as u64, "cell")),
             sparks("works", share_of(&|cell| states.works(cell)), each, Style::new().green()),
             sparks("waits", share_of(&|cell| states.waits(cell)), each, Style::new().yellow()),
             sparks("blocked", share_of(&|cell| states.blocked(cell)), each, Style::new().red()),

@@ -49,6 +49,6 @@ impl Buses {
 
     /// How long each bus was busy.
     pub(super) fn stats(&self) -> Vec<LinkStats> {
-        self.busy.iter().map(|&busy| LinkStats { into: None, busy: Cycles(busy) }).collect()
+        self.busy.iter().map(|&busy| LinkStats { into: None, busy: Cycles(busy), read: Cycles(busy) }).collect()
     }
 }

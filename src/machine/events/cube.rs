@@ -121,6 +121,8 @@ impl Cube {
             _ => Actor::Host,
         };
         let links = self.links.iter().enumerate();
-        links.map(|(link, &(_, busy))| LinkStats { into: Some(into(link)), busy: Cycles(busy) }).collect()
+        links
+            .map(|(link, &(_, busy))| LinkStats { into: Some(into(link)), busy: Cycles(busy), read: Cycles(busy) })
+            .collect()
     }
 }

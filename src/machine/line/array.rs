@@ -427,13 +427,18 @@ impl Array {
             ..self.links[link].fifo(channel).stats(cycles)
         };
         let links = self.links.iter().zip((0..self.cells.len()).map(Actor::Station).chain([Actor::Host]));
+        let carried = |(link, into): (&Link, Actor)| LinkStats {
+            into: Some(into),
+            busy: Cycles(link.busy(cycles)),
+            read: Cycles(link.read(cycles)),
+        };
         Measured {
             topology: Arc::new(self.topology()),
             cycles: Cycles(cycles),
             jobs: self.jobs,
             stations: self.cells.iter().map(|at| at.cell.times(cycles)).collect(),
             fifos: self.fifos().enumerate().map(fifo).collect(),
-            links: links.map(|(link, into)| LinkStats { into: Some(into), busy: Cycles(link.busy(cycles)) }).collect(),
+            links: links.map(carried).collect(),
         }
     }
 

@@ -52,6 +52,16 @@ impl Link {
         }
     }
 
+    /// As many of these cycles as words take that were read.
+    pub fn read(&self, cycles: u64) -> u64 {
+        let [x, y] = [&self.x, &self.y].map(|fifo| fifo.words_read());
+        let words = match self.rate.counts {
+            RateCounts::Link => x + y,
+            RateCounts::Channel => x.max(y),
+        };
+        (words * self.rate.cycles_per_word).min(self.busy(cycles))
+    }
+
     /// The memory that its FIFOs take, in bytes.
     pub fn bytes(&self) -> u64 {
         self.x.bytes() + self.y.bytes() + self.z.bytes()

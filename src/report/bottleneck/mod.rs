@@ -5,7 +5,7 @@ pub(crate) mod farm;
 
 use super::losses::{Losses, NOTABLE};
 use super::summary::percent;
-use crate::measure::{Actor, Measured, Shape, StateKind, StateTimes, Toward};
+use crate::measure::{Actor, FifoInfo, Measured, Shape, State, StateKind, StateTimes, Toward};
 use crate::quantities::Cycles;
 use crate::run::Reordered;
 
@@ -39,14 +39,52 @@ fn of_line(run: &Measured) -> String {
     if let Some(sentence) = link_limits(run).or_else(|| host_limits(run)) {
         return sentence;
     }
-    let blocked = run.stations.iter().map(|station| states.blocked(station)).max().unwrap_or_default();
-    let why = if run.share(blocked) > NOTABLE {
-        let blocked = percent(blocked, run.cycles);
-        format!("but full FIFOs block a cell for {blocked}: deeper ones, or work cut more evenly, would let it go on")
-    } else {
-        "and the cells take turns at being waited for, as the work of a ray is uneven over them".to_owned()
-    };
-    format!("No cell limits the array by itself: the busiest, cell {index}, {told}, {why}.")
+    let why = blocked_most(run).unwrap_or_else(|| format!("and {}", rest(run, index)));
+    match run.stations.len() {
+        1 => format!("The only cell {told}, {why}."),
+        _ => format!("No cell limits the array by itself: the busiest, cell {index}, {told}, {why}."),
+    }
+}
+
+/// Who stands blocked longest, where that is worth a word, and what would let it go on. Links whose words nobody reads are left out.
+fn blocked_most(run: &Measured) -> Option<String> {
+    let blocks = run.topology.states.all().iter().filter(|state| state.kind == StateKind::Blocked);
+    let is_read = |to: Actor| run.links.iter().any(|link| link.into == Some(to) && 2 * link.read.0 > link.busy.0);
+    let stands = blocks.flat_map(|state| {
+        let fifo = move |index| {
+            let (group, toward) = state.stands_at.as_ref()?;
+            let fifo = run.topology.fifo_from(group, Actor::Station(index))?;
+            (*toward == Toward::Upstream || is_read(run.topology.fifos[fifo].to)).then_some(fifo)
+        };
+        let times = run.stations.iter().enumerate();
+        times.filter_map(move |(index, times)| Some((times.of(state.id), index, fifo(index)?)))
+    });
+    // The first of several that stand as long.
+    let (time, index, fifo) = stands.min_by_key(|&(time, ..)| std::cmp::Reverse(time))?;
+    let (info, held) = (&run.topology.fifos[fifo], &run.fifos[fifo]);
+    (run.share(time) > NOTABLE).then(|| {
+        let stands = format!("but cell {index} stands blocked for {}", percent(time, run.cycles));
+        if run.share(held.full) > NOTABLE {
+            let FifoInfo { name, to, .. } = info;
+            format!("{stands} as {name} is full, which {to} reads: deeper FIFOs, or work cut more evenly, would let it go on")
+        } else {
+            format!("{stands} as the wire into {} carries the word before: faster links would let it go on", info.name)
+        }
+    })
+}
+
+/// What the busiest cell does for most of the time in which it does not work.
+fn rest(run: &Measured, busiest: usize) -> String {
+    let states = &run.topology.states;
+    let times = &run.stations[busiest];
+    let idle = states.sum(times, |state| state.kind == StateKind::Idle);
+    if idle > states.waits(times) {
+        return format!("has nothing left to do for {}", percent(idle, run.cycles));
+    }
+    match run.stations.len() {
+        1 => format!("waits for words for {}", percent(states.waits(times), run.cycles)),
+        _ => "the cells take turns at being waited for, as the work of a ray is uneven over them".to_owned(),
+    }
 }
 
 /// What is lost against the busiest station's work, where that is worth a word: it is much, and neither a link nor the host is what
@@ -78,39 +116,42 @@ fn main_work(run: &Measured, times: &StateTimes) -> String {
     format!("{} of it {name}", percent(most, states.works(times)))
 }
 
-/// What the limiting cell does to its neighbours.
+/// What the limiting cell does to its neighbours. Words come from the left and room from the right; on Z it is the other way round.
 fn effect(run: &Measured, index: usize) -> String {
-    let held_up = |stations: &[StateTimes], side: Toward| {
-        let toward = |times| {
-            run.topology.states.sum(times, |state| state.stands_at.as_ref().is_some_and(|(_, toward)| *toward == side))
-        };
-        stations.iter().map(toward).max().unwrap_or_default()
+    let longest = |stations: &[StateTimes], side: Toward, kind: StateKind| {
+        let stands =
+            |state: &State| state.kind == kind && state.stands_at.as_ref().is_some_and(|(_, toward)| *toward == side);
+        stations.iter().map(|times| run.topology.states.sum(times, stands)).max().unwrap_or_default()
     };
-    let blocked = held_up(&run.stations[..index], Toward::Downstream);
-    let waiting = held_up(&run.stations[index + 1..], Toward::Upstream);
-    let part = |cycles: Cycles| percent(cycles, run.cycles);
-    let significant = |cycles: Cycles| run.share(cycles) > NOTABLE;
-    match (significant(blocked), significant(waiting)) {
-        (true, true) => format!(
-            "; to its left a cell stands blocked for {}, to its right one waits for {}",
-            part(blocked),
-            part(waiting)
+    let (left, right) = run.stations.split_at(index);
+    let right = &right[1..];
+    let held_up = [
+        ("left", "stands blocked", longest(left, Toward::Downstream, StateKind::Blocked)),
+        ("left", "waits for words on Z", longest(left, Toward::Downstream, StateKind::Waits)),
+        ("right", "waits", longest(right, Toward::Upstream, StateKind::Waits)),
+        (
+            "right",
+            "stands blocked on Z, which its left neighbour reads,",
+            longest(right, Toward::Upstream, StateKind::Blocked),
         ),
-        (true, false) => format!("; to its left a cell stands blocked for {}", part(blocked)),
-        (false, true) => format!("; to its right a cell waits for {}", part(waiting)),
-        (false, false) => String::new(),
-    }
+    ];
+    let told = held_up.into_iter().filter(|(.., time)| run.share(*time) > NOTABLE);
+    let told = told.zip(["; "].into_iter().chain(std::iter::repeat(", "))).map(|((side, stands, time), set_off)| {
+        let who = if set_off == "; " { "a cell" } else { "one" };
+        format!("{set_off}to its {side} {who} {stands} for {}", percent(time, run.cycles))
+    });
+    told.collect()
 }
 
-/// A link that carries words for nearly all of the run.
+/// A link that carries words for nearly all of the run. Those that nobody reads hold nobody up.
 fn link_limits(run: &Measured) -> Option<String> {
     // The first of several that are as busy.
-    let link = run.links.iter().rev().max_by_key(|link| link.busy)?;
+    let link = run.links.iter().rev().max_by_key(|link| link.read)?;
     let leads_to = match link.into {
         None | Some(Actor::Host) => "back to the host".to_owned(),
         Some(Actor::Station(cell)) => format!("into cell {cell}"),
     };
-    (run.share(link.busy) > SATURATED).then(|| {
+    (run.share(link.read) > SATURATED).then(|| {
         format!(
             "The link {leads_to} limits the array: it carries words for {} of the time.",
             percent(link.busy, run.cycles)

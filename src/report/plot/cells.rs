@@ -47,7 +47,8 @@ impl Bands<'_> {
         let station = self.topology.station(index);
         let name = self.names.get(index).map_or_else(|| station.clone(), |name| format!("{station}: {name}"));
         let is_last = index + 1 == self.cells.len();
-        let mut chart = chart::builder(panel, &name, is_last).build_cartesian_2d(0.0..self.scale.end(), 0.0..100.0)?;
+        let across = 0.0..self.scale.end();
+        let mut chart = chart::builder(panel, &name, is_last, &across).build_cartesian_2d(across, 0.0..100.0)?;
         for (state, edge) in bands(&self.cells[index], states, self.scale, chart::grain(100.0)) {
             chart.draw_series(AreaSeries::new(edge, 0.0, rgb(palette::of_state(&self.topology.states, state))))?;
         }

@@ -1,5 +1,7 @@
 //! What the figures have in common: the caption, the legend, panels one above the other on one axis of time.
 
+use std::ops::Range;
+
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
@@ -24,9 +26,13 @@ pub const FOOT: u32 = 52;
 pub const LEFT: u32 = 92;
 /// The part of it that keeps their names off the picture's edge.
 const EDGE: u32 = 14;
-pub const RIGHT: u32 = 28;
+const RIGHT: u32 = 28;
+/// Numbers on the horizontal axis, at the most.
+pub const ACROSS: usize = 11;
 /// Height of the text on axes and over panels.
 pub const SMALL: u32 = 15;
+/// Text that has to be smaller is cut.
+const SMALLEST: u32 = 12;
 
 /// Simulated time as the horizontal axis shows it.
 #[derive(Clone, Copy, Debug)]
@@ -110,6 +116,49 @@ pub fn font(height: u32) -> TextStyle<'static> {
     (FONT_NAME, height).into_font().color(&BLACK)
 }
 
+/// Text that takes no more than so many pixels: in smaller letters than of that height, and cut where that does not do.
+pub fn fitted<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    text: &str,
+    height: u32,
+    room: u32,
+) -> Result<(String, TextStyle<'static>), DrawingAreaErrorKind<DB::ErrorType>> {
+    for height in (SMALLEST.min(height)..=height).rev() {
+        if area.estimate_text_size(text, &font(height))?.0 <= room {
+            return Ok((text.to_owned(), font(height)));
+        }
+    }
+    Ok((cut(area, text, SMALLEST.min(height), room)?, font(SMALLEST.min(height))))
+}
+
+/// As much of a text as there is room for.
+fn cut<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    text: &str,
+    height: u32,
+    room: u32,
+) -> Result<String, DrawingAreaErrorKind<DB::ErrorType>> {
+    let shortened = |letters: usize| text.chars().take(letters).chain(['…']).collect::<String>();
+    let (mut fits, mut does_not) = (0, text.chars().count());
+    while fits + 1 < does_not {
+        let middle = (fits + does_not) / 2;
+        let is_in = area.estimate_text_size(&shortened(middle), &font(height))?.0 <= room;
+        if is_in { fits = middle } else { does_not = middle }
+    }
+    Ok(shortened(fits))
+}
+
+/// Right of the axes: room for half of the last label, as it may stand at their end.
+pub fn right<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, label: &str, height: u32) -> u32 {
+    area.estimate_text_size(label, &font(height)).map_or(RIGHT, |(width, _)| RIGHT.max(width / 2 + 4))
+}
+
+/// The same of an axis of numbers.
+pub fn right_of<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, across: &Range<f64>) -> u32 {
+    let ticks = RangedCoordf64::from(across.clone()).key_points(ACROSS);
+    right(area, &ticks.last().map(number).unwrap_or_default(), SMALL)
+}
+
 /// A colour of the palette.
 pub fn rgb(color: Rgb) -> RGBColor {
     RGBColor(color.0, color.1, color.2)
@@ -142,9 +191,14 @@ pub fn head<DB: DrawingBackend>(
     what: &str,
     legend: &[(&str, Rgb)],
 ) -> Drawn<DB> {
-    area.draw_text(what, &font(26), (EDGE as i32, 10))?;
-    area.draw_text(&caption.what_ran(), &font(17), (EDGE as i32, 44))?;
-    area.draw_text(&caption.machine, &font(SMALL).color(&RGBColor(90, 90, 90)), (EDGE as i32, 68))?;
+    let room = area.dim_in_pixel().0.saturating_sub(2 * EDGE);
+    let gray = RGBColor(90, 90, 90);
+    for (text, height, color, y) in
+        [(what, 26, BLACK, 10), (&caption.what_ran(), 17, BLACK, 44), (&caption.machine, SMALL, gray, 68)]
+    {
+        let (text, font) = fitted(area, text, height, room)?;
+        area.draw_text(&text, &font.color(&color), (EDGE as i32, y))?;
+    }
     let mut x = LEFT as i32;
     for (name, color) in legend {
         let square = [(x, 98), (x + 15, 113)];
@@ -156,14 +210,15 @@ pub fn head<DB: DrawingBackend>(
     Ok(())
 }
 
-/// A chart in a panel, with its name over the frame.
+/// A chart in a panel, with its name over the frame, over that stretch of the horizontal axis.
 pub fn builder<'a, DB: DrawingBackend>(
     area: &'a DrawingArea<DB, Shift>,
     name: &str,
     is_last: bool,
+    across: &Range<f64>,
 ) -> ChartBuilder<'a, 'a, DB> {
     let mut builder = ChartBuilder::on(area);
-    builder.margin_left(EDGE).margin_right(RIGHT).y_label_area_size(LEFT - EDGE);
+    builder.margin_left(EDGE).margin_right(right_of(area, across)).y_label_area_size(LEFT - EDGE);
     builder.caption(name, font(16)).x_label_area_size(if is_last { FOOT } else { 8 });
     builder
 }
@@ -179,7 +234,7 @@ pub fn axes<DB: DrawingBackend, Y: Ranged<ValueType = f64> + ValueFormatter<f64>
     mesh.max_light_lines(1).disable_x_mesh().x_label_formatter(&number).y_label_formatter(format);
     mesh.label_style(font(SMALL)).axis_desc_style(font(SMALL)).y_labels(values).y_desc(up);
     match across {
-        Some(name) => mesh.x_labels(11).x_desc(name).draw(),
+        Some(name) => mesh.x_labels(ACROSS).x_desc(name).draw(),
         None => mesh.x_labels(0).draw(),
     }
 }

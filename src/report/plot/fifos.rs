@@ -9,7 +9,7 @@ use super::render::{Drawn, Figure};
 use crate::measure::{FifoBin, FifoInfo, FifoProfile};
 use crate::quantities::Cycles;
 use crate::report::palette::{self, Rgb};
-use crate::report::summary::percent;
+use crate::report::summary::{percent, plural};
 
 /// Each FIFO's level over time.
 pub struct Levels<'a> {
@@ -44,8 +44,14 @@ impl Levels<'_> {
         let highest = highest(fifo);
         let capacity = info.capacity.0;
         let top = deepest as f64 * 1.12;
-        let name = format!("{}: at most {highest} of {capacity} words, full {} of the time", info.name, full(fifo));
-        let mut chart = chart::builder(panel, &name, is_last).build_cartesian_2d(0.0..self.scale.end(), 0.0..top)?;
+        let name = format!(
+            "{}: at most {highest} of {}, full {} of the time",
+            info.name,
+            plural(capacity, "word"),
+            full(fifo)
+        );
+        let across = 0.0..self.scale.end();
+        let mut chart = chart::builder(panel, &name, is_last, &across).build_cartesian_2d(across, 0.0..top)?;
         let across = self.scale.label();
         let values = if deepest < 4 { deepest as usize + 1 } else { 4 };
         chart::axes(&mut chart, (is_last.then_some(&across), "words"), values, &chart::whole_number)?;
@@ -139,9 +145,10 @@ impl Histograms<'_> {
         widest: u64,
         is_last: bool,
     ) -> Drawn<DB> {
-        let name = format!("{}: at most {} of {} words", info.name, highest(fifo), info.capacity.0);
-        let mut chart = chart::builder(panel, &name, is_last)
-            .build_cartesian_2d(-0.5..widest as f64 + 0.5, (SMALLEST_SHARE..100.0).log_scale())?;
+        let name = format!("{}: at most {} of {}", info.name, highest(fifo), plural(info.capacity.0, "word"));
+        let across = -0.5..widest as f64 + 0.5;
+        let mut chart = chart::builder(panel, &name, is_last, &across)
+            .build_cartesian_2d(across, (SMALLEST_SHARE..100.0).log_scale())?;
         let across = is_last.then_some("words in the FIFO");
         chart::axes(&mut chart, (across, "% of the time"), 4, &chart::number)?;
         let step = fifo.step.0 as f64;

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Caption;
-use super::chart::{self, FOOT, HEAD, LEFT, RIGHT, SMALL, TimeScale, WIDTH, font, rgb};
+use super::chart::{self, FOOT, HEAD, LEFT, SMALL, TimeScale, WIDTH, font, rgb};
 use super::render::{Drawn, Figure};
 use super::{cells, fifos};
 use crate::measure::{FifoBin, FifoInfo, FifoProfile, State, StateTimes, Topology};
@@ -73,11 +73,15 @@ fn frame<'a, DB: DrawingBackend>(
 ) -> Result<Chart<'a, DB>, DrawingAreaErrorKind<DB::ErrorType>> {
     let count = names.len();
     let mut builder = ChartBuilder::on(area);
-    builder.margin_top(HEAD + 8).margin_right(RIGHT).y_label_area_size(LEFT).x_label_area_size(FOOT);
+    builder
+        .margin_top(HEAD + 8)
+        .margin_right(chart::right_of(area, &across))
+        .y_label_area_size(LEFT)
+        .x_label_area_size(FOOT);
     let mut chart = builder.build_cartesian_2d(across.clone(), 0.0..count.max(1) as f64)?;
     let mut mesh = chart.configure_mesh();
     mesh.disable_mesh().x_label_formatter(&chart::number).label_style(font(SMALL)).axis_desc_style(font(SMALL));
-    mesh.x_labels(11).y_labels(0).x_desc(label).draw()?;
+    mesh.x_labels(chart::ACROSS).y_labels(0).x_desc(label).draw()?;
     let height = (row_height(count) - 1).min(SMALL);
     let style = font(height).pos(Pos::new(HPos::Right, VPos::Center));
     for (index, name) in names.enumerate() {

@@ -42,8 +42,9 @@ impl Figure for Rays<'_> {
         let mean = self.rays.iter().sum::<u64>() as f64 / self.scale.end();
         let unit = self.scale.unit.name;
         let name = format!("on average {mean:.3} {job}s per {unit}");
-        let mut chart = chart::builder(&panels[0], &name, true)
-            .build_cartesian_2d(0.0..self.scale.end(), 0.0..top.max(f64::MIN_POSITIVE))?;
+        let across = 0.0..self.scale.end();
+        let mut chart = chart::builder(&panels[0], &name, true, &across)
+            .build_cartesian_2d(across, 0.0..top.max(f64::MIN_POSITIVE))?;
         chart::axes(&mut chart, (Some(&self.scale.label()), &format!("{job}s per {unit}")), 8, &chart::number)?;
         let color = rgb(palette::AMOUNT);
         let steps = self.scale.steps(rates.into_iter(), chart::grain(top.max(f64::MIN_POSITIVE)) / PANELS as f64);
@@ -79,8 +80,8 @@ impl Figure for Latencies<'_> {
         // From the shortest to the longest, with a tenth of air, and over a cycle at the least.
         let (low, high) = (time(latency.min.max(Cycles(1))) / 1.1, time(latency.max.max(Cycles(2))) * 1.1);
         let scale = Scale::logarithmic(low, high);
-        let mut chart =
-            chart::builder(&panels[0], &self.figures(), true).build_cartesian_2d(scale.clone(), 0.0..100.0)?;
+        let mut chart = chart::builder(&panels[0], &self.figures(), true, &(low..high))
+            .build_cartesian_2d(scale.clone(), 0.0..100.0)?;
         let mut mesh = chart.configure_mesh();
         let name = |tick: &f64| scale.name_of(*tick);
         mesh.max_light_lines(1).x_label_formatter(&name).y_label_formatter(&chart::number).y_labels(11);

@@ -8,7 +8,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Caption;
-use super::chart::{self, FOOT, HEAD, LEFT, RIGHT, SMALL, WIDTH, font, rgb};
+use super::chart::{self, FOOT, HEAD, LEFT, SMALL, WIDTH, font, rgb};
 use super::render::{Drawn, Figure};
 use crate::measure::{Actor, Clock, JobSpan, Recording, StateKind, StationRecord};
 use crate::quantities::Cycles;
@@ -176,15 +176,16 @@ impl Figure for SpaceTime<'_> {
         let (height, unit) = (lane_height(lanes.len()), TimeUnit::of(self.clock.seconds(self.shown.end)));
         let (start, end) = (self.seconds(self.shown.start, unit), self.seconds(self.shown.end, unit));
         let mut builder = ChartBuilder::on(area);
-        builder.margin_top(HEAD + 8).margin_right(RIGHT).y_label_area_size(LEFT).x_label_area_size(FOOT);
         let across = start..end.max(start + f64::MIN_POSITIVE.max(start * 1e-9));
+        let right = chart::right_of(area, &across);
+        builder.margin_top(HEAD + 8).margin_right(right).y_label_area_size(LEFT).x_label_area_size(FOOT);
         // From the top down.
         let mut chart = builder.build_cartesian_2d(across, lanes.len() as f64..0.0)?;
         let mut mesh = chart.configure_mesh();
         mesh.disable_y_mesh().light_line_style(WHITE).x_label_formatter(&chart::number).label_style(font(SMALL));
         let cycles = grouped((unit.seconds / self.clock.seconds(Cycles(1))).round() as u64);
         let label = format!("simulated time ({}, of {cycles} cycles)", unit.name);
-        mesh.axis_desc_style(font(SMALL)).x_labels(11).y_labels(0).x_desc(label).draw()?;
+        mesh.axis_desc_style(font(SMALL)).x_labels(chart::ACROSS).y_labels(0).x_desc(label).draw()?;
         let style = font(SMALL.min(height.max(NAME - 1))).pos(Pos::new(HPos::Right, VPos::Center));
         for (index, lane) in lanes.iter().enumerate().step_by(NAME.div_ceil(height).max(1) as usize) {
             let (x, y) = chart.backend_coord(&(start, index as f64 + station / 2.0));

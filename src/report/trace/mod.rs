@@ -37,8 +37,8 @@ impl Format {
             Some("vcd") => Ok(Format::Vcd),
             Some("fst") => Ok(Format::Fst),
             _ => {
-                let help =
-                    "traces end in .pftrace (or .perfetto-trace) for Perfetto, in .vcd or .fst for GTKWave and Surfer";
+                let help = "traces end in .pftrace (or .perfetto-trace) for Perfetto, in .vcd or .fst for GTKWave and Surfer; \
+                            -.vcd is standard output";
                 Err(InputError::in_file(path, "is no name of a trace").help(help))
             }
         }

@@ -15,7 +15,7 @@ use crate::host::shading::Limits;
 use crate::input::fields::is_default;
 use crate::machine::Ipsc2File;
 use crate::program::cube::{Ends, Flow, Rules};
-use crate::run::spec::{configuration, read_configuration, standard_size};
+use crate::run::spec::{CUBE, configuration, read_configuration, standard_size};
 use crate::run::{FarmRays, Key};
 
 /// An image on a hypercube, described: enough to make it again to the cycle.
@@ -217,15 +217,14 @@ impl CubeSpec {
 
     /// Reads a description: a configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<CubeSpec, InputError> {
-        let spec: CubeSpec = read_configuration(path, "image on a hypercube")?;
+        let spec: CubeSpec = read_configuration(path, CUBE)?;
         spec.check()?;
         Ok(spec)
     }
 
     /// The same from JSON that is at hand.
     pub fn from_json(value: serde_json::Value) -> Result<CubeSpec, InputError> {
-        let described = configuration::<CubeSpec>(value);
-        let spec = described.map_err(|error| InputError::new(format!("describes no image on a hypercube: {error}")))?;
+        let spec: CubeSpec = configuration(value, CUBE)?;
         spec.check()?;
         Ok(spec)
     }

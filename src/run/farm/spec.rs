@@ -9,7 +9,7 @@ use crate::error::InputError;
 use crate::host::camera::ImageSize;
 use crate::machine::CapitanFile;
 use crate::program::farm::{HandOut, ItemKind, Rectangles, SceneBy};
-use crate::run::spec::{configuration, read_configuration, standard_size};
+use crate::run::spec::{FARM, configuration, read_configuration, standard_size};
 use crate::run::{ImageSpec, Key, LightOptions};
 
 /// A farm, described: enough to run it again to the nanosecond.
@@ -121,15 +121,14 @@ impl FarmSpec {
 
     /// Reads a description: a farm's configuration, or the statistics that have it.
     pub fn read(path: &Path) -> Result<FarmSpec, InputError> {
-        let spec: FarmSpec = read_configuration(path, "farm")?;
+        let spec: FarmSpec = read_configuration(path, FARM)?;
         spec.check()?;
         Ok(spec)
     }
 
     /// The same from JSON that is at hand.
     pub fn from_json(value: serde_json::Value) -> Result<FarmSpec, InputError> {
-        let described = configuration::<FarmSpec>(value);
-        let spec = described.map_err(|error| InputError::new(format!("describes no farm: {error}")))?;
+        let spec: FarmSpec = configuration(value, FARM)?;
         spec.check()?;
         Ok(spec)
     }

@@ -21,8 +21,8 @@ use std::path::Path;
 use glam::Vec3;
 
 use crate::error::InputError;
-use crate::input::file;
 use crate::input::text::{coordinate, nearest, passed_over};
+use crate::input::{file, packed};
 use crate::scene::mesh::Mesh;
 use crate::scene::solid::Report;
 use crate::scene::{Camera, Light, Material, Scene, split_concave};
@@ -58,7 +58,8 @@ impl Default for ReadOptions {
     }
 }
 
-/// Reads a scene file; its extension says what it is: `.ron`, `.obj`, `.ply`, `.nff` or `.cas`.
+/// Reads a scene file; its extension says what it is: `.ron`, `.obj`, `.ply`, `.nff` or `.cas`, each also packed (`.obj.gz`,
+/// `.obj.zst`).
 ///
 /// Whatever the file, the scene has at least one face, all its faces are flat and convex
 /// (see [`split_concave`]), its coordinates are finite, and it has a camera: one that frames it, if the file has none.
@@ -97,10 +98,16 @@ impl Format {
     /// The format that a file's extension stands for.
     pub fn of(path: &Path) -> Result<Self, InputError> {
         let known = "a scene file ends in .ron, .obj, .ply, .nff or .cas";
-        let Some(extension) = path.extension() else {
+        let inside = packed::name_inside(path);
+        let Some(extension) = inside.extension() else {
             return Err(InputError::in_file(path, "file name has no extension to tell its format by").help(known));
         };
         let extension = extension.to_string_lossy().to_lowercase();
+        if let Some(by) = packed::unpacked_by(&extension) {
+            let error =
+                InputError::in_file(path, format!("files that are packed as .{extension} are not unpacked here"));
+            return Err(error.help(format!("unpack it first by `{by}`, or pack it by gzip or zstd")));
+        }
         if let Some((_, format)) = Self::EXTENSIONS.iter().find(|(name, _)| *name == extension) {
             return Ok(*format);
         }
@@ -186,7 +193,7 @@ impl Draft {
         self.notes.extend(report.notes());
         self.notes.extend(far_out(low, high));
         Ok(Scene {
-            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            name: packed::name_inside(path).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             mesh,
             materials: self.materials,
             lights: self.lights,

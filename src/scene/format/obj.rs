@@ -1,5 +1,6 @@
 //! Reads Wavefront OBJ files.
 
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -356,6 +357,17 @@ fn split_names(names: &str) -> Vec<&str> {
     split
 }
 
+/// A note of materials that were defined before, if there are any.
+fn defined_again(file: &str, names: &[String]) -> Option<String> {
+    let first = names.first()?;
+    Some(match names.len() {
+        1 => format!("{file}: a definition of `{first}` was passed over, which was defined before"),
+        count => format!(
+            "{file}: {count} definitions were passed over of materials that were defined before, `{first}` first"
+        ),
+    })
+}
+
 /// The materials that the faces use, numbered as they come: the default one first.
 #[derive(Default)]
 struct Materials {
@@ -382,10 +394,15 @@ impl Materials {
         let instead = "the default material takes its place";
         match path.as_deref().map(mtl::read) {
             Some(Ok(library)) => {
+                let mut again = Vec::new();
                 for (name, material) in library.materials {
-                    self.known.entry(name).or_insert(material);
+                    match self.known.entry(name) {
+                        Entry::Vacant(place) => drop(place.insert(material)),
+                        Entry::Occupied(place) => again.push(place.key().clone()),
+                    }
                 }
                 notes.extend(library.notes);
+                notes.extend(defined_again(name, &again));
             }
             Some(Err(error)) => notes.push(format!("material file `{name}`: {}, {instead}", error.message)),
             None => notes.push(format!("material file `{name}` was not found, {instead}")),

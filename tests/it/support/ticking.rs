@@ -392,13 +392,21 @@ impl<'a> Ticking<'a> {
         let used = |queue: &&Queue| queue.words > 0;
         let fifos = self.x.iter().chain(&self.y).chain(self.z.iter().filter(used));
         let ends = (0..self.cells.len()).map(measure::Actor::Station).chain([measure::Actor::Host]);
-        let links = ends.zip(&self.wire_busy);
+        let read = |queue: Option<&Queue>| queue.map_or(0, |queue| queue.words - queue.written_in.len() as u64);
+        let rate = self.spec.link_rate();
+        let links = ends.zip(&self.wire_busy).enumerate().map(|(link, (into, [x, y]))| {
+            let [x_read, y_read] =
+                [read(self.x.get(link)), read(link.checked_sub(1).and_then(|link| self.y.get(link)))];
+            let words = if rate.counts == RateCounts::Link { x_read + y_read } else { x_read.max(y_read) };
+            let busy = *x.max(y);
+            LinkStats { into: Some(into), busy: Cycles(busy), read: Cycles((words * rate.cycles_per_word).min(busy)) }
+        });
         Ticked {
             cycles: Cycles(self.now),
             jobs: batches.iter().map(|batch| batch.host.lines().len() as u64).sum(),
             stations: self.cells.iter().map(|cell| cell.times).collect(),
             fifos: fifos.map(Queue::stats).collect(),
-            links: links.map(|(into, [x, y])| LinkStats { into: Some(into), busy: Cycles(*x.max(y)) }).collect(),
+            links: links.collect(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Drawing lines with markers.
 
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::Ranged;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -21,15 +22,14 @@ const OF_FACET: usize = 2;
 const LEGEND: u32 = 230;
 /// Height of a line of the legend.
 const LEGEND_LINE: i32 = 19;
-/// Room for the numbers of the vertical axis and its name.
+/// Room for the numbers of the vertical axis and its name, and left of it.
 const LEFT: u32 = 104;
-/// Characters that fit into a line of the caption, into one of the legend, and along the axis.
-const CAPTION_LETTERS: usize = 160;
-const LEGEND_LETTERS: usize = 30;
-const AXIS_LETTERS: usize = 120;
-const WHAT_LETTERS: usize = 110;
-/// Width of a letter of an axis's name.
-const LETTER: u32 = 7;
+const MARGIN: u32 = 12;
+/// Height of its text, and of what the axes are called.
+const TEXT: u32 = 14;
+/// Height of the numbers along the axes, and what is free between two of them.
+const NUMBERS: u32 = 13;
+const GAP: i32 = 8;
 /// Room below the panels for what the axis is called, and below each for its numbers.
 const FOOT: u32 = 26;
 const TICKS: u32 = 26;
@@ -65,8 +65,7 @@ impl<'a> Chart<'a> {
             Some(line) => format!(", relative to {line}"),
         };
         let y_name = columns[axes.y].label;
-        let y_name =
-            if relative.is_empty() { y_name.to_owned() } else { format!("{}, relative", without_unit(y_name)) };
+        let y_name = if relative.is_empty() { y_name.to_owned() } else { without_unit(y_name).to_owned() + &relative };
         let label = |name: &str, scale: &Scale| {
             let logarithmic = if scale.is_log() { ", logarithmic" } else { "" };
             format!("{name}{logarithmic}")
@@ -92,11 +91,6 @@ impl<'a> Chart<'a> {
         Ok(Chart { curves, what, caption, x, y, labels, by, facet, size })
     }
 
-    /// How many letters there is room for, of so many in a figure as wide as most.
-    fn letters(&self, most: usize) -> usize {
-        (most * self.size.0 as usize / chart::WIDTH as usize).max(8)
-    }
-
     /// How far beside its place each line's markers stand over words, so that they do not hide each other: as a share of the axis.
     fn places(&self) -> Vec<f64> {
         let lines = self.curves.lines.len();
@@ -105,15 +99,45 @@ impl<'a> Chart<'a> {
     }
 
     fn draw_legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, by: &str) -> Drawn<DB> {
-        area.draw_text(&cut(by, LEGEND_LETTERS), &font(14), (8, 4))?;
+        let draw = |text: &str, (x, y): (i32, i32)| {
+            let (text, font) = chart::fitted(area, text, TEXT, LEGEND - x as u32 - 4)?;
+            area.draw_text(&text, &font, (x, y))
+        };
+        draw(by, (8, 4))?;
         for (index, name) in self.curves.lines.iter().enumerate() {
             let y = 4 + LEGEND_LINE * (index as i32 + 1);
             let middle = y + LEGEND_LINE / 2 - 4;
             area.draw(&PathElement::new([(8, middle), (40, middle)], color_of(index).stroke_width(2)))?;
             area.draw(&(EmptyElement::at((24, middle)) + marker(index)))?;
-            area.draw_text(&cut(name, LEGEND_LETTERS), &font(14), (48, y))?;
+            draw(name, (48, y))?;
         }
         Ok(())
+    }
+
+    /// What the ticks of the horizontal axis are called, which is so many pixels long: words as far as there is room for them, and as
+    /// many of the numbers as stand side by side.
+    fn x_names<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        axis: i32,
+    ) -> Result<Vec<(f64, String)>, DrawingAreaErrorKind<DB::ErrorType>> {
+        let mut names = Vec::new();
+        let mut taken = i32::MIN;
+        for tick in self.x.key_points(self.x.ticks()) {
+            let name = self.x.name_of(tick);
+            if self.x.has_words() {
+                let room = (axis / self.x.ticks().max(1) as i32 - GAP).max(0) as u32;
+                names.push((tick, chart::fitted(area, &name, NUMBERS, room)?.0));
+                continue;
+            }
+            let (at, half) =
+                (self.x.map(&tick, (0, axis)), area.estimate_text_size(&name, &font(NUMBERS))?.0 as i32 / 2);
+            if at - half >= taken {
+                taken = at + half + GAP;
+                names.push((tick, name));
+            }
+        }
+        Ok(names)
     }
 }
 
@@ -123,10 +147,7 @@ impl Figure for Chart<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let caption =
-            Caption { title: cut(&self.caption.title, self.letters(CAPTION_LETTERS)), ..self.caption.clone() };
-        let what = cut(&self.what, self.letters(WHAT_LETTERS));
-        let below = &chart::panels(area, &caption, &what, &[], 1)?[0];
+        let below = &chart::panels(area, &self.caption, &self.what, &[], 1)?[0];
         let (width, _) = below.dim_in_pixel();
         let (left, right) = below.split_horizontally(width.saturating_sub(if self.by.is_some() { LEGEND } else { 0 }));
         let count = self.curves.panels.len();
@@ -134,9 +155,10 @@ impl Figure for Chart<'_> {
         for (index, (area, panel)) in plots.split_evenly((count, 1)).iter().zip(&self.curves.panels).enumerate() {
             self.draw_panel(area, panel, index + 1 == count)?;
         }
-        let middle = ((LEFT + left.dim_in_pixel().0) / 2) as i32;
-        let style = font(14).pos(Pos::new(HPos::Center, VPos::Center));
-        foot.draw_text(&self.labels[0], &style, (middle, FOOT as i32 / 2))?;
+        let width = left.dim_in_pixel().0;
+        let (label, font) = chart::fitted(&foot, &self.labels[0], TEXT, width.saturating_sub(LEFT))?;
+        let style = font.pos(Pos::new(HPos::Center, VPos::Center));
+        foot.draw_text(&label, &style, (((LEFT + width) / 2) as i32, FOOT as i32 / 2))?;
         self.by.map_or(Ok(()), |by| self.draw_legend(&right, by))
     }
 }
@@ -144,17 +166,23 @@ impl Figure for Chart<'_> {
 impl Chart<'_> {
     fn draw_panel<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, panel: &Panel, is_last: bool) -> Drawn<DB> {
         let name = self.facet.map(|facet| format!("{} {}", without_unit(facet), panel.name)).unwrap_or_default();
-        let mut builder = chart::builder(area, &cut(&name, self.letters(AXIS_LETTERS)), true);
-        builder.margin_left(12).y_label_area_size(LEFT).x_label_area_size(TICKS);
+        let (width, height) = area.dim_in_pixel();
+        let last = self.x.key_points(self.x.ticks()).last().map(|tick| self.x.name_of(*tick));
+        let right = chart::right(area, last.as_deref().filter(|_| !self.x.has_words()).unwrap_or_default(), NUMBERS);
+        let names = self.x_names(area, width.saturating_sub(MARGIN + LEFT + right) as i32)?;
+        let (name, _) = chart::fitted(area, &name, TEXT, width.saturating_sub(LEFT))?;
+        let mut builder = chart::builder(area, &name, true, &(0.0..1.0));
+        builder.margin_left(MARGIN).margin_right(right).y_label_area_size(LEFT).x_label_area_size(TICKS);
         let mut chart = builder.build_cartesian_2d(self.x.clone(), self.y.clone())?;
         let mut mesh = chart.configure_mesh();
-        let letters = (self.letters(AXIS_LETTERS) / self.x.ticks().max(1)).max(4);
-        let x_name = |tick: &f64| if is_last { cut(&self.x.name_of(*tick), letters) } else { String::new() };
+        let x_name = |tick: &f64| {
+            let name = names.iter().find(|(named, _)| is_last && named == tick);
+            name.map(|(_, name)| name.clone()).unwrap_or_default()
+        };
         let y_name = |tick: &f64| self.y.name_of(*tick);
         mesh.x_label_formatter(&x_name).y_label_formatter(&y_name).max_light_lines(1);
-        mesh.label_style(font(13)).axis_desc_style(font(14));
-        let along = (area.dim_in_pixel().1.saturating_sub(TICKS) / LETTER) as usize;
-        mesh.y_desc(cut(&self.labels[1], along.max(8))).draw()?;
+        let (along, font_along) = chart::fitted(area, &self.labels[1], TEXT, height.saturating_sub(TICKS))?;
+        mesh.label_style(font(NUMBERS)).axis_desc_style(font_along).y_desc(along).draw()?;
         for (index, spots) in panel.lines.iter().enumerate() {
             // Words have nothing between them that a line could lead through.
             let place = if self.x.has_words() { self.places()[index] } else { 0.0 };
@@ -196,12 +224,4 @@ fn marker(line: usize) -> Polygon<(i32, i32)> {
 /// A column's label without the unit in brackets.
 fn without_unit(label: &str) -> &str {
     label.split(" (").next().unwrap_or(label)
-}
-
-/// Text that is not too long.
-fn cut(text: &str, letters: usize) -> String {
-    match text.char_indices().nth(letters) {
-        None => text.to_owned(),
-        Some(_) => text.chars().take(letters.saturating_sub(1)).chain(['…']).collect(),
-    }
 }
