@@ -34,31 +34,50 @@ impl Agenda {
     /// A task wakes up at that time, unless it does so earlier.
     #[inline]
     pub fn wake(&mut self, task: usize, at: u64) {
-        if at < self.matches[self.matches.len() / 2 + task].at {
-            self.set(task, at);
+        let mut place = self.matches.len() / 2 + task;
+        if at >= self.matches[place].at {
+            return;
+        }
+        let wake = Wake { at, task: task as u32 };
+        self.matches[place] = wake;
+        // It wins what it has won before, and may win more; behind a match that it loses nothing changes.
+        while place > 1 && wake.is_before(self.matches[place ^ 1]) {
+            place /= 2;
+            self.matches[place] = wake;
         }
     }
 
-    /// The next task that wakes up, and when. Of those that wake up together it is the one with the lowest number.
+    /// The next task that wakes up, and when. Of those that wake up together it is the one with the lowest number. What it has won is
+    /// played again by [`Agenda::settle`], when it is known when it wakes up again.
     #[inline]
     pub fn next(&mut self) -> Option<(u64, usize)> {
         let Wake { at, task } = self.matches[1];
         if at == NEVER {
             return None;
         }
-        self.set(task as usize, NEVER);
+        let place = self.matches.len() / 2 + task as usize;
+        self.matches[place].at = NEVER;
         Some((at, task as usize))
     }
 
+    /// Plays all matches of the task again that was the next.
     #[inline]
-    fn set(&mut self, task: usize, at: u64) {
+    pub fn settle(&mut self, task: usize) {
         let mut place = self.matches.len() / 2 + task;
-        self.matches[place].at = at;
-        place /= 2;
-        while place > 0 {
-            let (low, high) = (self.matches[2 * place], self.matches[2 * place + 1]);
-            self.matches[place] = if high.at < low.at { high } else { low };
+        let mut winner = self.matches[place];
+        while place > 1 {
+            let other = self.matches[place ^ 1];
+            winner = if winner.is_before(other) { winner } else { other };
             place /= 2;
+            self.matches[place] = winner;
         }
+    }
+}
+
+impl Wake {
+    /// Whether it wins against another task's.
+    #[inline]
+    fn is_before(self, other: Wake) -> bool {
+        (self.at, self.task) < (other.at, other.task)
     }
 }

@@ -200,6 +200,7 @@ impl<M: Copy> Events<M> {
                 taken = message;
             }
         }
+        self.agenda.settle(task);
         if let Some((causes, _)) = self.causes.as_mut().filter(|(causes, _)| causes.is_full()) {
             causes.reckon(self.mailboxes.iter_mut().flat_map(Mailbox::all).map(|mail| &mut mail.cause));
         }

@@ -46,11 +46,9 @@ struct Aside {
     placing: Placing,
 }
 
-/// The slots of a node, and who waits for what.
+/// Who waits for the slots of a node, and for what others' slots it waits.
 #[derive(Clone, Debug, Default)]
 pub struct Slots {
-    /// How many are free.
-    pub free: u32,
     /// Nodes that wait to send to it, in the order in which they came, under blocking.
     pub waiting: VecDeque<u16>,
     /// What others have asked for a slot for and not been given one.
@@ -75,8 +73,8 @@ impl Ord for Aside {
 
 impl Slots {
     /// The slots of one of so many nodes.
-    pub fn new(nodes: usize, free: u32) -> Slots {
-        Slots { free, aside: vec![BinaryHeap::new(); nodes], ..Slots::default() }
+    pub fn new(nodes: usize) -> Slots {
+        Slots { aside: vec![BinaryHeap::new(); nodes], ..Slots::default() }
     }
 
     /// Puts a placing aside that wants a slot of a rank at a node.
@@ -120,9 +118,9 @@ impl Slots {
         self.asked.push(Aside { rank, age, placing });
     }
 
-    /// Of what others wait for slots for, what has the highest rank, if it may have one; `may` tells of the free slots and a rank.
-    pub fn take_waiting(&mut self, may: impl Fn(u32, u32) -> bool) -> Option<Placing> {
-        self.asked.peek().filter(|first| may(self.free, first.rank))?;
+    /// Of what others wait for slots for, what has the highest rank, if it may have one; `may` tells of a rank.
+    pub fn take_waiting(&mut self, may: impl Fn(u32) -> bool) -> Option<Placing> {
+        self.asked.peek().filter(|first| may(first.rank))?;
         self.asked.pop().map(|first| first.placing)
     }
 

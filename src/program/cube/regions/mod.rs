@@ -85,6 +85,8 @@ pub struct RegionNodes<'a> {
     /// Each tree's node.
     owners: &'a [u16],
     nodes: Vec<Node>,
+    /// For each node, how many of its slots are free.
+    free: Vec<u32>,
     /// For each tree, how many results are still to come.
     left: Vec<u32>,
     /// Trees whose results have not all come.
@@ -169,7 +171,7 @@ impl<'a> RegionNodes<'a> {
             Flow::Block(slots) | Flow::Classes(slots) => slots,
             Flow::Unlimited | Flow::Window(_) => u32::MAX,
         };
-        let mut nodes: Vec<Node> = (0..count).map(|_| Node::new(Slots::new(count, free))).collect();
+        let mut nodes: Vec<Node> = (0..count).map(|_| Node::new(Slots::new(count))).collect();
         order.iter().for_each(|&tree| nodes[usize::from(owners[tree as usize])].pixels.push(tree));
         if rules.ends == Ends::Token {
             nodes[0].account.is_black = true;
@@ -185,6 +187,7 @@ impl<'a> RegionNodes<'a> {
             node_of: node_of.to_vec(),
             owners,
             nodes,
+            free: vec![free; count],
             left: (0..graph.trees.len()).map(|tree| graph.tree(tree).len() as u32).collect(),
             trees_left: graph.trees.len(),
             host_waits: graph.trees.len() + if rules.ends == Ends::Token { count } else { 0 },
@@ -351,12 +354,8 @@ impl<'a> RegionNodes<'a> {
         if !self.nodes[task].slots.wants_any() {
             return None;
         }
-        let mut slots = std::mem::take(&mut self.nodes[task].slots);
-        let (own, highest) = (slots.free, self.ranks.1);
-        let free = |node: usize| if node == task { own } else { self.nodes[node].slots.free };
-        let movable = slots.take_movable(|node, rank| free(node) > highest - rank);
-        self.nodes[task].slots = slots;
-        movable
+        let (free, highest) = (&self.free, self.ranks.1);
+        self.nodes[task].slots.take_movable(|node, rank| free[node] > highest - rank)
     }
 
     /// Works on a ray, if there is one.
@@ -398,7 +397,7 @@ impl<'a> RegionNodes<'a> {
         let may = match self.rules.flow {
             Flow::Unlimited | Flow::Block(_) => true,
             Flow::Window(window) => node.begun - node.done < window as usize,
-            Flow::Classes(_) => node.slots.free > self.ranks.1,
+            Flow::Classes(_) => self.free[task] > self.ranks.1,
         };
         let tree = *node.pixels.get(node.begun).filter(|_| may)?;
         let node = &mut self.nodes[task];

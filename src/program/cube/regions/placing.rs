@@ -20,11 +20,11 @@ impl RegionNodes<'_> {
     }
 
     fn take_slot(&mut self, node: usize) {
-        let slots = &mut self.nodes[node].slots;
-        slots.free = slots.free.saturating_sub(1);
+        let free = &mut self.free[node];
+        *free = free.saturating_sub(1);
         if let Flow::Block(all) | Flow::Classes(all) = self.rules.flow {
             let seen = &mut self.seen.nodes[node];
-            seen.most_slots = seen.most_slots.max(all - slots.free);
+            seen.most_slots = seen.most_slots.max(all - *free);
         }
     }
 
@@ -39,14 +39,14 @@ impl RegionNodes<'_> {
                     other.next = Next::PlacesGranted(placing);
                 }
             }
-            None => node.slots.free += 1,
+            None => self.free[task] += 1,
         }
     }
 
     /// A ray has placed all that follows from it.
     pub(super) fn leave(&mut self, task: usize) {
         if let Flow::Classes(_) = self.rules.flow {
-            self.nodes[task].slots.free += 1;
+            self.free[task] += 1;
             self.give(task);
             let mut blocked = self.blocked;
             while blocked != 0 {
@@ -103,7 +103,7 @@ impl RegionNodes<'_> {
                 self.keep(task, visit);
                 continue;
             }
-            if !is_granted && self.nodes[to].slots.free != u32::MAX {
+            if !is_granted && self.free[to] != u32::MAX {
                 self.take_slot(to);
             }
             self.nodes[task].next = Next::Places(placing);
@@ -150,7 +150,7 @@ impl RegionNodes<'_> {
         is_granted: bool,
     ) -> Option<Act<Note>> {
         match self.rules.flow {
-            Flow::Block(_) if to != task && !is_granted && self.nodes[to].slots.free == 0 => {
+            Flow::Block(_) if to != task && !is_granted && self.free[to] == 0 => {
                 self.nodes[to].slots.waiting.push_back(task as u16);
                 self.nodes[task].next = Next::Places(placing);
                 Some(Act::Sleep(BLOCKED))
@@ -170,7 +170,7 @@ impl RegionNodes<'_> {
 
     /// Whether a node has a slot for such a rank.
     fn has_room(&self, node: usize, rank: u32) -> bool {
-        self.nodes[node].slots.free > self.ranks.1 - rank
+        self.free[node] > self.ranks.1 - rank
     }
 
     fn send_ray(&mut self, task: usize, to: usize, visit: Visit) -> Act<Note> {
@@ -216,7 +216,7 @@ impl RegionNodes<'_> {
     /// Gives slots to those who wait for them, as far as there are any.
     fn give(&mut self, task: usize) {
         let highest = self.ranks.1;
-        while let Some(placing) = self.nodes[task].slots.take_waiting(|free, rank| free > highest - rank) {
+        while let Some(placing) = self.nodes[task].slots.take_waiting(|rank| self.free[task] > highest - rank) {
             self.take_slot(task);
             let to = self.asker(placing);
             let act = self.send(task, to, (MessageKind::Information, WORD_BYTES), Note::Gives(placing));
