@@ -1,5 +1,7 @@
 //! `pcs-sim plot`: pictures of tables that are there already.
 
+use pcs_sim::report::table::StoredTable;
+
 use crate::support::command::Folder;
 
 const TABLE: &str = "\
@@ -80,6 +82,26 @@ fn mistakes_are_told() {
         assert!(error.contains(complaint), "{words}: {error}");
         assert_eq!(folder.names(), ["damaged.parquet", "t.csv", "torn.csv"], "{words}");
     }
+}
+
+/// No damage of a Parquet file is more than a complaint: each byte of one that is turned over in some bit, and each that ends early.
+#[test]
+fn a_damaged_table_is_read_or_told() {
+    let folder = Folder::new();
+    folder.file("s.ron", "(scene: \"room\", size: 4, fifo_words: [8, 16])");
+    folder.run("sweep s.ron -o t.csv").success();
+    let whole = std::fs::read(folder.path("t.parquet")).unwrap();
+    let read = |bytes: &[u8]| {
+        std::fs::write(folder.path("damaged.parquet"), bytes).unwrap();
+        StoredTable::read(&folder.path("damaged.parquet"), |_, _| None)
+    };
+    assert_eq!(read(&whole).unwrap().rows().len(), 2);
+    for place in 0..whole.len() {
+        let mut damaged = whole.clone();
+        damaged[place] ^= 1 << (place % 8);
+        let _ = read(&damaged);
+    }
+    assert!((4..whole.len()).step_by(7).all(|end| read(&whole[..end]).is_err()));
 }
 
 /// Standard output takes one picture, and no table, which is several files.

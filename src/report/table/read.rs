@@ -1,6 +1,8 @@
 //! Tables that are there already, as CSV or as Parquet.
 
+use std::panic;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use bytes::Bytes;
 use parquet::basic::Type as Physical;
@@ -38,7 +40,7 @@ impl StoredTable {
         let faulty = |error: String| InputError::in_file(path, format!("is no table: {error}"));
         let bytes = fields::read_bytes(path)?;
         let (headings, kinds, rows) = if bytes.starts_with(PARQUET) {
-            of_parquet(bytes).map_err(|error| faulty(error.to_string()))?
+            unless_damaged(|| of_parquet(bytes)).map_err(|error| faulty(error.to_string()))?
         } else {
             of_csv(&fields::text_of(path, bytes)?).map_err(|error| faulty(error.to_string()))?
         };
@@ -75,6 +77,17 @@ fn of_csv(text: &str) -> Result<Parts, csv::Error> {
     };
     let kinds = (0..headings.len()).map(kind).collect();
     Ok((headings, kinds, rows))
+}
+
+/// What the library reads, which takes files to be whole and panics on some that are damaged. Nobody is told of that but by the error.
+fn unless_damaged<T>(read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
+    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+    let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let told = panic::take_hook();
+    panic::set_hook(Box::new(|_| ()));
+    let read = panic::catch_unwind(panic::AssertUnwindSafe(read));
+    panic::set_hook(told);
+    read.unwrap_or_else(|_| Err(ParquetError::General("the file is damaged".to_owned())))
 }
 
 fn of_parquet(bytes: Vec<u8>) -> Result<Parts, ParquetError> {
