@@ -135,10 +135,10 @@ fn effect(run: &Measured, index: usize) -> String {
             longest(right, Toward::Upstream, StateKind::Blocked),
         ),
     ];
-    let told = held_up.into_iter().filter(|(.., time)| run.share(*time) > NOTABLE);
-    let told = told.zip(["; "].into_iter().chain(std::iter::repeat(", "))).map(|((side, stands, time), set_off)| {
-        let who = if set_off == "; " { "a cell" } else { "one" };
-        format!("{set_off}to its {side} {who} {stands} for {}", percent(time, run.cycles))
+    let notable = held_up.into_iter().filter(|(.., time)| run.share(*time) > NOTABLE);
+    let told = notable.enumerate().map(|(number, (side, stands, time))| {
+        let (set_off, who) = if number == 0 { (";", "a cell") } else { (",", "one") };
+        format!("{set_off} to its {side} {who} {stands} for {}", percent(time, run.cycles))
     });
     told.collect()
 }
