@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -124,7 +125,9 @@ fn pass(
         workers.cancel.check()?;
         batch.fault.take().map_or(Ok(()), Err)?;
         counts += batch.counts;
-        lanes.par_iter_mut().for_each(|lane| lane.take(&batch.ops));
+        let ops = Arc::new(std::mem::take(&mut batch.ops));
+        lanes.par_iter_mut().for_each(|lane| lane.take(&ops));
+        batch.ops = Arc::try_unwrap(ops).unwrap_or_default();
         Ok::<_, RunError<Infallible>>(batch)
     })?;
     Ok(counts)
@@ -132,13 +135,11 @@ fn pass(
 
 impl Lane {
     /// Works out the times of the next ops, unless the array can go no further.
-    fn take(&mut self, ops: &OpBatch) {
+    fn take(&mut self, ops: &Arc<OpBatch>) {
         if self.failed.is_some() {
             return;
         }
-        let mut copy = self.array.take_spent().unwrap_or_default();
-        copy.clone_from(ops);
-        let fed = self.array.feed(copy).map_err(RunError::from);
+        let fed = self.array.feed(Arc::clone(ops)).map_err(RunError::from);
         self.failed = fed.and_then(|()| Ok(self.array.run()?)).err();
     }
 }

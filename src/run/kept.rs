@@ -24,7 +24,7 @@ pub struct KeptOps {
 #[derive(Debug)]
 enum Ops {
     Traced(Arc<Traced>),
-    Read(Vec<OpBatch>),
+    Read(Vec<Arc<OpBatch>>),
 }
 
 impl KeptOps {
@@ -49,7 +49,7 @@ impl KeptOps {
         let mut batches = Vec::new();
         replay.trace.for_each_batch(|batch| {
             cancel.check()?;
-            batches.push(batch);
+            batches.push(Arc::new(batch));
             Ok::<_, RunError<Infallible>>(())
         })?;
         let Replay { spec, machine, costs, .. } = replay;

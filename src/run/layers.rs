@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::options::{CellsRun, Switch};
 use super::recording_memory::RecordingMemory;
-use super::timed::{Outcome, RunError, Watching, replay_watched, run_watched};
+use super::timed::{Outcome, RunError, TakeBatch, Watching, replay_watched, run_watched};
 use super::trace::{TracedBatch, trace};
 use super::{RunSpec, Workers, trees};
 use crate::cancel::{Cancel, Cancelled};
@@ -194,7 +194,7 @@ impl Prepared {
 #[derive(Debug)]
 pub struct Traced {
     workload: Workload,
-    batches: Vec<OpBatch>,
+    batches: Vec<Arc<OpBatch>>,
     counts: Counts,
     hits: Vec<Hit>,
     bytes: u64,
@@ -415,7 +415,7 @@ impl Layers {
             bytes += batch.ops.bytes() + (batch.hits.len() * size_of::<Hit>()) as u64;
             batches = batches.take().filter(|_| bytes <= memory.0);
             if let Some(batches) = &mut batches {
-                batches.push(batch.ops.clone());
+                batches.push(Arc::new(batch.ops.clone()));
             }
             Ok(())
         })?;
@@ -475,7 +475,7 @@ impl Traced {
             }
             counts += batch.counts;
             hits.append(&mut batch.hits);
-            batches.push(batch.ops);
+            batches.push(Arc::new(batch.ops));
             Ok::<_, Option<RunError<Infallible>>>(TracedBatch::default())
         });
         match traced {
@@ -496,7 +496,7 @@ impl Traced {
     }
 
     /// What host and cells do, batch by batch.
-    pub fn batches(&self) -> &[OpBatch] {
+    pub fn batches(&self) -> &[Arc<OpBatch>] {
         &self.batches
     }
 
@@ -524,14 +524,8 @@ impl Traced {
         self.workload.check(&machine.spec)?;
         let costs = costs_on(machine, &self.workload);
         let (watched, array) = ((&machine.spec, watching), (&costs, self.workload.cells()));
-        let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
-            let mut copy = OpBatch::default();
-            self.batches.iter().try_for_each(|batch| {
-                copy.clone_from(batch);
-                copy = take(std::mem::take(&mut copy))?;
-                Ok(())
-            })
-        };
+        let feed =
+            |take: &mut TakeBatch<'_, Infallible>| self.batches.iter().try_for_each(|batch| take(Arc::clone(batch)));
         replay_watched(watched, array, cancel, feed, |_| ())
     }
 }

@@ -52,7 +52,7 @@ pub use setup::Setup;
 pub use shuffled::{Reordered, Shuffled};
 pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos, slower};
 pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, load_scene, machine_file};
-pub use timed::{Outcome, RunError, Watching, replay, replay_watched, run, run_watched};
+pub use timed::{Outcome, RunError, TakeBatch, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};
 pub use trees::{ByKind, KindCounts};
 pub use workers::Workers;

@@ -3,20 +3,21 @@
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::moot;
 use super::options::RunOptions;
 use super::shuffled::Shuffled;
 use super::spec::{ReplaySpec, machine_file};
-use super::timed::{RunError, Watching, replay_watched};
+use super::timed::{RunError, TakeBatch, Watching, replay_watched};
 use crate::cancel::Cancel;
 use crate::error::InputError;
 use crate::machine::{Array, Machine, MachineFile, Observed};
 use crate::measure::Measured;
 use crate::program::work;
 use crate::quantities::Cycles;
+use crate::seam::Costs;
 use crate::seam::activity_trace::{ActivityTrace, Form};
-use crate::seam::{Costs, OpBatch};
 
 /// A trace that can be timed, any number of times.
 #[derive(Debug)]
@@ -77,11 +78,11 @@ impl Replay {
         let Replay { machine, trace, costs, .. } = self;
         let cells = trace.cells();
         let mut shuffled = Shuffled::new(cells);
-        let feed = |take: &mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<Infallible>>| {
+        let feed = |take: &mut TakeBatch<'_, Infallible>| {
             shuffled = Shuffled::new(cells);
             trace.for_each_batch(|batch| {
                 shuffled.take(&batch);
-                take(batch).map(drop)
+                take(Arc::new(batch))
             })
         };
         let (stats, observed) = replay_watched((&machine.spec, watching), (costs, cells), cancel, feed, observe)?;

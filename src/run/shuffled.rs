@@ -2,14 +2,14 @@
 //! common.
 
 use std::convert::Infallible;
+use std::sync::Arc;
 
-use super::RunError;
 use super::timed::{Watching, replay_watched};
 use crate::cancel::Cancel;
 use crate::machine::MachineSpec;
 use crate::measure::{Measured, StateTimes};
 use crate::random;
-use crate::seam::{Costs, Op, OpBatch, OpKind, OpStream};
+use crate::seam::{Costs, Op, OpBatch, OpKind};
 
 /// Keeps what host and cells do for the rays of a run: for all of them as long as that is no more than [`Shuffled::MOST`], else for
 /// as many as that is, drawn at random.
@@ -127,13 +127,8 @@ impl Shuffled {
             (costs, self.streams.len() - 1),
             cancel,
             |take| {
-                let mut batch = OpBatch::default();
                 let (alone, rest) = order.split_at(1);
-                [alone].into_iter().chain(rest.chunks(BATCH)).try_for_each(|rays| {
-                    self.fill(&mut batch, rays);
-                    batch = take(std::mem::take(&mut batch))?;
-                    Ok::<_, RunError<Infallible>>(())
-                })
+                [alone].into_iter().chain(rest.chunks(BATCH)).try_for_each(|rays| take(Arc::new(self.batch(rays))))
             },
             |array| {
                 first.get_or_insert_with(|| array.so_far().stations);
@@ -143,13 +138,14 @@ impl Shuffled {
         Some(Reordered { stats, first: first?, waits: self.waits })
     }
 
-    /// Fills an empty batch with some of the rays that are kept.
-    fn fill(&self, batch: &mut OpBatch, rays: &[usize]) {
-        batch.cells.resize_with(self.streams.len() - 1, OpStream::default);
+    /// Some of the rays that are kept, as a batch.
+    fn batch(&self, rays: &[usize]) -> OpBatch {
+        let mut batch = OpBatch::new(self.streams.len() - 1);
         for &ray in rays {
             let streams = std::iter::once(&mut batch.host).chain(&mut batch.cells);
             streams.zip(&self.streams).for_each(|(stream, kept)| stream.push_line(ray as u32, kept.line(ray)));
         }
+        batch
     }
 }
 

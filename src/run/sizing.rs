@@ -10,6 +10,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
@@ -27,7 +28,7 @@ use crate::seam::{Channel, Costs, OpBatch, OpKind};
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded<'a> {
     /// What host and cells do.
-    pub batches: &'a [OpBatch],
+    pub batches: &'a [Arc<OpBatch>],
     /// What units of work cost.
     pub costs: &'a Costs,
     /// The machine, whose FIFOs are sized.
@@ -150,15 +151,19 @@ pub fn size_fifos(
     };
     let mut search = Search::new(recorded, cancel, &timed);
     let unlimited = search.unlimited()?;
-    let least = (search.least.clone(), search.fewer(&search.least)?);
-    let speeds: BTreeSet<u64> = speeds.iter().copied().collect();
-    let mut points: Vec<Point> = Vec::new();
-    for slower in speeds {
-        let faster = points.last().map(|point| point.depths.words.clone());
-        let depths = search.fewest(&unlimited, &least, slower, faster)?;
-        points.push(Point { slower, fewer: search.one_fewer(&depths.words)?, depths });
-        found.fetch_add(1, Ordering::Relaxed);
-    }
+    let points = || {
+        let mut points: Vec<Point> = Vec::new();
+        for slower in speeds.iter().copied().collect::<BTreeSet<u64>>() {
+            let faster = points.last().map(|point| point.depths.words.clone());
+            let depths = search.fewest(&unlimited, slower, faster)?;
+            points.push(Point { slower, fewer: search.one_fewer(&depths.words)?, depths });
+            found.fetch_add(1, Ordering::Relaxed);
+        }
+        Ok::<_, SizingError>(points)
+    };
+    // The slowest run of all takes a while: beside the search, of which it is no part.
+    let (points, least) = rayon::join(points, || search.fewer(&search.least));
+    let (points, least) = (points?, (search.least.clone(), least?));
     let fifos = search.fifos.clone();
     Ok(Front { fifos, unlimited, points, least, replays: replays.load(Ordering::Relaxed) })
 }
@@ -211,7 +216,7 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         let messages = messages(recorded.batches);
         let fifos: Vec<FifoName> = messages.keys().copied().collect();
         let least = |fifo: &FifoName| if fifo.channel == Channel::Z { recorded.least_z_words } else { Words(1) };
-        let ops = |batch: &OpBatch| batch.cells.iter().map(|cell| cell.ops().len()).sum::<usize>();
+        let ops = |batch: &Arc<OpBatch>| batch.cells.iter().map(|cell| cell.ops().len()).sum::<usize>();
         let all = recorded.batches.iter().map(ops).sum::<usize>() * fifos.len();
         Search {
             recorded,
@@ -247,16 +252,13 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         let spec = MachineSpec { own_words: depths.collect(), ..self.recorded.spec.clone() };
         let mut array = Array::new(&spec, self.recorded.costs, self.cells);
         let (mut answers, mut end) = (0, None);
-        let mut copy = OpBatch::default();
         for batch in self.recorded.batches {
             self.cancel.check()?;
-            copy.clone_from(batch);
-            array.feed(std::mem::take(&mut copy))?;
+            array.feed(Arc::clone(batch))?;
             if let Err(stuck) = array.run() {
                 end = Some(End::Stuck(stuck));
                 break;
             }
-            copy = array.take_spent().unwrap_or_default();
             if self.is_too_slow(&array, &mut answers, most) {
                 end = Some(End::TooSlow);
                 break;
@@ -277,13 +279,10 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
     fn unlimited(&mut self) -> Result<Depths, SizingError> {
         let recorded = self.recorded;
         let mut array = Array::unlimited(recorded.spec, recorded.costs, self.cells);
-        let mut copy = OpBatch::default();
         for batch in recorded.batches {
             self.cancel.check()?;
-            copy.clone_from(batch);
-            array.feed(std::mem::take(&mut copy))?;
+            array.feed(Arc::clone(batch))?;
             array.run()?;
-            copy = array.take_spent().unwrap_or_default();
         }
         (self.timed)();
         let so_far = array.so_far();
@@ -301,22 +300,13 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         Ok(Depths { words, cycles })
     }
 
-    /// The fewest words with which the run takes no more than so many thousandths longer than with unlimited FIFOs. `least` is what
-    /// comes of the least, `faster` are depths
-    /// that are found for a faster one.
-    fn fewest(
-        &self,
-        unlimited: &Depths,
-        least: &(Vec<Words>, Fewer),
-        slower: u64,
-        faster: Option<Vec<Words>>,
-    ) -> Result<Depths, SizingError> {
+    /// The fewest words with which the run takes no more than so many thousandths longer than with unlimited FIFOs. `faster` are
+    /// depths that are found for a faster one.
+    fn fewest(&self, unlimited: &Depths, slower: u64, faster: Option<Vec<Words>>) -> Result<Depths, SizingError> {
         let Cycles(cycles) = unlimited.cycles;
         let most = Cycles(cycles + (u128::from(cycles) * u128::from(slower) / 1000) as u64);
-        if let (words, Fewer::Cycles(cycles)) = least
-            && *cycles <= most
-        {
-            return Ok(Depths { words: words.clone(), cycles: *cycles });
+        if let End::Done(cycles) = self.time(&self.least, most)?.end {
+            return Ok(Depths { words: self.least.clone(), cycles });
         }
         let deepest = unlimited.words.iter().map(|words| words.0).max().unwrap_or(1);
         // Where the search begins: at what is fast enough already, at the unlimited depths, at the least one that all may share, or at
@@ -348,11 +338,22 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
     }
 
     /// The first depths that are fast enough, of some that grow with a number from 1 to `last`, which are.
-    fn least_of(&self, last: u64, most: Cycles, depths: impl Fn(u64) -> Vec<Words>) -> Result<Vec<Words>, SizingError> {
+    fn least_of(
+        &self,
+        last: u64,
+        most: Cycles,
+        depths: impl Fn(u64) -> Vec<Words> + Sync,
+    ) -> Result<Vec<Words>, SizingError> {
         let (mut too_few, mut enough) = (0, last);
         while enough - too_few > 1 {
             let middle = between(too_few, enough);
-            if self.fits(&depths(middle), most)?.is_some() { enough = middle } else { too_few = middle }
+            let second = (self.starts == 1 && enough - middle > 1).then(|| between(middle, enough));
+            let tried: Vec<u64> = std::iter::once(middle).chain(second).collect();
+            let fits = |&number: &u64| self.fits(&depths(number), most);
+            let found = tried.par_iter().map(fits).collect::<Result<Vec<_>, SizingError>>()?;
+            let first = found.iter().position(Option::is_some).unwrap_or(tried.len());
+            too_few = tried[..first].last().copied().unwrap_or(too_few);
+            enough = tried.get(first).copied().unwrap_or(enough);
         }
         Ok(depths(enough))
     }
@@ -369,10 +370,10 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         order.sort_by_key(|&index| (std::cmp::Reverse(words[index]), index));
         for index in order {
             let mut too_few = self.least[index].0 - 1;
-            // Many cannot be lowered any more.
-            let mut next = words[index].0 - 1;
+            // Many cannot be lowered any more, or by little only: the first steps down are short, and each is twice the last.
+            let mut step = Some(0);
             while words[index].0 - too_few > 1 {
-                let tried = self.tried(index, too_few, next, words[index].0);
+                let tried = self.tried(index, too_few, words[index].0, step);
                 let fits = |&depth: &u64| {
                     let mut tried = words.clone();
                     tried[index] = Words(depth);
@@ -382,12 +383,12 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
                 // Of the depths, which rise, those that are enough come last.
                 let enough = found.iter().position(|(held, _)| held.is_some());
                 too_few = tried[..enough.unwrap_or(tried.len())].last().copied().unwrap_or(too_few);
+                step = step.filter(|_| enough.is_some()).map(|step| (2 * step).max(1));
                 if let Some((Some(held), tried)) = enough.map(|first| &found[first]) {
                     // No word needs more places than the FIFO holds, but the one in which another is read in the same cycle.
                     let enough = tried.iter().zip(held).zip(&self.least);
                     words = enough.map(|((&tried, held), &least)| tried.min(Words(held.0 + 1)).max(least)).collect();
                 }
-                next = self.next(index, too_few, words[index].0);
             }
         }
         match self.time(&words, UNLIMITED)?.end {
@@ -397,16 +398,25 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         }
     }
 
-    /// The depths of a FIFO that are tried at once, rising: the next one, and where there is but one search, on a core that would have
-    /// nothing to do, another one beside it.
-    fn tried(&self, index: usize, too_few: u64, next: u64, enough: u64) -> Vec<u64> {
-        if self.starts == 1 && enough - next > 1 {
-            vec![next, self.next(index, next, enough)]
-        } else if self.starts == 1 && next - too_few > 1 {
-            vec![self.next(index, too_few, next), next]
-        } else {
-            vec![next]
-        }
+    /// The depths of a FIFO that are tried at once, rising. One lies between what is too little and what is enough. Where there is but
+    /// one search, another is tried on a core that would have nothing to do: `step` messages below what is enough (a word, for 0), or
+    /// if that has been too little, a second one between. With more searches the step of a word is tried by itself, before all others.
+    fn tried(&self, index: usize, too_few: u64, enough: u64, step: Option<u64>) -> Vec<u64> {
+        let message = self.message[index];
+        let below = |step: u64| match step {
+            0 => enough - 1,
+            _ => ((enough - 1) / message).saturating_sub(step - 1) * message,
+        };
+        let close = step.map(below).filter(|&depth| depth > too_few);
+        let middle = self.next(index, too_few, enough);
+        let tried: BTreeSet<u64> = match close {
+            Some(close) if self.starts == 1 => [middle, close].into(),
+            Some(close) if step == Some(0) => [close].into(),
+            None if self.starts == 1 && enough - middle > 1 => [middle, self.next(index, middle, enough)].into(),
+            None if self.starts == 1 && middle - too_few > 1 => [self.next(index, too_few, middle), middle].into(),
+            _ => [middle].into(),
+        };
+        tried.into_iter().collect()
     }
 
     /// The depth of a FIFO to be tried between one that is too little and one that is enough: whole messages, as a part of one is
@@ -457,14 +467,14 @@ fn between(below: u64, above: u64) -> u64 {
 
 /// Whether the last thing that each cell does is to write words of an answer, which go on to the host through all cells behind it: no run
 /// then ends before all work is done.
-fn last_op_answers(batches: &[OpBatch]) -> bool {
+fn last_op_answers(batches: &[Arc<OpBatch>]) -> bool {
     let last = |cell: usize| batches.iter().rev().find_map(|batch| batch.cells[cell].ops().last());
     let cells = batches.first().map_or(0, |batch| batch.cells.len());
     (0..cells).all(|cell| last(cell).is_some_and(|op| op.kind() == OpKind::WriteY))
 }
 
 /// The FIFOs that carry words, and for each the largest number that all messages through it can be divided by.
-fn messages(batches: &[OpBatch]) -> BTreeMap<FifoName, u64> {
+fn messages(batches: &[Arc<OpBatch>]) -> BTreeMap<FifoName, u64> {
     let mut messages = BTreeMap::new();
     for batch in batches {
         let cells = batch.cells.len();

@@ -1,6 +1,7 @@
 //! A whole run: the functional half on all threads, ahead of the timing half that takes its ops in order.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::{TracedBatch, Workers, trace};
 use crate::cancel::{Cancel, Cancelled};
@@ -190,9 +191,11 @@ fn run_in<E>(
     Ok(array.finish_observed())
 }
 
-/// Times ops: `feed` hands them, from their start, batch by batch to the function that it is given, which gives back a
-/// batch for its memory. `feed` is called again if
-/// some cell works on after the host has read its last word, which ends the statistics.
+/// Takes the next batch of ops.
+pub type TakeBatch<'a, E> = dyn FnMut(Arc<OpBatch>) -> Result<(), RunError<E>> + 'a;
+
+/// Times ops: `feed` hands them, from their start, batch by batch to the function that it is given. `feed` is called again if some
+/// cell works on after the host has read its last word, which ends the statistics.
 ///
 /// # Errors
 ///
@@ -203,7 +206,7 @@ pub fn replay<E>(
     costs: &Costs,
     cells: usize,
     cancel: &Cancel,
-    feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<E>>) -> Result<(), RunError<E>>,
+    feed: impl FnMut(&mut TakeBatch<'_, E>) -> Result<(), RunError<E>>,
 ) -> Result<Measured, RunError<E>> {
     Ok(replay_watched((spec, &Watching::default()), (costs, cells), cancel, feed, |_| ())?.0)
 }
@@ -213,7 +216,7 @@ pub fn replay_watched<E>(
     (spec, watching): (&MachineSpec, &Watching),
     (costs, cells): (&Costs, usize),
     cancel: &Cancel,
-    mut feed: impl FnMut(&mut dyn FnMut(OpBatch) -> Result<OpBatch, RunError<E>>) -> Result<(), RunError<E>>,
+    mut feed: impl FnMut(&mut TakeBatch<'_, E>) -> Result<(), RunError<E>>,
     mut observe: impl FnMut(&Array),
 ) -> Result<(Measured, Observed), RunError<E>> {
     spec.check_fifos(cells)?;
@@ -224,7 +227,9 @@ pub fn replay_watched<E>(
             array.feed(batch)?;
             array.run()?;
             observe(&array);
-            Ok(array.take_spent().unwrap_or_default())
+            // Its memory is given back, as nothing here fills another.
+            drop(array.take_spent());
+            Ok(())
         })?;
         Ok::<_, RunError<E>>(array.finish_observed())
     };

@@ -1,5 +1,7 @@
 //! FIFOs are sized by exact replays: what is found is as fast as asked for, and with a word fewer in any FIFO it is not.
 
+use std::sync::Arc;
+
 use crate::support::command::Folder;
 use crate::support::random_ops::{batches_of, case, costs};
 use crate::support::ticking;
@@ -12,7 +14,8 @@ use serde_json::Value;
 
 fn sized(spec: &MachineSpec, batches: &[OpBatch]) -> Result<Front, SizingError> {
     let costs = costs();
-    let recorded = Recorded { batches, costs: &costs, spec, least_z_words: Words(1) };
+    let batches: Vec<Arc<OpBatch>> = batches.iter().cloned().map(Arc::new).collect();
+    let recorded = Recorded { batches: &batches, costs: &costs, spec, least_z_words: Words(1) };
     size_fifos(recorded, &SLOWER, &Cancel::default(), |_| ())
 }
 

@@ -97,7 +97,7 @@ fn a_replay_ends_at_its_next_batch() {
     let batches = ops(&workload, &rays);
     let result = run::replay::<Infallible>(&machine().spec, workload.costs(), workload.cells(), &cancel, |take| {
         for batch in batches.iter().cycle() {
-            take(batch.clone())?;
+            take(batch.clone().into())?;
             stopper.ask.send(()).ok();
         }
         Ok(())

@@ -59,7 +59,8 @@ pub struct Array {
     pub(super) links: Vec<Link>,
     pub(super) host: CellAt,
     pub(super) cells: Vec<CellAt>,
-    batches: VecDeque<OpBatch>,
+    /// Shared with whoever feeds the same to other arrays.
+    batches: VecDeque<Arc<OpBatch>>,
     /// How many batches have been dropped from the front of `batches`.
     dropped: usize,
     spent: Vec<OpBatch>,
@@ -176,19 +177,19 @@ impl Array {
         self
     }
 
-    /// Adds the next ops. A batch needs no whole jobs: each stream simply goes on where the one before it ended.
+    /// Adds the next ops. A batch needs no whole jobs: each stream simply goes on where the one before it ended. One that several
+    /// arrays do can be shared.
     ///
     /// # Errors
     ///
     /// If no array of so many cells could do the ops.
-    pub fn feed(&mut self, batch: OpBatch) -> Result<(), BatchError> {
+    pub fn feed(&mut self, batch: impl Into<Arc<OpBatch>>) -> Result<(), BatchError> {
+        let batch: Arc<OpBatch> = batch.into();
         batch.check(self.cells.len())?;
         self.jobs += batch.host.lines().len() as u64;
         self.make_room(&batch);
         if let Some(unlimited) = &mut self.unlimited {
-            let mut copy = unlimited.take_spent().unwrap_or_default();
-            copy.clone_from(&batch);
-            unlimited.feed(copy)?;
+            unlimited.feed(Arc::clone(&batch))?;
         }
         if let Some(observers) = &mut self.observers {
             observers.fed(&batch);
@@ -197,7 +198,7 @@ impl Array {
         Ok(())
     }
 
-    /// A batch that has been done, emptied, for its memory to be used again.
+    /// A batch that has been done, emptied, for its memory to be used again. One that is shared is none of it.
     pub fn take_spent(&mut self) -> Option<OpBatch> {
         self.spent.pop()
     }
@@ -205,7 +206,7 @@ impl Array {
     /// The memory that it takes, in bytes, but for what its observers keep.
     pub fn bytes(&self) -> u64 {
         let fifos: u64 = self.links.iter().map(Link::bytes).sum();
-        let ops: u64 = self.batches.iter().chain(&self.spent).map(OpBatch::bytes).sum();
+        let ops: u64 = self.batches.iter().map(|batch| &**batch).chain(&self.spent).map(OpBatch::bytes).sum();
         fifos + ops + (self.returned.capacity() * size_of::<u64>()) as u64
     }
 
@@ -389,9 +390,11 @@ impl Array {
         let stations = std::iter::once(&self.host).chain(&self.cells);
         let oldest = stations.map(|s| s.batch).min().unwrap_or(0);
         while self.dropped < oldest {
-            let Some(mut batch) = self.batches.pop_front() else { break };
-            batch.clear();
-            self.spent.push(batch);
+            let Some(batch) = self.batches.pop_front() else { break };
+            if let Ok(mut batch) = Arc::try_unwrap(batch) {
+                batch.clear();
+                self.spent.push(batch);
+            }
             self.dropped += 1;
         }
     }

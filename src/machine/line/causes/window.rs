@@ -1,6 +1,7 @@
 //! What happened since the last reckoning, as the array has it: what follows from what.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use super::Stand;
 use super::waits::Waits;
@@ -14,7 +15,7 @@ use crate::seam::{Channel, Op, OpBatch, OpStream};
 #[derive(Debug)]
 pub(in crate::machine::line) struct Past<'a> {
     /// The batches that are held, from number `first` on.
-    pub batches: &'a VecDeque<OpBatch>,
+    pub batches: &'a VecDeque<Arc<OpBatch>>,
     pub first: usize,
     pub links: &'a [Link],
     pub prices: &'a Prices,
