@@ -9,12 +9,9 @@ pub struct Agenda {
     matches: Vec<Wake>,
 }
 
-/// A task and when it wakes up; [`NEVER`] if it does not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Wake {
-    at: u64,
-    task: u32,
-}
+/// When a task wakes up, and which that is: as one number, of which the lesser wins without a guess of the processor's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Wake(u128);
 
 const NEVER: u64 = u64::MAX;
 
@@ -23,8 +20,8 @@ impl Agenda {
     pub fn new(tasks: usize) -> Agenda {
         let width = tasks.next_power_of_two();
         let at = |task: usize| if task < tasks { 0 } else { NEVER };
-        let players = (0..width).map(|task| Wake { at: at(task), task: task as u32 });
-        let mut matches: Vec<Wake> = vec![Wake { at: NEVER, task: 0 }; width].into_iter().chain(players).collect();
+        let players = (0..width).map(|task| Wake::new(at(task), task));
+        let mut matches: Vec<Wake> = vec![Wake::new(NEVER, 0); width].into_iter().chain(players).collect();
         for place in (1..width).rev() {
             matches[place] = matches[2 * place];
         }
@@ -35,13 +32,13 @@ impl Agenda {
     #[inline]
     pub fn wake(&mut self, task: usize, at: u64) {
         let mut place = self.matches.len() / 2 + task;
-        if at >= self.matches[place].at {
+        let wake = Wake::new(at, task);
+        if wake >= self.matches[place] {
             return;
         }
-        let wake = Wake { at, task: task as u32 };
         self.matches[place] = wake;
         // It wins what it has won before, and may win more; behind a match that it loses nothing changes.
-        while place > 1 && wake.is_before(self.matches[place ^ 1]) {
+        while place > 1 && wake < self.matches[place ^ 1] {
             place /= 2;
             self.matches[place] = wake;
         }
@@ -51,13 +48,13 @@ impl Agenda {
     /// played again by [`Agenda::settle`], when it is known when it wakes up again.
     #[inline]
     pub fn next(&mut self) -> Option<(u64, usize)> {
-        let Wake { at, task } = self.matches[1];
+        let (at, task) = (self.matches[1].at(), self.matches[1].task());
         if at == NEVER {
             return None;
         }
-        let place = self.matches.len() / 2 + task as usize;
-        self.matches[place].at = NEVER;
-        Some((at, task as usize))
+        let place = self.matches.len() / 2 + task;
+        self.matches[place] = Wake::new(NEVER, task);
+        Some((at, task))
     }
 
     /// Plays all matches of the task again that was the next.
@@ -66,8 +63,7 @@ impl Agenda {
         let mut place = self.matches.len() / 2 + task;
         let mut winner = self.matches[place];
         while place > 1 {
-            let other = self.matches[place ^ 1];
-            winner = if winner.is_before(other) { winner } else { other };
+            winner = winner.min(self.matches[place ^ 1]);
             place /= 2;
             self.matches[place] = winner;
         }
@@ -75,9 +71,19 @@ impl Agenda {
 }
 
 impl Wake {
-    /// Whether it wins against another task's.
+    /// `at` is [`NEVER`] if it does not.
     #[inline]
-    fn is_before(self, other: Wake) -> bool {
-        (self.at, self.task) < (other.at, other.task)
+    fn new(at: u64, task: usize) -> Wake {
+        Wake(u128::from(at) << 64 | task as u128)
+    }
+
+    #[inline]
+    fn at(self) -> u64 {
+        (self.0 >> 64) as u64
+    }
+
+    #[inline]
+    fn task(self) -> usize {
+        self.0 as u64 as usize
     }
 }
