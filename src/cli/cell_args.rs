@@ -61,6 +61,13 @@ pub struct Figure7Args {
     /// A folder of programs for the cells in place of the standard ones.
     #[arg(long, value_name = "DIR")]
     pub cell_programs: Option<PathBuf>,
+    /// Write a table of all machines that come within 10 %, with what their instructions cost: FILE.csv, and the same as
+    /// FILE.parquet.
+    #[arg(short = 'o', long, value_name = "FILE")]
+    pub fits: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// `pcs-sim calibrate`.

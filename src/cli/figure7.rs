@@ -1,17 +1,21 @@
-//! `pcs-sim figure7`: the six numbers of the paper's Figure 7, measured.
+//! `pcs-sim figure7`: the six numbers of the paper's Figure 7, measured, and how many machines make them as well.
 
-use pcs_sim::isa::Processor;
-use pcs_sim::machine::MachineFile;
-use pcs_sim::machine::MachineSpec;
+use pcs_sim::isa::{Class, Processor};
+use pcs_sim::machine::{Machine, MachineFile, MachineSpec};
 use pcs_sim::program::cells::CellOptions;
+use pcs_sim::program::figure7::fits::{Fit, fits};
 use pcs_sim::program::figure7::{NUMBERS, numbers, us};
+use pcs_sim::report::figure7::within;
 use pcs_sim::report::summary::{aligned, table};
+use pcs_sim::report::table::{self, Column, Kind, Table};
+use pcs_sim::run::OutputFile;
 
 use super::cell_args::Figure7Args;
-use super::{Failure, print};
+use super::{Failure, outputs, print};
 
-/// Prints what the paper says, what each kind of cell takes, and the differences.
+/// Prints what the paper says, what each kind of cell takes, the differences, and what that says about the instructions' costs.
 pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
+    let files = args.fits.as_ref().map(|path| Files::open(path, args.force)).transpose()?;
     let machine = args.machine.as_deref().map_or_else(MachineFile::standard, MachineFile::read)?.build()?;
     let timings = numbers(&machine.times, None)?;
     let programs = match machine.instructions {
@@ -28,7 +32,51 @@ pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
             None
         }
     };
-    print(&rows(&machine.spec, &timings, programs.as_ref()))
+    print(&rows(&machine.spec, &timings, programs.as_ref()))?;
+    if programs.is_none() && files.is_none() {
+        return Ok(());
+    }
+    print_fits(args, &machine, files)
+}
+
+/// The machines that fit: how many, and all of them as a table if that is asked for.
+fn print_fits(args: &Figure7Args, machine: &Machine, files: Option<Files>) -> Result<(), Failure> {
+    let mut all: Vec<Vec<String>> = Vec::new();
+    let visit = |fit: Fit| {
+        if files.is_some() {
+            let costs = Class::ALL.iter().map(|&class| fit.cycles.of(class).to_string());
+            all.push(std::iter::once(format!("{:.6}", 100.0 * fit.off)).chain(costs).collect());
+        }
+    };
+    let counted = fits(&machine.spec, args.cell_programs.clone(), visit)?;
+    print(&format!("\n{}", within(&counted, &machine.spec)))?;
+    let Some(files) = files else { return Ok(()) };
+    let costs = Class::ALL.map(|class| Column::new(class.name(), Kind::Whole, class.name()));
+    let off = Column::new("off_percent", Kind::Number, "how far the worst of the six numbers is off (%)");
+    let columns: Vec<Column<'_>> = std::iter::once(off).chain(costs).collect();
+    let table = Table { columns: &columns, rows: all.iter().map(Vec::as_slice).collect() };
+    print(&outputs::list(&files.write(&table)?))
+}
+
+/// The table of all machines that fit, in both forms.
+struct Files {
+    csv: OutputFile,
+    parquet: OutputFile,
+}
+
+impl Files {
+    fn open(path: &std::path::Path, force: bool) -> Result<Files, Failure> {
+        table::check_name(path)?;
+        let [csv, parquet] = ["csv", "parquet"].map(|ending| outputs::create(&path.with_extension(ending), force));
+        Ok(Files { csv: csv?, parquet: parquet? })
+    }
+
+    fn write(self, table: &Table<'_>) -> Result<Vec<std::path::PathBuf>, Failure> {
+        let mut written = Vec::new();
+        outputs::finish(Some(self.csv), &mut written, |file| table::write_csv(file, table))?;
+        outputs::finish(Some(self.parquet), &mut written, |file| table::write_parquet(file, table, &[]))?;
+        Ok(written)
+    }
 }
 
 fn rows(spec: &MachineSpec, timings: &[f64; 6], programs: Option<&[f64; 6]>) -> String {

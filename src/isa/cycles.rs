@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::table::Class;
 
 /// Cycles of an instruction of each class. The words that it moves take a cycle each beside that.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InstructionCycles {
     /// [`Class::Integer`].

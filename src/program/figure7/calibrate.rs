@@ -65,7 +65,7 @@ const fn bound(class: Class, least_ns: f64, typical_ns: f64, most_ns: f64, why: 
 const TYPICAL_WEIGHT: f64 = 1e-3;
 
 /// How many instructions of each class are behind each of the six numbers.
-type Classes = [[f64; Class::ALL.len()]; NUMBERS.len()];
+pub(super) type Classes = [[f64; Class::ALL.len()]; NUMBERS.len()];
 
 /// The instructions' cycles on a machine that come nearest to Figure 7, for the programs of a folder or the standard ones.
 ///
@@ -87,7 +87,7 @@ pub fn calibrate(spec: &MachineSpec, folder: Option<PathBuf>) -> Result<Instruct
     let costs = descend(BOUNDS.map(|bound| cycles(bound.typical_ns)), badness, |class, cost| {
         (cycles(BOUNDS[class].least_ns)..=cycles(BOUNDS[class].most_ns)).contains(&cost)
     });
-    let mut fitted = nothing();
+    let mut fitted = InstructionCycles::default();
     BOUNDS.iter().zip(costs).for_each(|(bound, cost)| fitted.set(bound.class, cost as u32));
     Ok(fitted)
 }
@@ -124,27 +124,13 @@ fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
 }
 
 /// How many instructions of each class are behind each of the six numbers. All prices are open, so this is one run.
-fn classes(folder: Option<PathBuf>) -> Result<Classes, MeasureError> {
-    let options = CellOptions { cycles: nothing(), folder, instruction_limit: Processor::INSTRUCTION_LIMIT };
+pub(super) fn classes(folder: Option<PathBuf>) -> Result<Classes, MeasureError> {
+    let options =
+        CellOptions { cycles: InstructionCycles::default(), folder, instruction_limit: Processor::INSTRUCTION_LIMIT };
     let mix = mix(Some(&options))?;
     let count = |row: [f64; Vocabulary::MOST_UNITS], class: Class| {
         let units = (0..KERNELS.len()).map(|kernel| unit(Activity(kernel as u8), class));
         units.map(|Unit(unit)| row[unit as usize]).sum()
     };
     Ok(mix.map(|row| Class::ALL.map(|class| count(row, class))))
-}
-
-fn nothing() -> InstructionCycles {
-    InstructionCycles {
-        integer: 0,
-        multiply: 0,
-        divide: 0,
-        load: 0,
-        store: 0,
-        float_add: 0,
-        float_multiply: 0,
-        float_divide: 0,
-        float_compare: 0,
-        branch: 0,
-    }
 }

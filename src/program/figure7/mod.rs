@@ -11,6 +11,7 @@
 
 pub mod calibrate;
 mod calibrated_text;
+pub mod fits;
 
 use glam::Vec3;
 
