@@ -7,6 +7,7 @@ use super::bottleneck;
 use super::plot::{Caption, RegionMap};
 use super::stats::{Configuration, station};
 use super::summary::{self, Rows, grouped, percent, plural, time};
+use super::why::{self, PathJson};
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::measure::{Clock, StateTimes};
@@ -93,7 +94,8 @@ pub fn text(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
     lines.extend(queues(setup, outcome));
     let parts = [losses(outcome), messages(outcome, clock), summary::cells(&outcome.stats, &[])];
     let (head, verdict) = (summary::prose(&lines.join("\n")), summary::prose(&sentence(setup, outcome)));
-    format!("{head}\n\n{}\n{verdict}\n", parts.join("\n"))
+    let why = outcome.observed.path.as_ref().map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
+    format!("{head}\n\n{}\n{verdict}\n{why}", parts.join("\n"))
 }
 
 /// The regions, if the nodes have any.
@@ -293,6 +295,8 @@ struct Report<'a> {
     links: Vec<u64>,
     termination: Ended,
     bottleneck: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<PathJson>,
     configuration: &'a Configuration,
 }
 
@@ -340,6 +344,7 @@ pub fn to_json(setup: &CubeSetup, outcome: &CubeOutcome, configuration: &Configu
             probes: outcome.seen.probes,
         },
         bottleneck: sentence(setup, outcome),
+        why: outcome.observed.path.as_ref().map(PathJson::new),
         configuration,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")

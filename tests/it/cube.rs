@@ -98,6 +98,7 @@ fn machine(nodes: usize, t: [u64; 20]) -> Ipsc2 {
             slabs: times(12),
             intersection: times(14),
             host: HostTimes { hit: Cycles(t[16]), ..HostTimes::default() },
+            message: None,
         },
         notes: Vec::new(),
     }

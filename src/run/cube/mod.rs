@@ -249,7 +249,10 @@ impl CubeSpec {
                 let owners = self.owners(spec, &scene.graph, &node_of);
                 let order = order(spec, scene.graph.trees.len());
                 let mut nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), rules);
-                let events = watched(nodes.topology(), 0, machine, watching);
+                let mut events = watched(nodes.topology(), 0, machine, watching);
+                if watching.path {
+                    events = events.explained(nodes.explain(), RegionNodes::sending);
+                }
                 let events = drive(&mut nodes, events, (RegionNodes::next, RegionNodes::is_over), cancel)?;
                 if !nodes.is_over() {
                     return Err(nodes.stuck().into());
@@ -262,9 +265,13 @@ impl CubeSpec {
                 let Some(mut nodes) = nodes else {
                     return Err(InputError::new("it was not recorded which pages the rays read").into());
                 };
-                let events = watched(nodes.topology(), nodes.helpers(), machine, watching);
+                let mut events = watched(nodes.topology(), nodes.helpers(), machine, watching);
+                if watching.path {
+                    events = events.explained(nodes.explain(), MemoryNodes::sending);
+                }
                 let events = drive(&mut nodes, events, (MemoryNodes::next, MemoryNodes::is_over), cancel)?;
-                let (stats, observed) = events.stop(|task| nodes.rests(task));
+                let (stats, mut observed) = events.stop(|task| nodes.rests(task));
+                observed.path.iter_mut().for_each(|path| nodes.told_of_nodes(path));
                 (stats, observed, nodes.seen)
             }
         };

@@ -4,6 +4,7 @@ use super::{Next, Node, Note, RegionNodes, Visit};
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::machine::events::Act;
+use crate::program::cube::causes::takes;
 use crate::program::cube::messages::{MessageKind, RAY_BYTES, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES};
 use crate::program::cube::pool::{Flow, Placing};
 use crate::program::cube::states::{BLOCKED, RECEIVING};
@@ -199,7 +200,7 @@ impl RegionNodes<'_> {
             }
         };
         node.next = next;
-        Some(Act::Spend(RECEIVING, self.took(MessageKind::Information, bytes)))
+        Some(Act::Work(RECEIVING, self.took(MessageKind::Information, bytes), takes(MessageKind::Information)))
     }
 
     /// A node has taken a request for a slot: it gives one, or remembers who waits.
