@@ -68,7 +68,20 @@ pub struct Program {
 /// The headings, with the parameters under them. What is under none stands under the last.
 const GROUPS: [(&str, bool, &[&str]); 5] = [
     ("Scene and rays", true, &["scene", "size", "order", "size_factor", "resolution"]),
-    ("Array", true, &["mode", "cells", "partition", "grid_coefficient", "stop_words", "mailbox", "forward_ahead", "rays_per_message"]),
+    (
+        "Array",
+        true,
+        &[
+            "mode",
+            "cells",
+            "partition",
+            "grid_coefficient",
+            "stop_words",
+            "mailbox",
+            "forward_ahead",
+            "rays_per_message",
+        ],
+    ),
     (
         "Links and FIFOs",
         true,

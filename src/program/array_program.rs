@@ -209,7 +209,9 @@ impl ArrayProgram {
         }
         let message = match (self.rays_per_message, self.forward_ahead, self.bounded_walk) {
             (1, ..) | (_, 0, false) => return Ok(()),
-            (_, 0, true) => "a walk bounded by the hit from the left waits for it, and rays in one message are answered together",
+            (_, 0, true) => {
+                "a walk bounded by the hit from the left waits for it, and rays in one message are answered together"
+            }
             (..) => "a cell reads rays ahead one by one, or several in a message, and not both",
         };
         Err(Fault::new(NAME, message).help("leave out one of the two"))

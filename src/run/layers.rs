@@ -65,7 +65,8 @@ impl Keys {
 
         let scene = Key::of((scene, size_factor, resolution));
         let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order, edges, screen_rectangles));
-        let sample = || (times.grid.each, times.slabs, times.intersection, times.message, program.placement().slabs.is_some());
+        let sample =
+            || (times.grid.each, times.slabs, times.intersection, times.message, program.placement().slabs.is_some());
         let in_groups = || (times.grid.start, stages, mailbox, stop_words.is_some(), bounded_walk);
         let light = image.as_ref().filter(|_| program.cut_by_all_rays()).map(|image| image.limits());
         let cut = || match partition {

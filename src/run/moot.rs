@@ -22,7 +22,10 @@ use crate::scene::builtin;
 pub const ALWAYS_REFUSED: [(&str, &[&str]); 7] = [
     ("run", &["host_hit_us"]),
     ("replay", &["memory_words"]),
-    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "rays_per_message", "message_us", "bounded_walk"]),
+    (
+        "model",
+        &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "rays_per_message", "message_us", "bounded_walk"],
+    ),
     ("size-fifos", &DEPTHS),
     ("farm", &["adaptive", "adaptive_by", "threshold", "enough"]),
     ("ipsc2", &["adaptive", "adaptive_by", "threshold", "enough"]),
@@ -60,8 +63,21 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
     }
     if image.timing == Switch::Off {
         let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
-        let names =
-            [&["order", "policy", "in_flight", "open_samples", "forward_ahead", "rays_per_message", "message_us", "masks"], &LINKS[..], &DEPTHS, &HOST];
+        let names = [
+            &[
+                "order",
+                "policy",
+                "in_flight",
+                "open_samples",
+                "forward_ahead",
+                "rays_per_message",
+                "message_us",
+                "masks",
+            ],
+            &LINKS[..],
+            &DEPTHS,
+            &HOST,
+        ];
         refuse(typed, &names.concat(), why, help)?;
     }
     check_resolution(&spec.scene, spec.resolution)?;
@@ -83,7 +99,8 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
         return Err(error.help("take a program without them, or run this one to see what it does"));
     }
     if program.rays_per_message > 1 || spec.machine.message_us.is_some() {
-        let error = InputError::new("the cost model knows no messages of several rays, and none that take the cells time");
+        let error =
+            InputError::new("the cost model knows no messages of several rays, and none that take the cells time");
         return Err(error.help("take a program of one ray a message and a machine without message_us, or run this one"));
     }
     if program.bounded_walk {

@@ -363,3 +363,64 @@ fn a_point_of_figure_3_is_as_in_the_report() {
         outcome.seen.sent.iter().sum::<u64>() as f64 / scene.graph.rays.len() as f64
     );
 }
+
+/// The chain of causes sums to the run, whatever the rules; nothing else of the run changes as it is followed.
+#[test]
+fn the_critical_path_sums_to_the_run() {
+    let folder = Folder::new();
+    for flags in [
+        "--nodes 1",
+        "--nodes 8",
+        "--nodes 8 --flow unlimited --pixel-order strided",
+        "--nodes 6 --flow window --window 3 --first pixels",
+        "--nodes 8 --flow block --queue-rays 2000 --pixels shared",
+        "--nodes 8 --queue-rays 80 --grant handshake",
+        "--nodes 8 --queue-rays 80 --termination token",
+        "--nodes 5 --grids own --short-us 3000",
+        "--nodes 8 --hop-us 400 --byte-us 20 --short-wire-us 100",
+        "--nodes 1 --mode shared-memory",
+        "--nodes 8 --mode shared-memory",
+        "--nodes 8 --mode shared-memory --distribution tiles --node-kbyte 560",
+    ] {
+        let image = format!("image teapot --on ipsc2 --size 24x20 --min-contribution 0.01 {flags} --force");
+        let plain = folder.run(&format!("{image} --stats plain.json")).success();
+        let told = folder.run(&format!("{image} --why --stats why.json")).success();
+        let stats = |name: &str| serde_json::from_str::<Value>(&folder.read(name)).unwrap();
+        let (plain_stats, mut why) = (stats("plain.json"), stats("why.json"));
+        let path = why.as_object_mut().unwrap().shift_remove("why").unwrap();
+        assert_eq!(plain_stats, why, "{flags}");
+        let head = plain.split("wrote").next().unwrap();
+        assert!(told.starts_with(head.trim_end()), "{flags}: the tables are the same");
+        for list in ["times", "parts"] {
+            let cycles: u64 = path[list].as_array().unwrap().iter().map(|part| part["cycles"].as_u64().unwrap()).sum();
+            assert_eq!(cycles, why["cycles"].as_u64().unwrap(), "{flags}: {list}");
+        }
+        let names: Vec<&str> =
+            why["tasks"].as_array().unwrap().iter().map(|task| task["name"].as_str().unwrap()).collect();
+        let parts = path["parts"].as_array().unwrap();
+        assert!(parts.iter().all(|part| names.contains(&part["at"].as_str().unwrap())), "{flags}: {parts:?}");
+    }
+}
+
+/// One node traces, begins pixels and sends them: by hand, the path is what it did, and the last packet's way.
+#[test]
+fn the_path_of_one_node_is_what_it_did() {
+    let folder = Folder::new();
+    folder.run("image room --on ipsc2 --nodes 1 --size 8x8 --why --stats s.json").success();
+    let stats: Value = serde_json::from_str(&folder.read("s.json")).unwrap();
+    let of = |name: &str| {
+        let times = stats["why"]["times"].as_array().unwrap();
+        times.iter().find(|time| time["time"] == name).map(|time| (time["count"].clone(), time["cycles"].clone()))
+    };
+    let (node, clock_us) = (&stats["tasks"][0], 1.0 / 0.0625);
+    assert_eq!(of("pixel_us").unwrap(), (64.into(), node["busy"]["pixels"].clone()));
+    assert_eq!(of("shade_hit").unwrap().1, node["busy"]["shading"]);
+    let sum = |names: [&str; 2]| names.map(|name| of(name).unwrap().1.as_u64().unwrap()).iter().sum::<u64>();
+    assert_eq!(sum(["grid_start", "grid_voxel"]), node["busy"]["grid"].as_u64().unwrap());
+    assert_eq!(sum(["slabs_start", "slabs_polygon"]), node["busy"]["slabs"].as_u64().unwrap());
+    // A packet of 64 pixels is 1032 bytes, a long message: half of 640 us at either end, 60 us and its bytes on the link.
+    let link = ((60.0 + 1032.0 * 0.36) * clock_us).ceil() as u64;
+    assert_eq!(of("links").unwrap(), (1.into(), link.into()));
+    assert_eq!(of("send_calculation").unwrap(), (1.into(), 5120.into()));
+    assert_eq!(of("take_calculation").unwrap(), (1.into(), 5120.into()));
+}

@@ -250,6 +250,7 @@ proptest! {
         mailbox: bool,
         stop_words in prop::option::of(prop_oneof![1u32..6, 1u32..80]),
         forward_ahead in prop_oneof![Just(0u32), 1u32..70],
+        rays_per_message in prop_oneof![Just(1u32), 1u32..70],
         numbering in prop::sample::select(&[Numbering::Cut, Numbering::Front][..]),
         bounded_walk: bool,
     ) {
@@ -264,9 +265,10 @@ proptest! {
                 mailbox,
                 partition,
                 stop_words,
-                forward_ahead,
+                forward_ahead: if rays_per_message == 1 { forward_ahead } else { 0 },
+                rays_per_message,
                 numbering,
-                bounded_walk,
+                bounded_walk: bounded_walk && rays_per_message == 1,
                 ..program(name, groups)
             };
             prop_assert_eq!(&hits(&mesh, &program, &rays, 1), &expected, "{}", name);

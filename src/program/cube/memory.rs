@@ -177,9 +177,7 @@ impl<'a> MemoryNodes<'a> {
         match note {
             PageNote::Page => None,
             PageNote::Pixels(_) => Some(causes::sends(MessageKind::Calculation)),
-            PageNote::Wants(_) | PageNote::Asks(_) | PageNote::Tile(_) => {
-                Some(causes::sends(MessageKind::Information))
-            }
+            PageNote::Wants(_) | PageNote::Asks(_) | PageNote::Tile(_) => Some(causes::sends(MessageKind::Information)),
         }
     }
 
