@@ -8,11 +8,14 @@ use super::plot::{Caption, RegionMap};
 use super::stats::{Configuration, station};
 use super::summary::{self, Rows, grouped, percent, plural, time};
 use super::why::{self, PathJson};
+use crate::geometry::regions::Rectangle;
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::measure::{Clock, StateTimes};
 use crate::program::cube::{MessageKind, Phases};
-use crate::run::{CubeMode, CubeOutcome, CubeScene, CubeSetup, CubeSpec, Distribution, FlowKind, Grant, Grids};
+use crate::run::{
+    CellCuts, CubeMode, CubeOutcome, CubeScene, CubeSetup, CubeSpec, Distribution, FlowKind, Grant, Grids,
+};
 
 /// The time of all nodes, by what it went to: they add up to the nodes' number times the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -104,7 +107,8 @@ pub fn region_map<'a>(setup: &'a CubeSetup, outcome: &'a CubeOutcome) -> Option<
     let cut = &setup.scene.cut;
     let cells = (cut.regions.plane().size(), cut.cells.as_slice());
     let (rectangles, sent) = (cut.regions.rectangles(), outcome.seen.sent.as_slice());
-    Some(RegionMap { cells, rectangles, node_of: &outcome.node_of, sent })
+    let owners = (setup.spec.size, outcome.owners.as_slice());
+    Some(RegionMap { cells, rectangles, node_of: &outcome.node_of, sent, owners })
 }
 
 /// What runs, and on what machine.
@@ -164,9 +168,14 @@ fn shares(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
         }
     };
     format!(
-        "shared out: {} x {} cells by {}; {}mapping {}; {flow}; termination by {}",
+        "shared out: {} x {} cells{} by {}; {}mapping {}; {flow}; termination by {}",
         across,
         down,
+        match regions.cell_cuts {
+            CellCuts::Equal => "",
+            CellCuts::Quantiles => " of equal parts of the work",
+            CellCuts::Pyramids => " on the screen",
+        },
         plural(scene.cut.sampled as u64, "sampled pixel"),
         if regions.grids == Grids::Own { "grids of their own; " } else { "" },
         regions.mapping.name(),
@@ -378,10 +387,13 @@ fn task(setup: &CubeSetup, outcome: &CubeOutcome, index: usize) -> Map<String, V
     task.extend(station(stats, &stats.stations[index]));
     if let (Some(seen), Some(part)) = (outcome.seen.nodes.get(index), outcome.parts.get(index)) {
         let region = outcome.node_of.iter().position(|&node| usize::from(node) == index);
+        let cut = &setup.scene.cut.regions;
         let predicted = region.and_then(|region| setup.scene.cut.predicted().get(region).copied());
         let more = serde_json::json!({
             "pixels": seen.pixels, "legs": seen.legs, "longest_queue": seen.longest_queue, "most_slots": seen.most_slots,
             "pages_fetched": seen.pages, "polygons": part.polygons, "bytes": part.holds, "predicted_work": predicted,
+            "cells": region.filter(|_| setup.spec.regions.is_some()).and_then(|region| cut.rectangles().get(region)).map(Rectangle::cells),
+            "mean_queue": seen.queue_cycles as f64 / stats.cycles.0.max(1) as f64, "full": seen.full.0,
         });
         if let Value::Object(more) = more {
             task.insert("counts".to_owned(), more.into());

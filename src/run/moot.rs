@@ -224,9 +224,10 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
 }
 
 /// What only nodes look at that have regions.
-const OF_REGIONS: [&str; 14] = [
+const OF_REGIONS: [&str; 15] = [
     "sub_sample",
     "cell_grid",
+    "cell_cuts",
     "grids",
     "mapping",
     "flow",

@@ -52,6 +52,7 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("--threads", "2"),
     ("--mode", "broadcast"),
     ("ipsc2 --mode", "shared-memory"),
+    ("--cell-cuts", "quantiles"),
     ("--program", "pipeline"),
     ("--cells", "6 --mode broadcast"),
     ("--groups", "2 --mode broadcast"),

@@ -7,6 +7,7 @@ use super::Caption;
 use super::chart::{self, font, rgb};
 use super::render::{Drawn, Figure};
 use crate::geometry::regions;
+use crate::host::camera::ImageSize;
 use crate::report::palette::{self, Rgb};
 use crate::report::summary::grouped;
 
@@ -21,6 +22,8 @@ pub struct RegionMap<'a> {
     pub node_of: &'a [u16],
     /// Rays that each node sent to each, row by row.
     pub sent: &'a [u64],
+    /// The image's size, and the node that each pixel belongs to, line by line.
+    pub owners: (ImageSize, &'a [u16]),
 }
 
 /// The plane of cells with its regions, and the rays between nodes.

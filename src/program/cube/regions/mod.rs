@@ -102,6 +102,8 @@ pub struct RegionNodes<'a> {
     /// The order of nodes in which the token goes round.
     ring: Vec<u16>,
     ages: u64,
+    /// What time it is.
+    now: u64,
     /// Nodes that have nothing else to do than to wait for a slot somewhere, a bit each.
     blocked: u128,
     over: bool,
@@ -130,6 +132,9 @@ struct Node {
     /// Pixels that are done and not sent to the host.
     packet: u32,
     slots: Slots,
+    /// How many rays wait, and since when there are so many; since when no slot is free for a pixel.
+    queue: (usize, u64),
+    full_since: Option<u64>,
     account: Account,
     has_stopped: bool,
     /// Since when it has nothing to do.
@@ -199,6 +204,7 @@ impl<'a> RegionNodes<'a> {
             ranks,
             ring: gray_order(count),
             ages: 0,
+            now: 0,
             blocked: 0,
             over: graph.trees.is_empty(),
             explains: false,
@@ -241,6 +247,7 @@ impl<'a> RegionNodes<'a> {
 
     /// What a task does next, given the time and the message that it has just taken, if it did.
     pub fn next(&mut self, task: usize, now: Cycles, taken: Option<Note>) -> Act<Note> {
+        self.now = now.0;
         if task == self.nodes.len() {
             return self.host(now, taken);
         }
@@ -312,10 +319,30 @@ impl<'a> RegionNodes<'a> {
     }
 
     fn note_queue(&mut self, task: usize) {
-        let node = &self.nodes[task];
+        let node = &mut self.nodes[task];
         let waiting = node.own.len() + node.received.len();
+        let (before, since) = std::mem::replace(&mut node.queue, (waiting, self.now));
         let seen = &mut self.seen.nodes[task];
         seen.longest_queue = seen.longest_queue.max(waiting);
+        seen.queue_cycles += before as u64 * (self.now - since);
+    }
+
+    /// Some slots of a node are taken or free.
+    fn note_slots(&mut self, task: usize) {
+        let is_full = match self.rules.flow {
+            Flow::Block(_) => self.free[task] == 0,
+            Flow::Classes(_) => self.free[task] <= self.ranks.1,
+            Flow::Unlimited | Flow::Window(_) => return,
+        };
+        let full_since = &mut self.nodes[task].full_since;
+        match (*full_since, is_full) {
+            (None, true) => *full_since = Some(self.now),
+            (Some(since), false) => {
+                self.seen.nodes[task].full += Cycles(self.now - since);
+                *full_since = None;
+            }
+            _ => {}
+        }
     }
 
     /// Looks at what has come, then chooses.
@@ -385,6 +412,7 @@ impl<'a> RegionNodes<'a> {
         let own = node.own.pop();
         let is_own = own.is_some();
         let visit = own.or_else(|| node.received.pop_front())?;
+        self.note_queue(task);
         let mut receiving = Cycles(0);
         if !is_own {
             receiving = self.took(MessageKind::VirtualObject, RAY_BYTES);
@@ -477,6 +505,8 @@ impl Node {
             done: 0,
             packet: 0,
             slots,
+            queue: (0, 0),
+            full_since: None,
             account: Account::default(),
             has_stopped: false,
             rests: None,

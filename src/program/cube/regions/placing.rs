@@ -27,6 +27,7 @@ impl RegionNodes<'_> {
             let seen = &mut self.seen.nodes[node];
             seen.most_slots = seen.most_slots.max(all - *free);
         }
+        self.note_slots(node);
     }
 
     /// A ray leaves the queue, and the node that has waited longest may send.
@@ -40,7 +41,10 @@ impl RegionNodes<'_> {
                     other.next = Next::PlacesGranted(placing);
                 }
             }
-            None => self.free[task] += 1,
+            None => {
+                self.free[task] += 1;
+                self.note_slots(task);
+            }
         }
     }
 
@@ -48,6 +52,7 @@ impl RegionNodes<'_> {
     pub(super) fn leave(&mut self, task: usize) {
         if let Flow::Classes(_) = self.rules.flow {
             self.free[task] += 1;
+            self.note_slots(task);
             self.give(task);
             let mut blocked = self.blocked;
             while blocked != 0 {
