@@ -108,7 +108,7 @@ pub fn region_map<'a>(setup: &'a CubeSetup, outcome: &'a CubeOutcome) -> Option<
     let cells = (cut.regions.plane().size(), cut.cells.as_slice());
     let (rectangles, sent) = (cut.regions.rectangles(), outcome.seen.sent.as_slice());
     let owners = (setup.spec.size, outcome.owners.as_slice());
-    Some(RegionMap { cells, rectangles, node_of: &outcome.node_of, sent, owners })
+    Some(RegionMap { cells, rectangles, node_of: &outcome.node_of, sent, owners, links: &outcome.stats.links })
 }
 
 /// What runs, and on what machine.

@@ -144,7 +144,7 @@ fn an_image_on_a_hypercube_has_all_views() {
     let folder = Folder::new();
     let image = "image teapot --on ipsc2 --size 24x24 --nodes 4";
     let stdout = folder.run(&format!("{image} --plot plots --page run.html --trace run.vcd")).success();
-    for name in ["nodes", "legs", "latency", "regions", "owners"] {
+    for name in ["nodes", "legs", "latency", "regions", "links", "owners"] {
         assert!(stdout.contains(&format!("wrote plots/{name}.svg\nwrote plots/{name}.png\n")), "{stdout}");
     }
     let page = folder.read("run.html");

@@ -461,6 +461,9 @@ class CubeParameters(TypedDict, total=False):
     cell_grid: int | None
     """Cells along a side."""
 
+    cell_cuts: str | None
+    """Cuts of the cells."""
+
     grids: str | None
     """Grids."""
 
