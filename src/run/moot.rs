@@ -64,16 +64,7 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
     if image.timing == Switch::Off {
         let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
         let names = [
-            &[
-                "order",
-                "policy",
-                "in_flight",
-                "open_samples",
-                "forward_ahead",
-                "rays_per_message",
-                "message_us",
-                "masks",
-            ],
+            &["order", "policy", "in_flight", "open_samples", "forward_ahead", "rays_per_message", "masks"],
             &LINKS[..],
             &DEPTHS,
             &HOST,
@@ -316,8 +307,8 @@ const LINKS: [&str; 4] = ["word_bytes", "link_mb_s", "rate_counts", "latency_cyc
 /// What only adaptive sampling looks at.
 const ADAPTIVE: [&str; 3] = ["adaptive", "adaptive_by", "threshold"];
 
-/// The host's times.
-const HOST: [&str; 4] = ["host_ray_us", "host_hit_us", "host_filter_us", "host_mask_us"];
+/// The host's times, and what messages take.
+const HOST: [&str; 5] = ["host_ray_us", "host_hit_us", "host_filter_us", "host_mask_us", "message_us"];
 
 /// The kernels' times.
 const KERNELS: [&str; 6] =

@@ -396,7 +396,7 @@ fn the_critical_path_sums_to_the_run() {
         "--nodes 8 --hop-us 400 --byte-us 20 --short-wire-us 100",
         "--nodes 1 --mode shared-memory",
         "--nodes 8 --mode shared-memory",
-        "--nodes 8 --mode shared-memory --distribution tiles --node-kbyte 560",
+        "--nodes 8 --mode shared-memory --distribution tiles --node-kbyte 680",
     ] {
         let image = format!("image teapot --on ipsc2 --size 24x20 --min-contribution 0.01 {flags} --force");
         let plain = folder.run(&format!("{image} --stats plain.json")).success();
@@ -445,7 +445,7 @@ fn the_path_of_one_node_is_what_it_did() {
 #[test]
 fn pyramids_hit_the_same_and_keep_rays_of_the_eye() {
     let folder = Folder::new();
-    for scene in ["teapot --size 32x24", "gears --size 24x20", "balls --size 24x24 --samples 2"] {
+    for scene in ["teapot --size 32x24", "gears --size 24x20", "rings --size 24x24 --samples 2"] {
         let image = format!("image {scene} --on ipsc2 --node-kbyte 99999 --force");
         folder.run(&format!("{image} --nodes 1 -o one.pfm --hits one.csv")).success();
         for flags in ["--nodes 13", "--nodes 16 --cell-grid 9 --flow unlimited", "--nodes 128 --pixels shared"] {
