@@ -5,6 +5,7 @@ sweep memory
 sweep tiles
 sweep sample
 sweep cells
+sweep cuts
 sweep flow
 sweep slots
 sweep_where_some_fail block

@@ -150,7 +150,7 @@ fn what_cannot_be_is_refused() {
         "--scene room --size 4x4 --mode broadcast --rays-per-message 2 --bounded-walk",
         "--scene room --size 4x4 --mode broadcast --rays-per-message 2 --cells-run programs",
         "--scene room --size 4x4 --mode broadcast --message-us 2 --cells-run programs",
-        "--scene room --size 4x4 --mode broadcast --message-us -1",
+        "--scene room --size 4x4 --mode broadcast --message-us=-1",
         "image room --size 4x4 --mode broadcast --rays-per-message 2 -o x.png",
         "image room --size 4x4 --timing off --rays-per-message 2 -o x.png",
         "model room --size 4x4 --on ipsc2 --mode broadcast",

@@ -18,8 +18,8 @@ pub struct Owners<'a> {
 const SIDE: u32 = 540;
 /// Beside it.
 const EDGE: i32 = 48;
-/// A node whose pixels are one in so many of all, or more, has its number on them.
-const NAMED: usize = 100;
+/// A row of a node's pixels must be so long for its number.
+const NAMED: f64 = 24.0;
 
 impl Figure for Owners<'_> {
     fn size(&self) -> (u32, u32) {
@@ -53,20 +53,24 @@ impl Figure for Owners<'_> {
 }
 
 impl Owners<'_> {
-    /// The numbers of nodes, in the middle of their pixels.
+    /// The numbers of nodes, on the longest row of pixels that each has without another's.
     fn numbers<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, (width, scale): (u32, f64)) -> Drawn<DB> {
-        let owners = self.map.owners.1;
-        for node in 0..self.map.node_of.len() as u16 {
-            let own = owners.iter().enumerate().filter(|(_, owner)| **owner == node);
-            let (mut count, mut sums) = (0usize, [0.0f64; 2]);
-            for (pixel, _) in own {
-                count += 1;
-                sums[0] += (pixel as u32 % width) as f64;
-                sums[1] += (pixel as u32 / width) as f64;
+        // For each node how many pixels that are, and where it begins.
+        let mut longest = vec![(0usize, (0u32, 0u32)); self.map.node_of.len()];
+        for (y, line) in (0u32..).zip(self.map.owners.1.chunks(width as usize)) {
+            let mut x = 0;
+            for run in line.chunk_by(|a, b| a == b) {
+                if let Some(known) = longest.get_mut(usize::from(run[0])).filter(|known| known.0 < run.len()) {
+                    *known = (run.len(), (x, y));
+                }
+                x += run.len() as u32;
             }
-            if count > 0 && count * NAMED >= owners.len() {
-                let [x, y] = sums.map(|sum| (sum / count as f64 * scale).round() as i32);
-                area.draw_text(&node.to_string(), &font(chart::SMALL), (EDGE + x - 6, y - 8))?;
+        }
+        for (node, (count, (x, y))) in longest.into_iter().enumerate() {
+            let middle = (f64::from(x) + count as f64 / 2.0) * scale;
+            if count as f64 * scale >= NAMED {
+                let at = (EDGE + middle.round() as i32 - 6, ((f64::from(y) + 0.5) * scale).round() as i32 - 8);
+                area.draw_text(&node.to_string(), &font(chart::SMALL), at)?;
             }
         }
         Ok(())
