@@ -118,7 +118,7 @@ fn tables_md_lists_every_column() {
         results("(farm: true, bus_mb_s: 10)"),
     );
     let cubes = results(r#"(nodes: 4, machine: "my.ron")"#);
-    let (rounded, of_arrays) = arrays.split_at(11);
+    let (rounded, of_arrays) = arrays.split_at(12);
     let (bus, of_farms) = farms.split_at(1);
     let (nodes, of_cubes) = cubes.split_at(6);
     // A column that arrays have, too, is listed once.
