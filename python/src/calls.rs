@@ -158,13 +158,15 @@ pub fn farm(
 
 /// Makes an image on the nodes of an iPSC/2, a hypercube.
 ///
-/// Takes the parameters by the names of the flags of `pcs-sim ipsc2`. `config` is an image to be made again.
+/// Takes the parameters by the names of the flags of `pcs-sim ipsc2`. `config` is an image to be made again. `why` adds the critical
+/// path to what is seen and saved.
 #[pyfunction]
-#[pyo3(signature = (scene=None, *, config=None, threads=None, progress=None, **parameters))]
+#[pyo3(signature = (scene=None, *, config=None, why=false, threads=None, progress=None, **parameters))]
 pub fn ipsc2(
     py: Python<'_>,
     scene: Option<&Bound<'_, PyAny>>,
     config: Option<&Bound<'_, PyAny>>,
+    why: bool,
     threads: Option<i64>,
     progress: Option<bool>,
     parameters: Option<&Bound<'_, PyDict>>,
@@ -176,7 +178,7 @@ pub fn ipsc2(
         moot::check_cube(&options, &spec)?;
         let told = samples(task, spec.samples());
         let setup = CubeSetup::new(spec, false, &task.workers, told)?;
-        let outcome = setup.run(&Watching::default(), &task.workers.cancel)?;
+        let outcome = setup.run(&watching(why, false), &task.workers.cancel)?;
         Ok(Made::Cube { setup: Box::new(setup), outcome: Box::new(outcome) })
     })?;
     Ok(Run::new(made, crew))

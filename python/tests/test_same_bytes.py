@@ -214,6 +214,15 @@ def test_why_farms_take_as_long(two: Path) -> None:
     assert sum(part["cycles"] for part in run.stats["why"]["parts"]) == run.stats["cycles"]
 
 
+def test_why_a_hypercube_takes_as_long(two: Path) -> None:
+    run = pcs_sim.ipsc2("room", size=16, nodes=4, why=True)
+    run.save(stats="stats.json")
+    ended = command(two / "theirs", *"ipsc2 room --size 16x16 --nodes 4 --why --stats stats.json".split())
+    assert ended.status == 0, ended.err
+    same(two, ["stats.json"])
+    assert sum(part["cycles"] for part in run.stats["why"]["parts"]) == run.stats["cycles"]
+
+
 def test_sweeps_of_farms() -> None:
     table = pcs_sim.sweep({"size": 16, "tasks": [1, 2, 4], "items": "lines"})
     assert list(table["tasks"]) == [1, 2, 4]

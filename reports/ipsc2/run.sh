@@ -5,12 +5,15 @@ sweep memory
 sweep tiles
 sweep sample
 sweep cells
+sweep cuts
 sweep flow
+sweep slots
 sweep_where_some_fail block
 sweep window
 sweep eye
 sweep messages
 sweep line
+sweep bundles
 table figure3 figure3.awk speed.csv memory.csv published.csv
 table table table.awk published.csv memory.csv
 table losses losses.awk speed.csv

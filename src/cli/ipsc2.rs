@@ -97,10 +97,6 @@ fn named(args: &Ipsc2Args) -> [Option<&PathBuf>; 6] {
 }
 
 fn open_outputs(args: &Ipsc2Args, scene: &Path) -> Result<Outputs, InputError> {
-    if args.views.why {
-        let error = InputError::new("--why is about cells in a row, whose times do not depend on who comes first");
-        return Err(error.help("leave it out; the losses tell what the nodes' time goes to"));
-    }
     if args.views.enough {
         let error = InputError::new("--enough is about cells in a row, and the depths of their FIFOs");
         return Err(error.help("leave it out; --flow and --queue-rays are about the queues of nodes"));

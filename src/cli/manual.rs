@@ -73,7 +73,7 @@ fn left_out(name: &str) -> Option<&'static str> {
     match name {
         "memory_words" => Some("as many as it takes"),
         "x_fifo_words" | "y_fifo_words" | "z_fifo_words" => Some("fifo_words"),
-        "host_filter_us" | "host_mask_us" => Some("0"),
+        "host_filter_us" | "host_mask_us" | "message_us" => Some("0"),
         _ => None,
     }
 }

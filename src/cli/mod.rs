@@ -42,7 +42,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgMatches, FromArgMatches};
 
 use args::Typed;
@@ -54,7 +54,7 @@ use pcs_sim::machine::Stuck;
 use pcs_sim::measure::{Actor, At, Clock, When};
 use pcs_sim::program::NotLaidOut;
 use pcs_sim::program::figure7::MeasureError;
-use pcs_sim::run::RunError;
+use pcs_sim::run::{CubeRunOptions, RunError, RunOptions};
 
 /// What of a run is printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,10 +156,14 @@ pub fn main() -> ExitCode {
     let all = manual::command();
     let typed = joined(ipsc2::spelled_out(std::env::args_os().collect()).into_iter(), &manual::switches(&all));
     let all = if typed.iter().any(|word| is_named_stream(word)) { manual::taking_streams(all) } else { all };
+    let command_word = typed.get(1).map(|word| word.to_string_lossy().into_owned()).unwrap_or_default();
     let parsed = all.try_get_matches_from(typed).and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => {
+            if let Some(error) = of_another_machine(&error, &command_word) {
+                return report(&error.into());
+            }
             let _ = error.print();
             let asked_for = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
             return ExitCode::from(if asked_for { 0 } else { 2 });
@@ -174,6 +178,26 @@ pub fn main() -> ExitCode {
     match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => report(&failure),
+    }
+}
+
+/// That a flag is one of another machine's, if it is why the command was not understood.
+fn of_another_machine(error: &clap::Error, command: &str) -> Option<InputError> {
+    let ContextValue::String(flag) = error.get(ContextKind::InvalidArg)? else { return None };
+    let name = flag.strip_prefix("--").filter(|_| error.kind() == ErrorKind::UnknownArgument)?.replace('-', "_");
+    let of_arrays = RunOptions::parameters().any(|known| known.name == name);
+    let of_cubes = CubeRunOptions::parameters().any(|known| known.name == name);
+    let is_of_array = command == "image" || command.starts_with('-');
+    match (command == "ipsc2", of_arrays, of_cubes) {
+        (true, true, false) => {
+            let error = InputError::new(format!("{flag} is about cells in a row, and this is a hypercube"));
+            Some(error.help("leave it out, or --on ipsc2; nodes as a row of cells are --on ipsc2 --mode broadcast"))
+        }
+        (false, false, true) if is_of_array => {
+            let error = InputError::new(format!("{flag} is about a hypercube, and these are cells in a row"));
+            Some(error.help("leave it out, or ask for --on ipsc2"))
+        }
+        _ => None,
     }
 }
 

@@ -172,6 +172,14 @@ impl Grid {
         &self.starts
     }
 
+    /// The box of a voxel, by its number.
+    pub fn bounds_of(&self, voxel: usize) -> Bounds {
+        let [x, y, _] = self.size().map(|side| side as usize);
+        let at = glam::DVec3::from_array([voxel % x, voxel / x % y, voxel / x / y].map(|at| at as f64));
+        let (low, extent) = (self.lattice.volume.low, self.lattice.voxel_extent());
+        Bounds { low: low + at * extent, high: low + (at + 1.0) * extent }
+    }
+
     /// The middle of the voxel that holds a point, or the nearest one to it.
     pub fn voxel_center(&self, point: Vec3) -> glam::DVec3 {
         let voxel = self.voxel_at(point);

@@ -17,6 +17,9 @@ pub struct CellPlane {
     axes: [usize; 2],
     /// How many there are along each of them.
     cells: [u32; 2],
+    /// Each column's cell, along both axes, where cells are not of one width.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    columns: Option<[Vec<u16>; 2]>,
 }
 
 /// A rectangle of cells: from the first to before the last, along both axes of the plane.
@@ -53,8 +56,26 @@ impl CellPlane {
     /// The most cells along an axis.
     pub const MOST: u32 = 128;
 
+    /// As many cells along an axis as can be numbered in two.
+    const FINEST: u32 = 255;
+
     /// `cells` x `cells` of a grid, fewer where it has fewer voxels.
     pub fn new(grid: &Grid, cells: u32) -> CellPlane {
+        CellPlane::of_width(grid, cells.clamp(1, CellPlane::MOST))
+    }
+
+    /// A cell for each column of voxels, or for a few where there are very many: what can be joined to cells of equal work.
+    pub fn finest(grid: &Grid) -> CellPlane {
+        CellPlane::of_width(grid, CellPlane::FINEST)
+    }
+
+    /// `cells` x `cells` of no grid.
+    pub fn of_screen(cells: u32) -> CellPlane {
+        let cells = [cells.clamp(1, CellPlane::MOST); 2];
+        CellPlane { size: [cells[0], cells[1], 1], axes: [0, 1], cells, columns: None }
+    }
+
+    fn of_width(grid: &Grid, cells: u32) -> CellPlane {
         let (size, extent) = (grid.size(), grid.volume().extent());
         let shortest = (0..3).fold(2, |shortest, axis| if extent[axis] < extent[shortest] { axis } else { shortest });
         let axes = match shortest {
@@ -62,7 +83,7 @@ impl CellPlane {
             1 => [0, 2],
             _ => [0, 1],
         };
-        CellPlane { size, axes, cells: axes.map(|axis| size[axis].min(cells.clamp(1, CellPlane::MOST))) }
+        CellPlane { size, axes, cells: axes.map(|axis| size[axis].min(cells)), columns: None }
     }
 
     /// Cells along each of its two axes.
@@ -80,12 +101,72 @@ impl CellPlane {
     fn cell_of(&self, voxel: usize) -> usize {
         let [x, y, _] = self.size.map(|side| side as usize);
         let at = [voxel % x, voxel / x % y, voxel / x / y];
-        let along = |place: usize| {
-            let axis = self.axes[place];
-            at[axis] * self.cells[place] as usize / self.size[axis] as usize
-        };
+        let along = |place: usize| self.cell_along(place, at[self.axes[place]]);
         along(0) + self.cells[0] as usize * along(1)
     }
+
+    /// The cell of a column along one of the axes.
+    #[inline]
+    fn cell_along(&self, place: usize, column: usize) -> usize {
+        match &self.columns {
+            None => column * self.cells[place] as usize / self.size[self.axes[place]] as usize,
+            Some(columns) => usize::from(columns[place][column]),
+        }
+    }
+
+    /// Cells that are joined of these, of which `work` tells each one's, so that along either axis each of `cells` has an equal part of
+    /// all work, as far as these allow. Returns also for each of these the one that it is in.
+    pub fn quantiles(&self, work: &[u64], cells: u32) -> (CellPlane, Vec<u16>) {
+        let [across, down] = self.cells.map(|side| side as usize);
+        let mut sums = [vec![0u128; across], vec![0u128; down]];
+        for (cell, &amount) in work.iter().enumerate() {
+            sums[0][cell % across] += u128::from(amount);
+            sums[1][cell / across] += u128::from(amount);
+        }
+        let joined = sums.map(|sums| equal_parts(&sums, cells.clamp(1, CellPlane::MOST) as usize));
+        let counts = [0, 1].map(|place: usize| joined[place].last().map_or(1, |last| u32::from(*last) + 1));
+        let of_column = |place: usize| {
+            let columns = 0..self.size[self.axes[place]] as usize;
+            columns.map(|column| joined[place][self.cell_along(place, column)]).collect()
+        };
+        let columns = Some([of_column(0), of_column(1)]);
+        let place_of =
+            |cell: usize| u32::from(joined[0][cell % across]) + counts[0] * u32::from(joined[1][cell / across]);
+        let of_these = (0..across * down).map(|cell| place_of(cell) as u16).collect();
+        (CellPlane { columns, cells: counts, ..self.clone() }, of_these)
+    }
+
+    /// Whether each column is in a cell, which may not be so of what was read from a file.
+    fn is_whole(&self) -> bool {
+        let fits = |(place, columns): (usize, &Vec<u16>)| {
+            let size = self.axes.get(place).and_then(|&axis| self.size.get(axis));
+            let rises = columns.windows(2).all(|pair| pair[1] == pair[0] || pair[1] == pair[0].saturating_add(1));
+            size.is_some_and(|&size| size as usize == columns.len())
+                && rises
+                && columns.first() == Some(&0)
+                && columns.last().is_some_and(|&last| u32::from(last) + 1 == self.cells[place])
+        };
+        self.columns.as_ref().is_none_or(|columns| columns.iter().enumerate().all(fits))
+    }
+}
+
+/// For each of some places in a row, the part that it is in, of so many parts of equal sums; fewer where there are fewer places.
+fn equal_parts(sums: &[u128], parts: usize) -> Vec<u16> {
+    let parts = parts.min(sums.len()).max(1);
+    let total: u128 = sums.iter().sum();
+    let (mut part, mut before) = (0, 0u128);
+    let mut of_place = Vec::with_capacity(sums.len());
+    for (place, amount) in sums.iter().enumerate() {
+        of_place.push(part as u16);
+        before += amount;
+        // The next place begins the next part if this one is full, or if each of the others needs a place of its own.
+        let is_full = before * parts as u128 >= total * (part as u128 + 1);
+        let is_needed = sums.len() - place - 1 <= parts - part - 1;
+        if part + 1 < parts && (is_full || is_needed) {
+            part += 1;
+        }
+    }
+    of_place
 }
 
 impl CellPlane {
@@ -95,7 +176,10 @@ impl CellPlane {
         let mut part = all;
         for (place, &axis) in self.axes.iter().enumerate() {
             let voxels = u64::from(self.size[axis]);
-            let border = |cell: u32| (u64::from(cell) * voxels).div_ceil(u64::from(self.cells[place]));
+            let border = |cell: u32| match &self.columns {
+                None => (u64::from(cell) * voxels).div_ceil(u64::from(self.cells[place])),
+                Some(columns) => columns[place].partition_point(|&at| u32::from(at) < cell) as u64,
+            };
             let at = |voxel: u64| all.low[axis] + all.extent()[axis] * voxel as f64 / voxels as f64;
             let (first, end) = (border(rectangle.low[place]), border(rectangle.high[place]));
             part.low[axis] = at(first);
@@ -108,7 +192,8 @@ impl CellPlane {
 }
 
 impl Rectangle {
-    fn cells(&self) -> u64 {
+    /// How many cells it has.
+    pub fn cells(&self) -> u64 {
         self.side(0) * self.side(1)
     }
 
@@ -175,6 +260,7 @@ impl Regions {
             along(0) && along(1)
         };
         is_possible
+            && self.plane.is_whole()
             && !self.rectangles.is_empty()
             && self.rectangles.iter().all(is_inside)
             && self.of_cell.iter().all(|&region| usize::from(region) < self.rectangles.len())
@@ -269,7 +355,7 @@ mod tests {
         fn regions_are_as_many_as_asked_for_and_have_each_cell_once(
             across in 1u32..20, down in 1u32..20, regions in 1usize..40, seed in any::<u64>(),
         ) {
-            let plane = CellPlane { size: [across, down, 1], axes: [0, 1], cells: [across, down] };
+            let plane = CellPlane { size: [across, down, 1], axes: [0, 1], cells: [across, down], columns: None };
             let work: Vec<u64> = (0..u64::from(across * down)).map(|cell| (cell ^ seed).wrapping_mul(0x9e37_79b9) % 1000).collect();
             match Regions::of_equal_work(plane, &work, regions) {
                 Err(_) => prop_assert!(regions > (across * down) as usize / 2, "only near the number of cells"),
@@ -288,8 +374,35 @@ mod tests {
 
     #[test]
     fn equal_work_on_a_plain_plane_is_equal_cells() {
-        let plane = CellPlane { size: [8, 4, 1], axes: [0, 1], cells: [8, 4] };
+        let plane = CellPlane { size: [8, 4, 1], axes: [0, 1], cells: [8, 4], columns: None };
         let made = Regions::of_equal_work(plane, &[1; 32], 4).unwrap();
         assert!(made.rectangles().iter().all(|rectangle| rectangle.cells() == 8), "{made:?}");
+    }
+
+    #[test]
+    fn quantiles_have_equal_work() {
+        let plane = CellPlane { size: [8, 4, 1], axes: [0, 1], cells: [8, 4], columns: None };
+        // All work is in the first two columns and the first line; the others need a cell each at the most.
+        let work: Vec<u64> = (0..32).map(|cell| if cell == 0 || cell == 1 { 100 } else { 0 }).collect();
+        let (made, of_these) = plane.quantiles(&work, 3);
+        assert_eq!(made.size(), [3, 3]);
+        assert_eq!(of_these[..8], [0, 1, 2, 2, 2, 2, 2, 2]);
+        assert!(made.is_whole());
+        let equal = plane.quantiles(&[1; 32], 4).0;
+        assert_eq!(equal.columns, Some([vec![0, 0, 1, 1, 2, 2, 3, 3], vec![0, 1, 2, 3]]));
+        assert_eq!(
+            (0..32).map(|voxel| equal.cell_of(voxel)).collect::<Vec<_>>(),
+            plane.quantiles(&[1; 32], 4).1.iter().map(|&cell| usize::from(cell)).collect::<Vec<_>>()
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn equal_parts_leave_none_out(sums in prop::collection::vec(0u128..50, 1..40), parts in 1usize..50) {
+            let of_place = equal_parts(&sums, parts);
+            prop_assert_eq!(of_place[0], 0);
+            prop_assert_eq!(usize::from(*of_place.last().unwrap()) + 1, parts.min(sums.len()));
+            prop_assert!(of_place.windows(2).all(|pair| pair[1] - pair[0] <= 1));
+        }
     }
 }

@@ -68,7 +68,20 @@ pub struct Program {
 /// The headings, with the parameters under them. What is under none stands under the last.
 const GROUPS: [(&str, bool, &[&str]); 5] = [
     ("Scene and rays", true, &["scene", "size", "order", "size_factor", "resolution"]),
-    ("Array", true, &["mode", "cells", "partition", "grid_coefficient", "stop_words", "mailbox", "forward_ahead"]),
+    (
+        "Array",
+        true,
+        &[
+            "mode",
+            "cells",
+            "partition",
+            "grid_coefficient",
+            "stop_words",
+            "mailbox",
+            "forward_ahead",
+            "rays_per_message",
+        ],
+    ),
     (
         "Links and FIFOs",
         true,
@@ -203,6 +216,7 @@ fn default_of(name: &str, machine: &Value) -> String {
         "partition" => "regular",
         "grid_coefficient" => "50",
         "forward_ahead" => "0",
+        "rays_per_message" => "1",
         "edges" => "paper",
         "cells_run" => "timings",
         "instruction_limit" => "200000000",
@@ -210,7 +224,7 @@ fn default_of(name: &str, machine: &Value) -> String {
         "mailbox" | "bounded_walk" => "false",
         "screen_rectangles" | "masks" => "off",
         "numbering" => "cut",
-        "host_filter_us" | "host_mask_us" => "0",
+        "host_filter_us" | "host_mask_us" | "message_us" => "0",
         _ => "",
     };
     let told = of_machine.map(|value| match value {
@@ -254,6 +268,7 @@ fn stops_of(name: &str, default: &str) -> Vec<String> {
         }
         "stop_words" => unset().chain(powers(8)).collect(),
         "forward_ahead" => told(&[0.0, 1.0, 2.0, 3.0, 4.0, 8.0, 16.0, 32.0]),
+        "rays_per_message" => powers(6).collect(),
         "fifo_words" => powers(16).collect(),
         "x_fifo_words" | "y_fifo_words" | "z_fifo_words" => unset().chain(powers(16)).collect(),
         "link_mb_s" => told(&[1.0, 2.0, 4.0, 5.0, 8.0, 10.0, 16.0, 20.0, 40.0, 80.0]),

@@ -142,6 +142,7 @@ macro_rules! machine_parameters {
                         each: cycles("intersection_polygon", self.intersection_polygon)?,
                     },
                     host: HostTimes::default(),
+                    message: None,
                 })
             }
         }

@@ -39,6 +39,8 @@ machine_parameters! {
         y_fifo_words: u64, "N", Whole, "depth of each FIFO of Y (words)";
         /// Words that each FIFO of the Z channel holds.
         z_fifo_words: u64, "N", Whole, "depth of each FIFO of Z (words)";
+        /// What a cell, or the host, spends on each message that it sends or takes, in µs.
+        message_us: f64, "US", Number, "sending or taking a message (µs)";
         /// What the host spends on a sample of the picture to tell, by rectangles, whether it can hit anything, in µs.
         host_filter_us: f64, "US", Number, "host's time for testing a sample (µs)";
         /// What the host spends on telling whether a ray meets a sub-volume, in µs.
@@ -207,6 +209,7 @@ impl MachineFile {
             filter: convert("host_filter_us", self.host_filter_us.unwrap_or(0.0))?,
             mask: convert("host_mask_us", self.host_mask_us.unwrap_or(0.0))?,
         };
-        Ok(KernelTimes { host, ..kernels })
+        let message = self.message_us.map(|us| convert("message_us", us)).transpose()?;
+        Ok(KernelTimes { host, message, ..kernels })
     }
 }

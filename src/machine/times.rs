@@ -35,4 +35,6 @@ pub struct KernelTimes {
     pub intersection: Times,
     /// The host.
     pub host: HostTimes,
+    /// A cell, or the host, on each message that it sends or takes, where that is counted.
+    pub message: Option<Cycles>,
 }

@@ -49,6 +49,10 @@ pub struct ArrayProgram {
     /// How many rays a cell reads and passes on ahead of the one that it begins. Beyond the paper, where it is 0.
     #[serde(default, skip_serializing_if = "is_default")]
     pub forward_ahead: u32,
+    /// How many rays, and hits, are in a message: the host bundles rays, and a cell works on a bundle before it answers. Beyond the
+    /// paper, where it is 1.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub rays_per_message: u32,
     /// How the host tells which sub-volumes a ray can meet, which it then says in RAY; cells of the others pass it on, and do no
     /// more. Beyond the paper, in which all cells start on all rays.
     #[serde(default, skip_serializing_if = "is_default")]
@@ -71,6 +75,14 @@ pub enum Masks {
     Rectangles,
     /// By the sub-volumes' boxes.
     Boxes,
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn is_one(rays: &u32) -> bool {
+    *rays == 1
 }
 
 fn ugray_coefficient() -> f64 {
@@ -104,6 +116,9 @@ impl ArrayProgram {
     /// The largest number of cells of an array.
     pub const MOST_CELLS: usize = 4096;
 
+    /// The most rays of a message.
+    pub const MOST_RAYS_PER_MESSAGE: u32 = 65536;
+
     /// A standard program by name: `pipeline`, `broadcast`, `hybrid` or `hybrid-3`.
     pub fn standard(name: &str) -> Option<Result<ArrayProgram, InputError>> {
         let (name, text) = STANDARD.iter().find(|(standard, _)| *standard == name)?;
@@ -127,6 +142,7 @@ impl ArrayProgram {
             mailbox: false,
             stop_words: None,
             forward_ahead: 0,
+            rays_per_message: 1,
             masks: Masks::Off,
             bounded_walk: false,
         }
@@ -175,12 +191,30 @@ impl ArrayProgram {
             let message = "stop words go from the intersection's cell to the grid's, which here are the same";
             return Err(Fault::new("stop_words", message).help("it stops by itself: leave the stop words out"));
         }
+        self.find_fault_of_messages()?;
         if !(self.grid_coefficient > 0.0 && self.grid_coefficient <= 1e6) {
             let message = format!("a grid coefficient of {} is not above 0 and at most 1000000", self.grid_coefficient);
             let help = "it is the number of voxels a polygon; UgRay's rule is 50";
             return Err(Fault::new("grid_coefficient", message).help(help));
         }
         Ok(())
+    }
+
+    fn find_fault_of_messages(&self) -> Result<(), Fault> {
+        const NAME: &str = "rays_per_message";
+        if !(1..=Self::MOST_RAYS_PER_MESSAGE).contains(&self.rays_per_message) {
+            let most = Self::MOST_RAYS_PER_MESSAGE;
+            let message = format!("a message of {} rays is none of 1 to {most}", self.rays_per_message);
+            return Err(Fault::new(NAME, message));
+        }
+        let message = match (self.rays_per_message, self.forward_ahead, self.bounded_walk) {
+            (1, ..) | (_, 0, false) => return Ok(()),
+            (_, 0, true) => {
+                "a walk bounded by the hit from the left waits for it, and rays in one message are answered together"
+            }
+            (..) => "a cell reads rays ahead one by one, or several in a message, and not both",
+        };
+        Err(Fault::new(NAME, message).help("leave out one of the two"))
     }
 
     /// Cells of the array.

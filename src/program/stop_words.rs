@@ -24,7 +24,7 @@
 //! stay unread in the end. [`StopWords::least_fifo_words`] is what they need to find room, and then nothing can ever block:
 //! whoever waits for a word waits for the answer to a VOXEL that has been sent, with all candidates before it.
 
-use super::messages::VOXEL_WORDS;
+use super::messages::{Messaging, VOXEL_WORDS};
 use crate::seam::{OpKind, OpStream};
 
 /// The protocol between the cells of a group.
@@ -60,17 +60,17 @@ impl StopWords {
     }
 
     /// What the cells of a group do at the end of a voxel.
-    pub fn end_voxel(&self, cells: &mut [OpStream]) {
+    pub fn end_voxel(&self, cells: &mut [OpStream], messaging: Messaging) {
         for (stage, cell) in cells.iter_mut().enumerate() {
             if stage > 0 {
-                cell.push(OpKind::ReadY, VOXEL_WORDS);
+                messaging.take(cell, OpKind::ReadY, VOXEL_WORDS);
             }
             if stage < self.last {
-                cell.push(OpKind::WriteY, VOXEL_WORDS);
-                cell.push(OpKind::ReadZ, VOXEL_WORDS);
+                messaging.send(cell, OpKind::WriteY, VOXEL_WORDS);
+                messaging.take(cell, OpKind::ReadZ, VOXEL_WORDS);
             }
             if stage > 0 {
-                cell.push(OpKind::WriteZ, VOXEL_WORDS);
+                messaging.send(cell, OpKind::WriteZ, VOXEL_WORDS);
             }
         }
     }

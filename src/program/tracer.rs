@@ -21,10 +21,10 @@ use crate::seam::{Costs, OpBatch, OpKind, OpStream, Unit};
 
 use super::cells::ProgramTracer;
 use super::layout::{Group, Surfaces};
-use super::messages::{CANDIDATE_WORDS, HIT_WORDS};
+use super::messages::{CANDIDATE_WORDS, HIT_WORDS, Messaging};
 use super::stop_words::Stopping;
 use super::work::{GRID_START, GRID_VOXEL, INTERSECTION_POLYGON, INTERSECTION_START, SLABS_POLYGON, SLABS_START};
-use super::workload::Workload;
+use super::workload::{Shares, Workload};
 
 /// How often the kernels did their work, over all cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -115,26 +115,25 @@ impl<'a> Tracer<'a> {
     /// Traces ray number `id` of `count` rays that the host sends without waiting for hits: adds a line to the host's and
     /// to every cell's ops, and returns the first hit.
     pub fn trace(&mut self, id: u32, count: usize, ray: &Ray, batch: &mut OpBatch) -> Hit {
-        self.workload.send_ray(&mut batch.host, id, self.workload.mask_tests(ray));
-        let ahead = self.workload.program.forward_ahead as u64;
-        let known_before = if id == 0 { 0 } else { id as u64 + ahead };
-        let passed_on = (id as u64 + 1 + ahead).min(count as u64).saturating_sub(known_before);
-        self.trace_line(id, passed_on, ray, &mut batch.cells)
+        let shares = self.workload.shares(id, count);
+        // The host forwards none ahead: it sends messages as they are answered.
+        self.workload.send_ray(&mut batch.host, id, self.workload.mask_tests(ray), shares.answered);
+        self.trace_line(id, shares, ray, &mut batch.cells)
     }
 
-    /// The same without the host's line, for who decides himself when the ray is sent. No ray is passed on ahead.
+    /// The same without the host's line, for who decides himself when the ray is sent, by itself.
     pub fn trace_cells(&mut self, id: u32, ray: &Ray, cells: &mut [OpStream]) -> Hit {
-        self.trace_line(id, 1, ray, cells)
+        self.trace_line(id, Shares::OWN, ray, cells)
     }
 
-    /// Each cell reads and passes on so many rays (programs just the one), then works on this one.
-    fn trace_line(&mut self, id: u32, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+    /// Each cell reads and passes on some rays (programs just the one), works on this one, and answers some.
+    fn trace_line(&mut self, id: u32, shares: Shares, ray: &Ray, cells: &mut [OpStream]) -> Hit {
         let hit = match &mut self.programs {
             Some(programs) => programs.trace(id, ray, cells, &mut self.counts).unwrap_or_else(|fault| {
                 self.fault.get_or_insert(fault);
                 Hit::MISS
             }),
-            None => self.trace_groups(passed_on, ray, cells),
+            None => self.trace_groups(shares, ray, cells),
         };
         cells.iter_mut().for_each(|cell| cell.end_line(id));
         self.counts.hits += hit.is_hit() as u64;
@@ -142,7 +141,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The same where the cells take Figure 7's times.
-    fn trace_groups(&mut self, passed_on: u64, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+    fn trace_groups(&mut self, shares: Shares, ray: &Ray, cells: &mut [OpStream]) -> Hit {
         let bounded = self.workload.program.bounded_walk;
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
@@ -150,9 +149,9 @@ impl<'a> Tracer<'a> {
         for (index, (group, cells)) in self.workload.layout.groups.iter().zip(cells.chunks_mut(stages)).enumerate() {
             let known = if bounded { nearest } else { Hit::MISS };
             let mut in_group = RayInGroup::new(self.workload, ray, known, cells, ray_slabs);
-            in_group.read_ray(passed_on);
+            in_group.read_ray(shares.read, index + 1 == self.workload.groups());
             if bounded && index > 0 {
-                in_group.read_earlier_hit();
+                in_group.read_earlier_hits(shares.answered);
             }
             if self.workload.admits(ray, index) {
                 in_group.start_kernels();
@@ -160,9 +159,9 @@ impl<'a> Tracer<'a> {
                 in_group.end_candidates();
             }
             if !bounded && index > 0 {
-                in_group.read_earlier_hit();
+                in_group.read_earlier_hits(shares.answered);
             }
-            in_group.write_hit();
+            in_group.write_hits(shares.answered);
             ray_slabs = in_group.ray_slabs;
             nearest = nearest.nearer(in_group.hit);
             self.mailbox.clear();
@@ -253,12 +252,22 @@ impl<'a> RayInGroup<'a> {
         }
     }
 
-    /// Step 1, the ray: every cell reads it and passes it on. Where rays are passed on ahead, these are `passed_on` rays up to
-    /// one further on: several at first, none at the end.
-    fn read_ray(&mut self, passed_on: u64) {
-        if passed_on > 0 {
-            self.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, passed_on * self.workload.ray_words()));
+    /// Step 1, the ray: every cell reads it and passes it on, but for the last of the last group. Where rays are passed on ahead, these
+    /// are `rays` up to one further on: several at first, none at the end. Where several are in a message, the first has them all.
+    fn read_ray(&mut self, rays: u64, is_last: bool) {
+        if rays == 0 {
+            return;
         }
+        let (words, messaging) = (rays * self.workload.ray_words(), self.messaging());
+        let last = self.workload.stages.intersection;
+        for (stage, cell) in self.cells.iter_mut().enumerate() {
+            messaging.pass(cell, words, !is_last || stage < last);
+        }
+    }
+
+    #[inline(always)]
+    fn messaging(&self) -> Messaging {
+        self.workload.messaging()
     }
 
     /// Step 2, the starts: each cell's first kernel starts. The others do at the first candidate that reaches them.
@@ -329,7 +338,7 @@ impl<'a> RayInGroup<'a> {
                     self.candidate(polygon, counts);
                 }
             }
-            words.end_voxel(self.cells);
+            words.end_voxel(self.cells, workload.messaging());
             self.stopping.end_voxel(self.hit.t <= voxel.t_exit);
             let stop = self.stopping.seen_by(0, workload.stop_words);
             if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -371,8 +380,9 @@ impl<'a> RayInGroup<'a> {
     #[inline(always)]
     fn send(&mut self, from: usize, to: usize) {
         if from != to {
-            self.cells[from].push(OpKind::WriteY, CANDIDATE_WORDS);
-            self.cells[to].push(OpKind::ReadY, CANDIDATE_WORDS);
+            let messaging = self.messaging();
+            messaging.send(&mut self.cells[from], OpKind::WriteY, CANDIDATE_WORDS);
+            messaging.take(&mut self.cells[to], OpKind::ReadY, CANDIDATE_WORDS);
         }
     }
 
@@ -407,26 +417,32 @@ impl<'a> RayInGroup<'a> {
     fn end_candidates(&mut self) {
         let last = self.workload.stages.intersection;
         for stage in 0..last {
-            self.cells[stage].push(OpKind::WriteY, CANDIDATE_WORDS);
-            self.cells[stage + 1].push(OpKind::ReadY, CANDIDATE_WORDS);
+            self.send(stage, stage + 1);
         }
     }
 
     /// Step 5, the earlier group's hit: every stage reads it, and all but the last pass it on. The last merges it with its
-    /// own, which takes no time. Where it bounds the walk, that comes before step 2.
-    fn read_earlier_hit(&mut self) {
-        let last = self.workload.stages.intersection;
+    /// own, which takes no time. Where it bounds the walk, that comes before step 2. Where several rays are in a message, all of their
+    /// hits come behind the last one's work.
+    fn read_earlier_hits(&mut self, hits: u64) {
+        if hits == 0 {
+            return;
+        }
+        let (last, messaging) = (self.workload.stages.intersection, self.messaging());
         for (stage, cell) in self.cells.iter_mut().enumerate() {
-            cell.push(OpKind::ReadY, HIT_WORDS);
+            messaging.take(cell, OpKind::ReadY, hits * HIT_WORDS);
             if stage < last {
-                cell.push(OpKind::WriteY, HIT_WORDS);
+                messaging.send(cell, OpKind::WriteY, hits * HIT_WORDS);
             }
         }
     }
 
-    /// Step 6, the answer: the last stage writes the nearer hit.
-    fn write_hit(&mut self) {
-        self.cells[self.workload.stages.intersection].push(OpKind::WriteY, HIT_WORDS);
+    /// Step 6, the answer: the last stage writes the nearer hit of the message's rays.
+    fn write_hits(&mut self, hits: u64) {
+        if hits > 0 {
+            let last = self.workload.stages.intersection;
+            self.messaging().send(&mut self.cells[last], OpKind::WriteY, hits * HIT_WORDS);
+        }
     }
 }
 

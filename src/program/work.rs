@@ -40,6 +40,10 @@ pub const HOST_FILTER: Unit = Unit(8);
 /// What the host does to tell whether a ray meets a sub-volume.
 pub const HOST_MASK: Unit = Unit(9);
 
+/// What a cell, or the host, does to send a message or to take one. Cells that run programs have an instruction by that number, and no
+/// such messages.
+pub const MESSAGE: Unit = Unit(FIRST_UNIT);
+
 /// The units of cells that take Figure 7's times and of the host: code, name, activity.
 const TIMED: [(&str, &str, Activity); FIRST_UNIT as usize] = [
     ("gs", "grid_start", GRID),
@@ -67,14 +71,15 @@ pub fn vocabulary(runs_programs: bool) -> Arc<Vocabulary> {
     vocabulary_with(runs_programs, &[])
 }
 
-/// The same of a host that does more than send and shade: [`HOST_FILTER`], [`HOST_MASK`].
+/// The same of a host that does more than send and shade: [`HOST_FILTER`], [`HOST_MASK`]; and of messages that take time: [`MESSAGE`].
 pub fn vocabulary_with(runs_programs: bool, more: &[Unit]) -> Arc<Vocabulary> {
     let timed = TIMED.iter().map(|&(code, name, activity)| (code.to_owned(), name, activity));
     let instructions = LETTERS.iter().zip(0..).flat_map(|(letter, activity)| {
         let code = move |code: &str| format!("{letter}{code}");
         Class::ALL.iter().zip(CLASS_CODES).map(move |(class, add)| (code(add), class.name(), Activity(activity)))
     });
-    let units = timed.chain(instructions.filter(|_| runs_programs));
+    let message = more.contains(&MESSAGE).then(|| ("ms".to_owned(), "message", OTHER));
+    let units = timed.chain(instructions.filter(|_| runs_programs)).chain(message);
     let used =
         |place: usize| ![HOST_FILTER, HOST_MASK].contains(&Unit(place as u8)) || more.contains(&Unit(place as u8));
     let unit = |(place, (code, name, activity)): (usize, (String, &str, Activity))| UnitOfWork {
@@ -113,6 +118,7 @@ pub fn price(name: &str, times: &KernelTimes, instructions: Option<&InstructionC
         "host_hit" => Some(times.host.hit),
         "host_filter" => Some(times.host.filter),
         "host_mask" => Some(times.host.mask),
+        "message" => times.message,
         _ => instruction(),
     }
 }

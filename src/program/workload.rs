@@ -15,7 +15,7 @@ use super::array_program::{ArrayProgram, Kernel, Stages};
 use super::cells::{CellOptions, CellPrograms, InstructionStep, ProgramTracer};
 use super::layout::Layout;
 use super::masks::Screening;
-use super::messages::RAY_WORDS;
+use super::messages::{HIT_WORDS, Messaging, RAY_WORDS};
 use super::stop_words::StopWords;
 use super::work;
 
@@ -51,6 +51,20 @@ pub struct CellMemory {
     pub program: Words,
     /// Rays that have been passed on and wait for their turn.
     pub rays: Words,
+}
+
+/// What of the messages begins and ends with a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shares {
+    /// So many rays a cell reads before it begins it.
+    pub read: u64,
+    /// So many hits it sends when it has done it.
+    pub answered: u64,
+}
+
+impl Shares {
+    /// One of each.
+    pub const OWN: Shares = Shares { read: 1, answered: 1 };
 }
 
 impl CellMemory {
@@ -94,11 +108,36 @@ impl Workload {
 
     /// The same with the prices of what is done.
     fn priced(self) -> Workload {
-        let host = [(self.tested.is_some(), work::HOST_FILTER), (self.screening.is_some(), work::HOST_MASK)];
-        let more: Vec<Unit> = host.into_iter().filter(|(is_done, _)| *is_done).map(|(_, unit)| unit).collect();
+        let beside = [
+            (self.tested.is_some(), work::HOST_FILTER),
+            (self.screening.is_some(), work::HOST_MASK),
+            (self.messaging().takes_time, work::MESSAGE),
+        ];
+        let more: Vec<Unit> = beside.into_iter().filter(|(is_done, _)| *is_done).map(|(_, unit)| unit).collect();
         let instructions = self.programs.as_ref().map(|programs| programs.options.cycles);
         let vocabulary = work::vocabulary_with(instructions.is_some(), &more);
         Workload { costs: work::costs(&vocabulary, &self.times, instructions.as_ref()), ..self }
+    }
+
+    /// What messages take.
+    pub(super) fn messaging(&self) -> Messaging {
+        Messaging { takes_time: self.times.message.is_some() }
+    }
+
+    /// Which messages begin and end with ray number `id` of `count` that are sent one after the other.
+    pub(super) fn shares(&self, id: u32, count: usize) -> Shares {
+        let (id, count) = (u64::from(id), count as u64);
+        let bundle = u64::from(self.program.rays_per_message);
+        let ahead = u64::from(self.program.forward_ahead);
+        if bundle > 1 {
+            let (place, left) = (id % bundle, count - id);
+            return Shares {
+                read: if place == 0 { bundle.min(left) } else { 0 },
+                answered: if place + 1 == bundle || left == 1 { place + 1 } else { 0 },
+            };
+        }
+        let known_before = if id == 0 { 0 } else { id + ahead };
+        Shares { read: (id + 1 + ahead).min(count).saturating_sub(known_before), answered: 1 }
     }
 
     /// Words of a RAY.
@@ -117,8 +156,8 @@ impl Workload {
         self.screening.as_ref().is_none_or(|screening| screening.admits(ray, self.polygons(), of))
     }
 
-    /// Ends the host's line with ray number `id`: the host's work on it, then its words.
-    pub fn send_ray(&self, host: &mut OpStream, id: u32, mask_tests: u64) {
+    /// Ends the host's line with ray number `id`: the host's work on it, then the words of so many rays, of which it is the last.
+    pub fn send_ray(&self, host: &mut OpStream, id: u32, mask_tests: u64, rays: u64) {
         if let Some(&tested) = self.tested.as_ref().and_then(|tested| tested.get(id as usize)) {
             host.push(OpKind::Work(work::HOST_FILTER), tested.into());
         }
@@ -126,7 +165,9 @@ impl Workload {
         if mask_tests > 0 {
             host.push(OpKind::Work(work::HOST_MASK), mask_tests);
         }
-        host.push(OpKind::WriteX, self.ray_words());
+        if rays > 0 {
+            self.messaging().send(host, OpKind::WriteX, rays * self.ray_words());
+        }
         host.end_line(id);
     }
 
@@ -138,6 +179,8 @@ impl Workload {
         let beyond = [
             (self.stop_words.is_some(), "stop words"),
             (self.program.forward_ahead > 0, "rays forwarded ahead"),
+            (self.program.rays_per_message > 1, "messages of several rays"),
+            (self.messaging().takes_time, "what a message takes (message_us)"),
             (self.screening.is_some(), "masks"),
         ];
         if let Some((_, what)) = beyond.into_iter().find(|(is_asked, _)| *is_asked) {
@@ -214,12 +257,18 @@ impl Workload {
             slabs: words(Kernel::Slabs, slabs::WORDS * group.members.len() as u64),
             polygons: words(Kernel::Intersection, self.polygons().memory_words(&group.members)),
             program: Words(0),
-            rays: Words(self.ray_words() * self.program.forward_ahead as u64),
+            rays: Words(self.waiting_words()),
         };
         if let Some(programs) = &self.programs {
             memory.program = Words(programs.words(cell).0 - memory.total().0);
         }
         memory
+    }
+
+    /// Words of the rays that a cell has before their turn, and of the hits that wait for the last of their message.
+    fn waiting_words(&self) -> u64 {
+        let more = u64::from(self.program.rays_per_message) - 1;
+        self.ray_words() * (u64::from(self.program.forward_ahead) + more) + HIT_WORDS * more
     }
 
     /// A batch without a ray: what the cells do before the first one.
@@ -233,14 +282,21 @@ impl Workload {
 
     /// Fails if the cells want rays before the hits of others have left the array, for a host that sends some only after.
     pub fn check_closed_loop(&self) -> Result<(), InputError> {
-        let message = match self.program.forward_ahead {
-            0 => return Ok(()),
-            ahead => format!(
+        let message = match (self.program.forward_ahead, self.program.rays_per_message) {
+            (0, 1) => return Ok(()),
+            (0, bundle) => format!(
+                "a cell would begin a ray only when the {bundle} of its message have come, and the host of an image may send \
+                 the others only after that ray's hit"
+            ),
+            (ahead, _) => format!(
                 "a cell would begin a ray only when the next {ahead} have come, and the host of an image may send those \
                  only after that ray's hit"
             ),
         };
-        let help = "forward no rays ahead: that is for primary rays alone, which the host sends without waiting";
+        let help = match self.program.forward_ahead {
+            0 => "send one ray a message: more are for primary rays alone, which the host sends without waiting",
+            _ => "forward no rays ahead: that is for primary rays alone, which the host sends without waiting",
+        };
         Err(InputError::new(message).help(help))
     }
 

@@ -7,11 +7,15 @@ use super::bottleneck;
 use super::plot::{Caption, RegionMap};
 use super::stats::{Configuration, station};
 use super::summary::{self, Rows, grouped, percent, plural, time};
+use super::why::{self, PathJson};
+use crate::geometry::regions::Rectangle;
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::measure::{Clock, StateTimes};
 use crate::program::cube::{MessageKind, Phases};
-use crate::run::{CubeMode, CubeOutcome, CubeScene, CubeSetup, CubeSpec, Distribution, FlowKind, Grant, Grids};
+use crate::run::{
+    CellCuts, CubeMode, CubeOutcome, CubeScene, CubeSetup, CubeSpec, Distribution, FlowKind, Grant, Grids,
+};
 
 /// The time of all nodes, by what it went to: they add up to the nodes' number times the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -93,7 +97,8 @@ pub fn text(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
     lines.extend(queues(setup, outcome));
     let parts = [losses(outcome), messages(outcome, clock), summary::cells(&outcome.stats, &[])];
     let (head, verdict) = (summary::prose(&lines.join("\n")), summary::prose(&sentence(setup, outcome)));
-    format!("{head}\n\n{}\n{verdict}\n", parts.join("\n"))
+    let why = outcome.observed.path.as_ref().map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
+    format!("{head}\n\n{}\n{verdict}\n{why}", parts.join("\n"))
 }
 
 /// The regions, if the nodes have any.
@@ -102,7 +107,8 @@ pub fn region_map<'a>(setup: &'a CubeSetup, outcome: &'a CubeOutcome) -> Option<
     let cut = &setup.scene.cut;
     let cells = (cut.regions.plane().size(), cut.cells.as_slice());
     let (rectangles, sent) = (cut.regions.rectangles(), outcome.seen.sent.as_slice());
-    Some(RegionMap { cells, rectangles, node_of: &outcome.node_of, sent })
+    let owners = (setup.spec.size, outcome.owners.as_slice());
+    Some(RegionMap { cells, rectangles, node_of: &outcome.node_of, sent, owners, links: &outcome.stats.links })
 }
 
 /// What runs, and on what machine.
@@ -162,9 +168,14 @@ fn shares(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
         }
     };
     format!(
-        "shared out: {} x {} cells by {}; {}mapping {}; {flow}; termination by {}",
+        "shared out: {} x {} cells{} by {}; {}mapping {}; {flow}; termination by {}",
         across,
         down,
+        match regions.cell_cuts {
+            CellCuts::Equal => "",
+            CellCuts::Quantiles => " of equal parts of the work",
+            CellCuts::Pyramids => " on the screen",
+        },
         plural(scene.cut.sampled as u64, "sampled pixel"),
         if regions.grids == Grids::Own { "grids of their own; " } else { "" },
         regions.mapping.name(),
@@ -293,6 +304,8 @@ struct Report<'a> {
     links: Vec<u64>,
     termination: Ended,
     bottleneck: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<PathJson>,
     configuration: &'a Configuration,
 }
 
@@ -340,6 +353,7 @@ pub fn to_json(setup: &CubeSetup, outcome: &CubeOutcome, configuration: &Configu
             probes: outcome.seen.probes,
         },
         bottleneck: sentence(setup, outcome),
+        why: outcome.observed.path.as_ref().map(PathJson::new),
         configuration,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")
@@ -373,10 +387,13 @@ fn task(setup: &CubeSetup, outcome: &CubeOutcome, index: usize) -> Map<String, V
     task.extend(station(stats, &stats.stations[index]));
     if let (Some(seen), Some(part)) = (outcome.seen.nodes.get(index), outcome.parts.get(index)) {
         let region = outcome.node_of.iter().position(|&node| usize::from(node) == index);
+        let cut = &setup.scene.cut.regions;
         let predicted = region.and_then(|region| setup.scene.cut.predicted().get(region).copied());
         let more = serde_json::json!({
             "pixels": seen.pixels, "legs": seen.legs, "longest_queue": seen.longest_queue, "most_slots": seen.most_slots,
             "pages_fetched": seen.pages, "polygons": part.polygons, "bytes": part.holds, "predicted_work": predicted,
+            "cells": region.filter(|_| setup.spec.regions.is_some()).and_then(|region| cut.rectangles().get(region)).map(Rectangle::cells),
+            "mean_queue": seen.queue_cycles as f64 / stats.cycles.0.max(1) as f64, "full": seen.full.0,
         });
         if let Value::Object(more) = more {
             task.insert("counts".to_owned(), more.into());

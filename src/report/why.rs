@@ -117,6 +117,12 @@ pub(super) fn label(name: &str) -> String {
         "pixel_ms" => "a pixel".to_owned(),
         "color_ms" => "taking a colour".to_owned(),
         "shade_hit" => "shading a hit".to_owned(),
+        "pixel_us" => "beginning a pixel".to_owned(),
+        "lookup_us" => "looking pages up".to_owned(),
+        "serve_us" => "serving a page".to_owned(),
+        "links" => "the links, a message".to_owned(),
+        "way" => "a message's way".to_owned(),
+        other if of_message(other).is_some() => of_message(other).unwrap_or_default(),
         other => match other.split_once('_') {
             Some((kernel @ ("grid" | "slabs" | "intersection"), "start")) => format!("{kernel}, start"),
             Some((kernel @ ("grid" | "slabs" | "intersection" | "host"), "voxel" | "polygon" | "ray" | "hit")) => {
@@ -125,6 +131,24 @@ pub(super) fn label(name: &str) -> String {
             _ => other.to_owned(),
         },
     }
+}
+
+/// What it is to send or to take messages of a kind.
+fn of_message(name: &str) -> Option<String> {
+    let (what, kind) = name.split_once('_')?;
+    let does = match what {
+        "send" => "sending",
+        "take" => "taking",
+        _ => return None,
+    };
+    let messages = match kind {
+        "real_object" => "pages",
+        "virtual_object" => "rays",
+        "calculation" => "results and pixels",
+        "information" => "information",
+        _ => return None,
+    };
+    Some(format!("{does} {messages}"))
 }
 
 /// What a station does that does a unit of work.
@@ -144,7 +168,12 @@ fn doing(path: &CriticalPath, unit: &PathUnit) -> String {
         "segment_ms" => format!("set-ups of {}s", path.topology.names.job),
         "pixel_ms" => "pixels".to_owned(),
         "color_ms" => "taking colours".to_owned(),
+        "message" => "messages".to_owned(),
         BUS => "messages on the buses".to_owned(),
+        "pixel_us" => "beginning pixels".to_owned(),
+        "lookup_us" | "serve_us" => label(&unit.name).replace("a page", "pages"),
+        "links" | "way" => "messages under way".to_owned(),
+        other if of_message(other).is_some() => label(other),
         other => {
             let activity = path.topology.states.get(unit.state).map_or("other", |state| state.name.as_str());
             if other.ends_with("_cycle") { activity.to_owned() } else { format!("{activity} instructions") }
@@ -264,10 +293,15 @@ fn meaning(path: &CriticalPath) -> String {
             "Each cycle of the run has one cause on this chain, which ends with the last hit. A time that is 10 % less saves so \
              much as long as the chain stays a longest one, and never more; one that is 10 % more costs no less."
         }
-        Shape::Farm | Shape::Cube => {
+        Shape::Farm => {
             "Each nanosecond of the run has one cause on this chain, which ends with what is done last. A time that is 10 % less \
              saves so much as long as the chain stays a longest one and all come in the order in which they did: who asks first, \
              whose message is first on a bus. In another order it may be less or more."
+        }
+        Shape::Cube => {
+            "Each cycle of the run has one cause on this chain, which ends with the last pixels at the host: who waited, waited for \
+             what the chain tells. A time that is 10 % less saves so much as long as the chain stays a longest one and all come in \
+             the order in which they did: whose ray comes first, who gets a slot. In another order it may be less or more."
         }
     };
     wrapped(text, WIDTH) + "\n"

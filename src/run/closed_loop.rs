@@ -265,7 +265,7 @@ impl<'a> ClosedLoop<'a> {
         // What cannot be waited for any more costs nothing; it ties the ray to its parent under other machines too.
         parent.into_iter().for_each(|message| self.ops.push(OpKind::Await, message));
         let (id, mask_tests) = (self.sent as u32, trees.rays[place.ray as usize].mask_tests);
-        self.workload.send_ray(&mut self.ops, id, mask_tests.into());
+        self.workload.send_ray(&mut self.ops, id, mask_tests.into(), 1);
         batch.host.push_line(id, self.ops.line(0));
         self.ops.clear();
         for (cell, traced) in batch.cells.iter_mut().zip(&trees.traced.ops.cells) {

@@ -60,12 +60,13 @@ impl Keys {
         let RunSpec { version: _, scene, size_factor, resolution, size, rays, order, image, program, .. } = spec;
         let RunSpec { edges, cells_run, cell_programs, instruction_limit, screen_rectangles, machine: _, .. } = spec;
         let ArrayProgram { name: _, stages, groups, partition, numbering, grid_coefficient, .. } = program;
-        let ArrayProgram { mailbox, stop_words, forward_ahead, bounded_walk, masks, .. } = program;
+        let ArrayProgram { mailbox, stop_words, forward_ahead, rays_per_message, bounded_walk, masks, .. } = program;
         let Machine { spec: array, times, instructions, notes: _ } = machine;
 
         let scene = Key::of((scene, size_factor, resolution));
         let prepared = Key::of((&scene, rays.as_ref().ok_or(size), order, edges, screen_rectangles));
-        let sample = || (times.grid.each, times.slabs, times.intersection, program.placement().slabs.is_some());
+        let sample =
+            || (times.grid.each, times.slabs, times.intersection, times.message, program.placement().slabs.is_some());
         let in_groups = || (times.grid.start, stages, mailbox, stop_words.is_some(), bounded_walk);
         let light = image.as_ref().filter(|_| program.cut_by_all_rays()).map(|image| image.limits());
         let cut = || match partition {
@@ -81,11 +82,12 @@ impl Keys {
         // The host of an image sends what it sends next by what it has read until then.
         let clock = |timing| (timing == Switch::On).then_some((array, times, instructions));
         let image = image.as_ref().map(|image| (image, clock(image.timing)));
-        let cells = (stages, mailbox, stop_words, forward_ahead, bounded_walk, masks);
+        let messages = (rays_per_message, times.message.is_some());
+        let cells = (stages, mailbox, stop_words, forward_ahead, messages, bounded_walk, masks);
         let traced = Key::of((&laid_out, cells, programs, image));
         let kernels = (times.grid, times.slabs, times.intersection);
         let costs = match cells_run {
-            CellsRun::Timings => (times.host, Some(kernels), None),
+            CellsRun::Timings => (times.host, Some((kernels, times.message)), None),
             CellsRun::Programs => (times.host, None, instructions.as_ref()),
         };
         let timed = Key::of((&traced, array, costs));

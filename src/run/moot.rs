@@ -22,10 +22,13 @@ use crate::scene::builtin;
 pub const ALWAYS_REFUSED: [(&str, &[&str]); 7] = [
     ("run", &["host_hit_us"]),
     ("replay", &["memory_words"]),
-    ("model", &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "bounded_walk"]),
+    (
+        "model",
+        &["host_hit_us", "mailbox", "stop_words", "forward_ahead", "rays_per_message", "message_us", "bounded_walk"],
+    ),
     ("size-fifos", &DEPTHS),
     ("farm", &["adaptive", "adaptive_by", "threshold", "enough"]),
-    ("ipsc2", &["adaptive", "adaptive_by", "threshold", "why", "enough"]),
+    ("ipsc2", &["adaptive", "adaptive_by", "threshold", "enough"]),
     ("calibrate-ipsc2", &ADAPTIVE),
 ];
 
@@ -60,8 +63,12 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
     }
     if image.timing == Switch::Off {
         let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
-        let names =
-            [&["order", "policy", "in_flight", "open_samples", "forward_ahead", "masks"], &LINKS[..], &DEPTHS, &HOST];
+        let names = [
+            &["order", "policy", "in_flight", "open_samples", "forward_ahead", "rays_per_message", "masks"],
+            &LINKS[..],
+            &DEPTHS,
+            &HOST,
+        ];
         refuse(typed, &names.concat(), why, help)?;
     }
     check_resolution(&spec.scene, spec.resolution)?;
@@ -81,6 +88,11 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
         let error =
             InputError::new("the cost model knows neither stop words nor rays forwarded ahead, as the paper does not");
         return Err(error.help("take a program without them, or run this one to see what it does"));
+    }
+    if program.rays_per_message > 1 || spec.machine.message_us.is_some() {
+        let error =
+            InputError::new("the cost model knows no messages of several rays, and none that take the cells time");
+        return Err(error.help("take a program of one ray a message and a machine without message_us, or run this one"));
     }
     if program.bounded_walk {
         let error = InputError::new("the cost model knows no walk that is bounded by the hit from the left");
@@ -203,9 +215,10 @@ pub fn check_cube(typed: &CubeRunOptions, spec: &CubeSpec) -> Result<(), InputEr
 }
 
 /// What only nodes look at that have regions.
-const OF_REGIONS: [&str; 14] = [
+const OF_REGIONS: [&str; 15] = [
     "sub_sample",
     "cell_grid",
+    "cell_cuts",
     "grids",
     "mapping",
     "flow",
@@ -294,8 +307,8 @@ const LINKS: [&str; 4] = ["word_bytes", "link_mb_s", "rate_counts", "latency_cyc
 /// What only adaptive sampling looks at.
 const ADAPTIVE: [&str; 3] = ["adaptive", "adaptive_by", "threshold"];
 
-/// The host's times.
-const HOST: [&str; 4] = ["host_ray_us", "host_hit_us", "host_filter_us", "host_mask_us"];
+/// The host's times, and what messages take.
+const HOST: [&str; 5] = ["host_ray_us", "host_hit_us", "host_filter_us", "host_mask_us", "message_us"];
 
 /// The kernels' times.
 const KERNELS: [&str; 6] =

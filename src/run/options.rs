@@ -87,6 +87,8 @@ parameters! {
         stop_words: u32, "W", Whole, "voxels ahead of the stop words";
         /// Let each cell read and pass on K rays ahead of the one that it begins [default: the program's; 0 in the standard ones].
         forward_ahead: u32, "K", Whole, "rays passed on ahead";
+        /// Put N rays, and N hits, in a message, which a cell works on before it answers [default: the program's; 1 in the standard ones].
+        rays_per_message: u32, "N", Whole, "rays in a message";
         /// Let each cell read the hit of the groups to its left before it begins a ray, and look for nothing behind it.
         #[cfg_attr(feature = "cli", arg(action = clap::ArgAction::SetTrue))]
         bounded_walk: bool, "", Truth, "walk bounded by the hit from the left";

@@ -514,6 +514,7 @@ pub fn array_program(options: &RunOptions, base: Option<&ArrayProgram>) -> Resul
     program.mailbox = options.mailbox.unwrap_or(program.mailbox);
     program.stop_words = options.stop_words.or(program.stop_words);
     program.forward_ahead = options.forward_ahead.unwrap_or(program.forward_ahead);
+    program.rays_per_message = options.rays_per_message.unwrap_or(program.rays_per_message);
     program.bounded_walk = options.bounded_walk.unwrap_or(program.bounded_walk);
     program.masks = options.masks.unwrap_or(program.masks);
     program.check()?;

@@ -24,7 +24,7 @@ macro_rules! effective {
 }
 
 /// Those of an array.
-pub(super) const OF_ARRAYS: [Effective<Machine>; 11] = effective! {
+pub(super) const OF_ARRAYS: [Effective<Machine>; 12] = effective! {
     "link_cycles_per_word" of ["link_mb_s", "word_bytes"], "link, as simulated (cycles a word)":
         |machine| machine.spec.link_rate().cycles_per_word;
     "host_ray_cycles" of ["host_ray_us"], "host's time for sending a ray, as simulated (cycles)":
@@ -47,6 +47,8 @@ pub(super) const OF_ARRAYS: [Effective<Machine>; 11] = effective! {
         |machine| machine.times.host.filter.0;
     seldom "host_mask_cycles" of ["host_mask_us"], "host's time for testing a sub-volume, as simulated (cycles)":
         |machine| machine.times.host.mask.0;
+    seldom "message_cycles" of ["message_us"], "sending or taking a message, as simulated (cycles)":
+        |machine| machine.times.message.unwrap_or_default().0;
 };
 
 /// Those of a farm. Its times are in ns, and seldom rounded.

@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use pcs_sim::host::shading::RayKind;
 use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, WireTimes};
 use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
-use pcs_sim::measure::{Clock, Measured, Recording, StateId, StateTimes, StationRecord};
+use pcs_sim::measure::{Actor, Cause, Clock, CriticalPath, Measured, Recording, StateId, StateTimes, StationRecord};
 use pcs_sim::program::cube::{
     Dealt, Ends, Flow, Leg, MemoryNodes, MessageKind, PageUses, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph,
     gray_order, highest_rank,
@@ -45,6 +45,7 @@ fn ticked(nodes: usize, stats: &Measured, recording: &Recording, seen: &Seen) ->
         told_at: seen.told_at.0,
         probes: seen.probes,
         longest_queues: seen.nodes[..nodes].iter().map(|node| node.longest_queue).collect(),
+        queues: seen.nodes[..nodes].iter().map(|node| (node.queue_cycles, node.full.0)).collect(),
     }
 }
 
@@ -70,6 +71,19 @@ fn run_recorded(
     }
     let (stats, observed) = events.stop(|task| nodes.rests(task));
     Ok((stats, observed.recording.unwrap(), nodes.seen))
+}
+
+/// The same with its chain of causes.
+fn run_explained(machine: &Ipsc2, graph: &TaskGraph, owners: &[u16], rules: Rules) -> (Measured, CriticalPath, Seen) {
+    let node_of: Vec<u16> = (0..machine.nodes as u16).collect();
+    let order: Vec<u32> = (0..graph.trees.len() as u32).collect();
+    let mut nodes = RegionNodes::new(machine, graph, &node_of, (owners, &order), rules);
+    let explanation = nodes.explain();
+    let events = Events::new(nodes.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
+    let mut events = events.explained(explanation, RegionNodes::sending);
+    while !nodes.is_over() && events.step(&mut |task, now, taken| nodes.next(task, now, taken)) {}
+    let (stats, observed) = events.stop(|task| nodes.rests(task));
+    (stats, observed.path.unwrap(), nodes.seen)
 }
 
 fn machine(nodes: usize, t: [u64; 20]) -> Ipsc2 {
@@ -98,6 +112,7 @@ fn machine(nodes: usize, t: [u64; 20]) -> Ipsc2 {
             slabs: times(12),
             intersection: times(14),
             host: HostTimes { hit: Cycles(t[16]), ..HostTimes::default() },
+            message: None,
         },
         notes: Vec::new(),
     }
@@ -233,6 +248,29 @@ proptest! {
                 }
             }
             Err(_) => prop_assert_eq!(expected, Err(Stopped::Stuck)),
+        }
+    }
+
+    /// The chain of causes sums to the run, on random graphs, and following it changes nothing else.
+    #[test]
+    fn the_critical_path_is_as_long_as_the_run(
+        nodes in 1usize..9,
+        trees in 1usize..12,
+        numbers in prop::collection::vec(any::<u32>(), 200),
+        times in times(),
+        flow in flow(),
+        asks_for_slots in any::<bool>(),
+        pixels_first in any::<bool>(),
+    ) {
+        let graph = graph(&numbers, nodes, trees);
+        let machine = machine(nodes, times);
+        let rules = Rules { flow: enough(flow, &graph), ends: Ends::Credit, asks_for_slots, pixels_first };
+        let owners: Vec<u16> = (0..trees).map(|tree| (numbers[tree] as usize % nodes) as u16).collect();
+        if let Ok((stats, seen)) = run(&machine, &graph, &owners, rules) {
+            let (explained, path, also_seen) = run_explained(&machine, &graph, &owners, rules);
+            prop_assert_eq!((&explained, &also_seen), (&stats, &seen));
+            prop_assert_eq!(path.parts().iter().map(|part| part.cycles.0).sum::<u64>(), stats.cycles.0);
+            prop_assert!(path.parts().iter().all(|part| matches!(part.at, Actor::Station(task) if task <= nodes)));
         }
     }
 
@@ -501,6 +539,26 @@ fn a_ray_goes_there_and_its_shadow_ray_comes_back() {
     assert_eq!(spent(0, "idle"), end - (done + 2560));
     assert_eq!(spent(1, "waiting"), comes);
     assert_eq!(spent(1, "idle"), end - shadow_sent);
+    // The chain of causes is all of it but for the result, which takes another way.
+    let (_, path, _) = run_explained(&standard(2), &there_and_back(), &[0], UNLIMITED);
+    let of = |name: &str| {
+        let parts = path.parts();
+        let named =
+            parts.iter().filter(|part| matches!(part.cause, Cause::Work(unit) if path.units[unit].name == name));
+        named
+            .map(|part| (part.count, part.cycles.0))
+            .fold((0, 0), |(times, all), (count, cycles)| (times + count, all + cycles))
+    };
+    assert_eq!(of("pixel_us"), (1, 3200));
+    assert_eq!(of("grid_start"), (4, 4 * 4002));
+    assert_eq!(of("grid_voxel"), (5, 5 * 1040));
+    assert_eq!(of("shade_hit"), (1, 83984));
+    assert_eq!(of("send_virtual_object"), (2, 2 * 2560), "there and back");
+    assert_eq!(of("take_virtual_object"), (2, 2 * 2560));
+    assert_eq!(of("send_calculation"), (2, 2 * 2560), "the result that goes before the shadow ray, and the packet");
+    assert_eq!(of("take_calculation"), (1, 2560), "the packet");
+    assert_eq!(of("links"), (3, 300 + 300 + 139));
+    assert_eq!(of("way"), (3, 3 * 480));
     // A cycle less anywhere is a cycle less in the end.
     let mut faster = standard(2);
     faster.times.host.hit.0 -= 1;

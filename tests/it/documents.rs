@@ -113,10 +113,12 @@ fn tables_md_lists_every_column() {
         format!("| `{name}` | {holds} | {label} |")
     };
     let lines = |columns: &[Column]| columns.iter().map(|it| line(it.name, it.kind, it.label)).collect::<Vec<_>>();
-    let (arrays, farms) =
-        (results(r#"(machine: "pcs.ron", host_filter_us: 1, host_mask_us: 1)"#), results("(farm: true, bus_mb_s: 10)"));
+    let (arrays, farms) = (
+        results(r#"(machine: "pcs.ron", host_filter_us: 1, host_mask_us: 1, message_us: 1)"#),
+        results("(farm: true, bus_mb_s: 10)"),
+    );
     let cubes = results(r#"(nodes: 4, machine: "my.ron")"#);
-    let (rounded, of_arrays) = arrays.split_at(11);
+    let (rounded, of_arrays) = arrays.split_at(12);
     let (bus, of_farms) = farms.split_at(1);
     let (nodes, of_cubes) = cubes.split_at(6);
     // A column that arrays have, too, is listed once.
@@ -171,7 +173,7 @@ fn tables_md_lists_every_field() {
     assert_eq!(written(&runs), names("Statistics\n"));
     let farms = ["farm rectangles --size 20x10 --tasks 2 --why", "farm room --size 8x6 --tasks 2"];
     assert_eq!(written(&farms), names("Statistics of a farm"));
-    let cubes = ["ipsc2 room --size 8x8 --nodes 2", "ipsc2 room --size 8x8 --nodes 2 --mode shared-memory"];
+    let cubes = ["ipsc2 room --size 8x8 --nodes 2 --why", "ipsc2 room --size 8x8 --nodes 2 --mode shared-memory"];
     assert_eq!(written(&cubes), names("Statistics of an image on a hypercube"));
     assert_eq!(written(&["model room --size 8x8"]), names("Predictions"));
 }

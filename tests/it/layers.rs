@@ -60,6 +60,8 @@ const CHANGES: &[(&str, &str, Layer)] = &[
     ("mailbox", "true", Layer::Traced),
     ("stop_words", "3", Layer::Traced),
     ("forward_ahead", "2", Layer::Traced),
+    ("rays_per_message", "2", Layer::Traced),
+    ("message_us", "1", Layer::Traced),
     ("bounded_walk", "true", Layer::Traced),
     ("masks", "boxes", Layer::Traced),
     ("edges", "closed", Layer::Prepared),

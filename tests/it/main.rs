@@ -42,6 +42,7 @@ mod machine_files;
 mod manual;
 mod masks;
 mod measured_cut;
+mod messages;
 mod model_command;
 mod modes_agree;
 mod moments_are_exact;

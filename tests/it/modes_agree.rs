@@ -1,9 +1,10 @@
 //! The hits are the same bits in every mode, for every partition and number of cells, and the same as brute force.
 
-use crate::support::{bits, hits, program, program_hits, scene};
-use glam::Vec3;
-use pcs_sim::geometry::{Numbering, Partition, Polygons, Ray, brute_force};
+use crate::support::{bits, hits, program, program_hits, scene, workload};
+use glam::{DVec3, Vec3};
+use pcs_sim::geometry::{Bounds, CellPlane, Eye, Numbering, Partition, Polygons, Pyramids, Ray, Regions, brute_force};
 use pcs_sim::program::ArrayProgram;
+use pcs_sim::program::cube::{Space, Walker};
 use pcs_sim::scene::{Mesh, builtin};
 use proptest::prelude::*;
 
@@ -250,6 +251,7 @@ proptest! {
         mailbox: bool,
         stop_words in prop::option::of(prop_oneof![1u32..6, 1u32..80]),
         forward_ahead in prop_oneof![Just(0u32), 1u32..70],
+        rays_per_message in prop_oneof![Just(1u32), 1u32..70],
         numbering in prop::sample::select(&[Numbering::Cut, Numbering::Front][..]),
         bounded_walk: bool,
     ) {
@@ -264,9 +266,10 @@ proptest! {
                 mailbox,
                 partition,
                 stop_words,
-                forward_ahead,
+                forward_ahead: if rays_per_message == 1 { forward_ahead } else { 0 },
+                rays_per_message,
                 numbering,
-                bounded_walk,
+                bounded_walk: bounded_walk && rays_per_message == 1,
                 ..program(name, groups)
             };
             prop_assert_eq!(&hits(&mesh, &program, &rays, 1), &expected, "{}", name);
@@ -292,6 +295,58 @@ proptest! {
             let program =
                 ArrayProgram { grid_coefficient: coefficient, mailbox, bounded_walk, ..program(name, groups) };
             prop_assert_eq!(&program_hits(&mesh, &program, &rays), &expected, "{}", name);
+        }
+    }
+}
+
+/// An eye outside a volume, on its side in that direction, which looks at its middle.
+fn eye_before(volume: Bounds, side: [f64; 3]) -> Eye {
+    let middle = (volume.low + volume.high) / 2.0;
+    let away = DVec3::from_array(side).try_normalize().unwrap_or(DVec3::X);
+    let forward = -away;
+    let right = forward.any_orthonormal_vector();
+    let at = (middle + away * volume.extent().length() * 1.2).as_vec3();
+    Eye { at, forward, right, up: right.cross(forward) }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
+
+    /// Nodes that have a region each find the same, however its cells are cut; where these are blocks of the grid, they visit its voxels
+    /// just as one node does.
+    #[test]
+    fn through_the_regions_of_random_soups(
+        (mesh, rays) in case(),
+        regions in 1usize..12,
+        cells in 1u32..20,
+        coefficient in prop_oneof![Just(50.0), Just(1.0), Just(0.01), Just(500.0)],
+        side in prop::array::uniform3(-1.0f64..1.0),
+        seed: u64,
+    ) {
+        let expected = by_brute_force(&mesh, &rays);
+        let workload = workload(&mesh, &ArrayProgram::one_cell(coefficient), &rays);
+        let Some(grid) = workload.grids().next() else { return Ok(()) };
+        let pyramids = Pyramids::new(eye_before(grid.volume(), side), grid.volume(), cells);
+        let work = |[across, down]: [u32; 2]| -> Vec<u64> {
+            (0..u64::from(across * down)).map(|cell| (cell ^ seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40).collect()
+        };
+        let finest = CellPlane::finest(grid);
+        let joined = finest.quantiles(&work(finest.size()), cells).0;
+        let whole = Regions::whole(CellPlane::new(grid, 1));
+        let voxels = |space: Space<'_>| {
+            let (walker, mut legs, mut uses) = (Walker::new(&workload, space, None), Vec::new(), Vec::new());
+            let hits: Vec<[u32; 4]> = rays.iter().map(|ray| bits(&walker.trace(ray, &mut legs, &mut uses))).collect();
+            (hits, legs.iter().map(|leg| u64::from(leg.voxels)).sum::<u64>())
+        };
+        let (_, of_one) = voxels(Space::of(&whole));
+        let blocks = [CellPlane::new(grid, cells), joined].map(|plane| (plane, None));
+        let screen = pyramids.as_ref().map(|pyramids| (CellPlane::of_screen(cells), Some(pyramids)));
+        for (plane, pyramids) in blocks.into_iter().chain(screen) {
+            let amounts = work(plane.size());
+            let Ok(cut) = Regions::of_equal_work(plane, &amounts, regions) else { continue };
+            let (found, visited) = voxels(Space { pyramids, ..Space::of(&cut) });
+            prop_assert_eq!(&found, &expected, "{}", if pyramids.is_some() { "pyramids" } else { "blocks" });
+            prop_assert!(if pyramids.is_some() { visited >= of_one } else { visited == of_one }, "{} {}", visited, of_one);
         }
     }
 }

@@ -453,13 +453,15 @@ def ipsc2(
     scene: _Path | None = None,
     *,
     config: _Path | Mapping[str, Any] | Run | None = None,
+    why: bool = False,
     threads: int | None = None,
     progress: bool | None = None,
     **parameters: Unpack[CubeParameters],
 ) -> Run:
     """Makes an image on the nodes of an iPSC/2, a hypercube.
 
-    Takes the parameters by the names of the flags of `pcs-sim ipsc2`. `config` is an image to be made again.
+    Takes the parameters by the names of the flags of `pcs-sim ipsc2`. `config` is an image to be made again. `why` adds
+    the critical path to what is seen and saved.
     """
 
 def replay(

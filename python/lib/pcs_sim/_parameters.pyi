@@ -41,6 +41,9 @@ class MachineChanges(TypedDict, total=False):
     z_fifo_words: int | None
     """Depth of each FIFO of Z (words)."""
 
+    message_us: float | None
+    """Sending or taking a message (µs)."""
+
     host_filter_us: float | None
     """Host's time for testing a sample (µs)."""
 
@@ -131,6 +134,9 @@ class RunParameters(MachineParameters, total=False):
     forward_ahead: int | None
     """Rays passed on ahead."""
 
+    rays_per_message: int | None
+    """Rays in a message."""
+
     bounded_walk: bool | None
     """Walk bounded by the hit from the left."""
 
@@ -196,6 +202,9 @@ class ImageParameters(MachineParameters, total=False):
 
     forward_ahead: int | None
     """Rays passed on ahead."""
+
+    rays_per_message: int | None
+    """Rays in a message."""
 
     bounded_walk: bool | None
     """Walk bounded by the hit from the left."""
@@ -451,6 +460,9 @@ class CubeParameters(TypedDict, total=False):
 
     cell_grid: int | None
     """Cells along a side."""
+
+    cell_cuts: str | None
+    """Cuts of the cells."""
 
     grids: str | None
     """Grids."""

@@ -160,10 +160,15 @@ impl TaskGraph {
 
     /// What a ray takes where all of the scene is one region.
     pub fn time_in_one(&self, ray: u32, times: &KernelTimes) -> WorkTimes {
-        let added_up = || self.legs_of(ray).iter().fold(Leg::default(), Leg::joined);
-        let whole = self.in_one.get(ray as usize).copied().unwrap_or_else(added_up);
+        let whole = self.in_one(ray);
         let shading = if self.rays[ray as usize].shaded { times.host.hit } else { Cycles(0) };
         WorkTimes { shading, ..whole.time(times) }
+    }
+
+    /// What a ray does there, as one leg.
+    pub(super) fn in_one(&self, ray: u32) -> Leg {
+        let added_up = || self.legs_of(ray).iter().fold(Leg::default(), Leg::joined);
+        self.in_one.get(ray as usize).copied().unwrap_or_else(added_up)
     }
 
     /// Tells what is wrong with a graph that was read from a file: nothing in it may lead out of it.

@@ -5,6 +5,7 @@
 //! its cache for a look-up each time, else it asks the home for it and waits. The home is interrupted: a helper of it serves the page, and
 //! what that took the node makes good before its next ray, unless it was waiting itself.
 
+use super::causes::{self, LOOK_UP, PIXEL, SERVE, takes};
 use super::graph::{PageUses, TaskGraph};
 use super::lru::Lru;
 use super::messages::{MessageKind, PACKET_PIXELS, PAGE_HEAD_BYTES, TOKEN_BYTES, WORD_BYTES, packet_bytes};
@@ -13,9 +14,10 @@ use super::states::{
     GRID, IDLE, INTERSECTION, LOOKUP, PIXELS, RECEIVING, SENDING, SERVING, SHADING, SLABS, WAITING, WAITING_PAGE,
     topology,
 };
-use crate::machine::events::{Act, Cube, Delivery, Message, Sender};
+use crate::machine::events::{Act, Cube, Delivery, Explanation, Message, Sender, Work};
 use crate::machine::{Cycles, Ipsc2};
-use crate::measure::{StateId, Topology};
+use crate::measure::{Actor, CriticalPath, StateId, Topology};
+use crate::seam::Unit;
 
 /// What is in a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +54,8 @@ pub struct MemoryNodes<'a> {
     host: Host,
     /// Nodes that have not ended.
     at_work: usize,
+    /// Whether it is told what rays consist of.
+    explains: bool,
     /// What is counted.
     pub seen: Seen,
 }
@@ -80,6 +84,8 @@ struct Node {
     cache: Lru,
     /// The rays of the pixel under way that are still to come.
     rays: std::ops::Range<u32>,
+    /// Whether it has told what its ray consists of, where that is told.
+    has_told: bool,
     /// How many of its ray's pages it has read.
     read: usize,
     /// What it has served while it worked, and not made good.
@@ -142,6 +148,7 @@ impl<'a> MemoryNodes<'a> {
             nodes: own.into_iter().map(|pixels| Node::new(pixels, cache.clone())).collect(),
             host: Host { waits, untold, tiles, given: 0, takes: None, has_ended: false },
             at_work: count,
+            explains: false,
             seen,
         })
     }
@@ -157,6 +164,33 @@ impl<'a> MemoryNodes<'a> {
     /// Tasks behind the host, which serve pages: one a node.
     pub fn helpers(&self) -> usize {
         self.nodes.len()
+    }
+
+    /// Lets the nodes tell what they spend their time on, and by what names.
+    pub fn explain(&mut self) -> Explanation {
+        self.explains = true;
+        causes::explanation(self.machine, self.uses.page_bytes, causes::of_rays(self.graph))
+    }
+
+    /// What a node spends on sending a message, by what is in it; what it takes to send a page is part of serving.
+    pub fn sending(note: &PageNote) -> Option<Unit> {
+        match note {
+            PageNote::Page => None,
+            PageNote::Pixels(_) => Some(causes::sends(MessageKind::Calculation)),
+            PageNote::Wants(_) | PageNote::Asks(_) | PageNote::Tile(_) => Some(causes::sends(MessageKind::Information)),
+        }
+    }
+
+    /// What helpers do is told of their nodes.
+    pub fn told_of_nodes(&self, path: &mut CriticalPath) {
+        let host = self.nodes.len();
+        for part in path.bins.iter_mut().flatten() {
+            if let Actor::Station(task) = &mut part.at
+                && *task > host
+            {
+                *task -= host + 1;
+            }
+        }
     }
 
     /// Whether the host has all pixels, and all nodes know.
@@ -187,7 +221,7 @@ impl<'a> MemoryNodes<'a> {
                 PageNote::Pixels(count) => (MessageKind::Calculation, packet_bytes(count)),
                 _ => (MessageKind::Information, TOKEN_BYTES),
             };
-            return Act::Spend(RECEIVING, self.took(kind, bytes));
+            return Act::Work(RECEIVING, self.took(kind, bytes), takes(kind));
         }
         match self.host.takes.take() {
             Some(PageNote::Asks(node)) => return self.give_tile(node),
@@ -222,7 +256,7 @@ impl<'a> MemoryNodes<'a> {
     fn serve(&mut self, node: usize, taken: Option<PageNote>) -> Act<PageNote> {
         if let Some(PageNote::Wants(asker)) = taken {
             self.nodes[node].serves = Some(asker);
-            return Act::Spend(SERVING, self.machine.costs.serve);
+            return Act::Work(SERVING, self.machine.costs.serve, SERVE);
         }
         let Some(asker) = self.nodes[node].serves.take() else { return Act::Receive(Sender::Anyone, IDLE) };
         if !self.nodes[node].waits {
@@ -238,7 +272,8 @@ impl<'a> MemoryNodes<'a> {
         let machine = self.machine;
         if let Some(PageNote::Tile(tile)) = taken {
             self.nodes[task].next = Next::GetsTile(tile);
-            return Act::Spend(RECEIVING, self.took(MessageKind::Information, WORD_BYTES));
+            let time = self.took(MessageKind::Information, WORD_BYTES);
+            return Act::Work(RECEIVING, time, takes(MessageKind::Information));
         }
         let node = &mut self.nodes[task];
         match node.next {
@@ -247,7 +282,7 @@ impl<'a> MemoryNodes<'a> {
                 node.begun += 1;
                 node.rays = self.graph.tree(tree as usize);
                 node.next = Next::Ray;
-                Act::Spend(PIXELS, machine.costs.pixel)
+                Act::Work(PIXELS, machine.costs.pixel, PIXEL)
             }
             Next::AwaitsTile => Act::Receive(Sender::Anyone, WAITING),
             Next::GetsTile(None) => self.end(task, now),
@@ -263,7 +298,7 @@ impl<'a> MemoryNodes<'a> {
             Next::Ray => {
                 node.read = 0;
                 node.next = Next::Starts;
-                Act::Spend(SERVING, std::mem::take(&mut node.owes))
+                Act::Work(SERVING, std::mem::take(&mut node.owes), SERVE)
             }
             Next::Starts => {
                 node.next = Next::Reads;
@@ -288,9 +323,14 @@ impl<'a> MemoryNodes<'a> {
                 node.waits = false;
                 node.next = Next::Reads;
                 let bytes = PAGE_HEAD_BYTES + u64::from(self.uses.page_bytes);
-                Act::Spend(RECEIVING, self.took(MessageKind::RealObject, bytes))
+                Act::Work(RECEIVING, self.took(MessageKind::RealObject, bytes), takes(MessageKind::RealObject))
+            }
+            Next::Works if self.explains && !node.has_told => {
+                node.has_told = true;
+                Act::Work(GRID, Cycles(0), Work::Piece(node.rays.start))
             }
             Next::Works => {
+                node.has_told = false;
                 node.next = Next::Worked;
                 let time = self.graph.time_in_one(node.rays.start, &machine.times);
                 Act::SpendEach([
@@ -330,7 +370,7 @@ impl<'a> MemoryNodes<'a> {
                 break;
             }
         }
-        Act::Spend(LOOKUP, Cycles(lookups * self.machine.costs.lookup.0))
+        Act::Work(LOOKUP, Cycles(lookups * self.machine.costs.lookup.0), LOOK_UP)
     }
 
     fn end_pixel(&mut self, task: usize, now: Cycles) -> Act<PageNote> {
@@ -395,6 +435,7 @@ impl Node {
             packet: 0,
             cache,
             rays: 0..0,
+            has_told: false,
             read: 0,
             owes: Cycles(0),
             waits: false,

@@ -6,6 +6,7 @@
 //! What each ray makes each region do does not depend on the clock: that is worked out before, as a [`TaskGraph`]. Who does it when is what
 //! the nodes find out as they run in [`events`](crate::machine::events).
 
+mod causes;
 mod graph;
 mod lru;
 mod mapping;
@@ -31,4 +32,4 @@ pub use seen::{NodeSeen, Seen};
 pub use states::topology;
 pub use stuck::{Stuck, Waiting};
 pub use token::{Account, Token};
-pub use walker::{PageMap, Walker};
+pub use walker::{PageMap, Space, Walker};

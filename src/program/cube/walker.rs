@@ -3,16 +3,33 @@
 use std::ops::ControlFlow;
 
 use super::graph::Leg;
-use crate::geometry::{Grid, Hit, Polygons, Ray, RaySlabs, Regions};
+use crate::geometry::{Grid, Hit, Polygons, Pyramids, Ray, RaySlabs, Regions};
 use crate::program::Workload;
 
 /// Traces rays through the regions of a scene. Each thread has its own.
 #[derive(Debug)]
 pub struct Walker<'a> {
     workload: &'a Workload,
-    regions: &'a Regions,
+    space: Space<'a>,
     pages: Option<PageMap>,
-    own: &'a [Grid],
+}
+
+/// How a scene is told apart into regions.
+#[derive(Clone, Copy, Debug)]
+pub struct Space<'a> {
+    /// The regions.
+    pub regions: &'a Regions,
+    /// Their own grids, if they have any.
+    pub own: &'a [Grid],
+    /// The pyramids that their cells are, if they are.
+    pub pyramids: Option<&'a Pyramids>,
+}
+
+impl<'a> Space<'a> {
+    /// Regions that are parts of the one grid.
+    pub fn of(regions: &'a Regions) -> Space<'a> {
+        Space { regions, own: &[], pyramids: None }
+    }
 }
 
 /// Where a scene is in a shared memory: the table of voxels, their lists, then the polygons.
@@ -68,13 +85,8 @@ impl PageMap {
 
 impl<'a> Walker<'a> {
     /// A walker through the grid of a workload that has one. With `pages`, it notes which are read.
-    pub fn new(workload: &'a Workload, regions: &'a Regions, pages: Option<PageMap>) -> Walker<'a> {
-        Walker { workload, regions, pages, own: &[] }
-    }
-
-    /// The same, where each region has a grid of its own, if there are any.
-    pub fn with_own_grids(self, own: &'a [Grid]) -> Walker<'a> {
-        Walker { own, ..self }
+    pub fn new(workload: &'a Workload, space: Space<'a>, pages: Option<PageMap>) -> Walker<'a> {
+        Walker { workload, space, pages }
     }
 
     /// The first hit of a ray where each region has a grid of its own. Adds its legs.
@@ -90,7 +102,7 @@ impl<'a> Walker<'a> {
         }
         let (mut hit, mut is_found, mut at) = (Hit::MISS, false, None);
         grid.walk(ray, strayed, |voxel| {
-            let region = self.regions.of_voxel(voxel.voxel);
+            let region = self.space.regions.of_voxel(voxel.voxel);
             if let Some((left, t_exit)) = at.replace((region, voxel.t_exit))
                 && left != region
             {
@@ -112,7 +124,7 @@ impl<'a> Walker<'a> {
             comes = true;
             ControlFlow::Break(())
         });
-        let regions = (0..self.regions.count() as u16).filter(|_| comes);
+        let regions = (0..self.space.regions.count() as u16).filter(|_| comes);
         let hits = regions.map(|region| self.walk_own(ray, strayed, (region, f32::INFINITY), legs));
         hits.fold(Hit::MISS, Hit::nearer)
     }
@@ -123,7 +135,7 @@ impl<'a> Walker<'a> {
         let slabs = &self.workload.layout.surfaces.slabs;
         let ray_slabs = RaySlabs::new(ray, polygons.largest_coordinate());
         let (mut leg, mut hit) = (Leg { region, ..Leg::default() }, Hit::MISS);
-        self.own[usize::from(region)].walk(ray, strayed, |voxel| {
+        self.space.own[usize::from(region)].walk(ray, strayed, |voxel| {
             leg.voxels += 1;
             for &polygon in voxel.polygons {
                 leg.slab_tests += 1;
@@ -150,8 +162,11 @@ impl<'a> Walker<'a> {
         let mut ray_slabs = None;
         let mut hit = Hit::MISS;
         let table = grid.table();
+        if let Some(pyramids) = self.space.pyramids.filter(|_| strayed == 0.0) {
+            return self.trace_pyramids((grid, pyramids), ray, legs);
+        }
         grid.walk(ray, strayed, |voxel| {
-            let region = self.regions.of_voxel(voxel.voxel);
+            let region = self.space.regions.of_voxel(voxel.voxel);
             let leg = leg_in(region, legs, first, strayed > 0.0);
             let leg = match leg {
                 Some(leg) => &mut legs[leg],
@@ -181,6 +196,49 @@ impl<'a> Walker<'a> {
                 }
             }
             if hit.t <= voxel.t_exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        hit
+    }
+}
+
+impl Walker<'_> {
+    /// The same where cells are pyramids: each voxel is visited in every region that the ray is in there. Between them what was hit
+    /// is forgotten, if it does not lie before the border.
+    fn trace_pyramids(&self, (grid, pyramids): (&Grid, &Pyramids), ray: &Ray, legs: &mut Vec<Leg>) -> Hit {
+        let polygons = self.workload.polygons();
+        let slabs = &self.workload.layout.surfaces.slabs;
+        let ray_slabs = RaySlabs::new(ray, polygons.largest_coordinate());
+        let mut way = pyramids.way(ray, grid.volume().entered_by(ray).unwrap_or(0.0));
+        let (first, mut hit) = (legs.len(), Hit::MISS);
+        grid.walk(ray, 0.0, |voxel| {
+            loop {
+                let region = self.space.regions.by_cell()[way.cell()];
+                if leg_in(region, legs, first, false).is_none() {
+                    legs.push(Leg { region, ..Leg::default() });
+                    hit = Hit::MISS;
+                }
+                if let Some(leg) = legs.last_mut() {
+                    leg.voxels += 1;
+                    for &polygon in voxel.polygons {
+                        leg.slab_tests += 1;
+                        if slabs.meets(&ray_slabs, polygon) {
+                            leg.intersection_tests += 1;
+                            hit = polygons.nearer(ray, polygon, hit);
+                        }
+                    }
+                }
+                // On to the next cell of another region, if that comes before the next voxel.
+                let by_cell = self.space.regions.by_cell();
+                while by_cell[way.cell()] == region
+                    && way.next() < f64::from(voxel.t_exit)
+                    && f64::from(hit.t) > way.next()
+                {
+                    way.advance();
+                }
+                if by_cell[way.cell()] == region {
+                    return if hit.t <= voxel.t_exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+                }
+            }
         });
         hit
     }

@@ -9,9 +9,12 @@ const LOSSES: [(&[&str], &str); 5] = [
     (&["sending", "receiving"], "send and take messages"),
     (&["lookup", "serving", "waiting page"], "look pages up, fetch and serve them"),
     (&["blocked"], "have rays for which queues have no room"),
-    (&["waiting"], "wait for rays"),
-    (&["idle"], "have nothing left to do while others still work"),
+    (&["waiting"], IDLING[0]),
+    (&["idle"], IDLING[1]),
 ];
+
+/// What nodes do while others have all to do.
+const IDLING: [&str; 2] = ["wait for rays", "have nothing left to do while others still work"];
 
 /// Names what limits a hypercube, and why.
 pub fn sentence(run: &Measured) -> String {
@@ -27,5 +30,13 @@ pub fn sentence(run: &Measured) -> String {
         return "The nodes compute all of the time.".to_owned();
     };
     let computing = percent(Cycles(whole.0 - lost.0), whole);
-    format!("The nodes compute {computing} of the time; for most of the rest they {told} ({}).", percent(most, whole))
+    let busiest = run.busiest().filter(|_| nodes.len() > 1 && IDLING.contains(&told));
+    let who = busiest.map_or(String::new(), |node| {
+        let works = percent(states.works(&run.stations[node]), run.cycles);
+        format!("; {} computes most, for {works}", run.topology.station(node))
+    });
+    format!(
+        "The nodes compute {computing} of the time; for most of the rest they {told} ({}){who}.",
+        percent(most, whole)
+    )
 }

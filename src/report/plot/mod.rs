@@ -4,7 +4,9 @@ mod cells;
 mod chart;
 pub mod curves;
 mod fifos;
+mod links;
 mod many;
+mod owners;
 mod pdf;
 mod rays;
 mod regions;
@@ -77,7 +79,7 @@ type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
 
 /// Draws all that a profile shows: the FIFOs' levels, their histograms, the cells' states, the rays done, and how long rays
 /// took; the rays on their way, of a line that was recorded; and the critical path, if it is known. There are nine
-/// pictures at the most (eleven with words on Z), however many cells there are. A machine without FIFOs has three, and one more of its regions.
+/// pictures at the most (eleven with words on Z), however many cells there are. A machine without FIFOs has three, and three more of its regions, if it has any.
 pub fn pictures(run: &Run<'_>) -> Result<Vec<Picture>, PlotError> {
     let Run { caption, clock, profile, recording, path, cell_names: names, regions } = *run;
     let scale = chart::TimeScale::new(profile.cycles, profile.bin, clock);
@@ -122,6 +124,8 @@ pub fn pictures(run: &Run<'_>) -> Result<Vec<Picture>, PlotError> {
     pictures.push(("latency".to_owned(), Box::new(draw)));
     if let Some(map) = regions {
         pictures.push(("regions".to_owned(), Box::new(move || render::render(&regions::Regions { caption, map }))));
+        pictures.push(("links".to_owned(), Box::new(move || render::render(&links::Links { caption, map, profile }))));
+        pictures.push(("owners".to_owned(), Box::new(move || render::render(&owners::Owners { caption, map }))));
     }
     render::bring_font()?;
     pictures.into_par_iter().map(|(name, draw)| Ok(Picture { name, rendered: draw()? })).collect()

@@ -7,6 +7,8 @@ use super::Caption;
 use super::chart::{self, font, rgb};
 use super::render::{Drawn, Figure};
 use crate::geometry::regions;
+use crate::host::camera::ImageSize;
+use crate::measure::LinkStats;
 use crate::report::palette::{self, Rgb};
 use crate::report::summary::grouped;
 
@@ -21,6 +23,10 @@ pub struct RegionMap<'a> {
     pub node_of: &'a [u16],
     /// Rays that each node sent to each, row by row.
     pub sent: &'a [u64],
+    /// The image's size, and the node that each pixel belongs to, line by line.
+    pub owners: (ImageSize, &'a [u16]),
+    /// The links: those out of node 0 by bit, those out of node 1, ..., from the host, to the host.
+    pub links: &'a [LinkStats],
 }
 
 /// The plane of cells with its regions, and the rays between nodes.
@@ -116,7 +122,7 @@ impl Regions<'_> {
 }
 
 /// White for nothing, the colour for the most, by the root in between.
-fn shade(color: Rgb, amount: u64, most: u64) -> RGBColor {
+pub(super) fn shade(color: Rgb, amount: u64, most: u64) -> RGBColor {
     let share = (amount as f64 / most.max(1) as f64).sqrt();
     let mixed = |channel: u8| (255.0 - share * (255.0 - f64::from(channel))).round() as u8;
     rgb(Rgb(mixed(color.0), mixed(color.1), mixed(color.2)))

@@ -2,16 +2,16 @@
 
 use std::convert::Infallible;
 
-use super::Percent;
 use super::spec::RegionSpec;
 use super::trees::{Traced, Tracing};
+use super::{CellCuts, Percent};
 use crate::error::InputError;
 use crate::geometry::partition::{SubVolume, assign};
 use crate::geometry::regions::Rectangle;
-use crate::geometry::{CellPlane, Grid, Regions};
+use crate::geometry::{CellPlane, Grid, Pyramids, Regions};
 use crate::host::camera::ImageSize;
 use crate::machine::Ipsc2;
-use crate::program::cube::Part;
+use crate::program::cube::{Part, Space};
 use crate::program::{NotLaidOut, Workload};
 use crate::run::render::Picture;
 use crate::run::{RunError, Workers};
@@ -51,13 +51,18 @@ impl Cut {
     pub(super) fn by_sample<E>(
         spec: &RegionSpec,
         picture: &Picture<'_>,
-        (grid, machine): (&Grid, &Ipsc2),
+        (grid, machine, pyramids): (&Grid, &Ipsc2, Option<&Pyramids>),
         workers: &Workers,
     ) -> Result<Cut, RunError<E>> {
-        let plane = CellPlane::new(grid, spec.cell_grid);
-        let of_cells = Regions::of_cells(plane.clone());
+        let sampled = match spec.cell_cuts {
+            CellCuts::Equal => CellPlane::new(grid, spec.cell_grid),
+            CellCuts::Quantiles => CellPlane::finest(grid),
+            CellCuts::Pyramids => CellPlane::of_screen(spec.cell_grid),
+        };
+        let of_cells = Regions::of_cells(sampled.clone());
         let pixels = lattice(picture.size, spec.sub_sample);
-        let tracing = Tracing { picture: *picture, regions: &of_cells, own: &[], pages: None, hits: false };
+        let space = Space { pyramids, ..Space::of(&of_cells) };
+        let tracing = Tracing { picture: *picture, space, pages: None, hits: false };
         let traced = tracing.trace((pixels.len(), |sample| pixels[sample]), workers, |_| Ok::<_, Infallible>(()));
         let traced = traced.map_err(|error| match error {
             RunError::Unfit(error) => RunError::Unfit(error),
@@ -65,12 +70,20 @@ impl Cut {
             // The others are of the timing half, or of an observer that cannot fail.
             other => RunError::Unfit(InputError::new(other.to_string())),
         })?;
-        let cells = work(&traced, machine, of_cells.count());
+        let work = work(&traced, machine, of_cells.count());
+        let (plane, cells, cell_of) = match spec.cell_cuts {
+            CellCuts::Quantiles => joined(&sampled, &work, spec.cell_grid),
+            CellCuts::Equal | CellCuts::Pyramids => (sampled, work, (0..of_cells.count() as u16).collect()),
+        };
         let regions = Regions::of_equal_work(plane, &cells, machine.nodes).map_err(|few| {
             InputError::new(few.to_string()).help("take fewer nodes, more --cell-grid, or a larger --grid-coefficient")
         })?;
-        let between = between(&traced, &regions);
-        let parts = parts(&regions, picture.workload);
+        let region_of: Vec<u16> = cell_of.iter().map(|&cell| regions.by_cell()[usize::from(cell)]).collect();
+        let between = between(&traced, &region_of, regions.count());
+        let parts = match pyramids {
+            Some(pyramids) => parts_of_pyramids(&regions, pyramids, (picture.workload, grid)),
+            None => parts(&regions, picture.workload),
+        };
         Ok(Cut { regions, sampled: pixels.len(), cells, between, parts })
     }
 
@@ -143,13 +156,21 @@ fn work(traced: &Traced, machine: &Ipsc2, cells: usize) -> Vec<u64> {
     work
 }
 
-/// The rays from each region to each other.
-fn between(traced: &Traced, regions: &Regions) -> Vec<u64> {
-    let count = regions.count();
+/// Cells joined of the finest, so that each row and column has an equal part of the work; their work, and which cell each of the finest
+/// is in.
+fn joined(finest: &CellPlane, work: &[u64], cells: u32) -> (CellPlane, Vec<u64>, Vec<u16>) {
+    let (plane, cell_of) = finest.quantiles(work, cells);
+    let mut sums = vec![0; plane.size().map(|side| side as usize).iter().product()];
+    cell_of.iter().zip(work).for_each(|(&cell, work)| sums[usize::from(cell)] += work);
+    (plane, sums, cell_of)
+}
+
+/// The rays from each of so many regions to each other, of which `region_of` tells that of each cell.
+fn between(traced: &Traced, region_of: &[u16], count: usize) -> Vec<u64> {
     let mut between = vec![0; count * count];
     for ray in 0..traced.graph.rays.len() as u32 {
         for pair in traced.graph.legs_of(ray).windows(2) {
-            let [from, to] = [pair[0], pair[1]].map(|leg| usize::from(regions.by_cell()[usize::from(leg.region)]));
+            let [from, to] = [pair[0], pair[1]].map(|leg| usize::from(region_of[usize::from(leg.region)]));
             if from != to {
                 between[from * count + to] += 1;
             }
@@ -160,15 +181,32 @@ fn between(traced: &Traced, regions: &Regions) -> Vec<u64> {
 
 /// Each region's part of the scene: the polygons that its voxels list.
 fn parts(regions: &Regions, workload: &Workload) -> Vec<Part> {
+    parts_by(regions, workload, |voxel| 1 << regions.of_voxel(voxel))
+}
+
+/// The same of pyramids: a voxel is in all regions that some of it may be in.
+fn parts_of_pyramids(regions: &Regions, pyramids: &Pyramids, (workload, grid): (&Workload, &Grid)) -> Vec<Part> {
+    let across = regions.plane().size()[0];
+    parts_by(regions, workload, |voxel| {
+        let [xs, ys] = pyramids.cells_of(grid.bounds_of(voxel));
+        let cells = ys.flat_map(|y| xs.clone().map(move |x| (x + across * y) as usize));
+        cells.fold(0u128, |held, cell| held | 1 << regions.by_cell()[cell])
+    })
+}
+
+/// The same where `held_by` tells the regions of a voxel, a bit each.
+fn parts_by(regions: &Regions, workload: &Workload, held_by: impl Fn(usize) -> u128) -> Vec<Part> {
     let mut parts = vec![Part::default(); regions.count()];
     let mut voxels = vec![0u64; regions.count()];
     let polygons = workload.polygons();
     let mut held = vec![0u128; polygons.len()];
     for (voxel, list) in workload.grids().flat_map(|grid| grid.lists().enumerate()) {
-        let region = usize::from(regions.of_voxel(voxel));
-        voxels[region] += 1;
-        parts[region].references += list.len() as u64;
-        list.iter().for_each(|&polygon| held[polygon as usize] |= 1 << region);
+        let of_voxel = held_by(voxel);
+        for region in (0..parts.len()).filter(|region| of_voxel & 1 << region != 0) {
+            voxels[region] += 1;
+            parts[region].references += list.len() as u64;
+        }
+        list.iter().for_each(|&polygon| held[polygon as usize] |= of_voxel);
     }
     for (polygon, &held) in held.iter().enumerate() {
         let bytes = WORD_BYTES * polygons.record_words(polygon as u32);

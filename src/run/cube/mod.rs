@@ -16,7 +16,7 @@ use glam::Vec3;
 use super::{RunError, Watching, Workers};
 use crate::cancel::Cancel;
 use crate::error::InputError;
-use crate::geometry::{CellPlane, Hit, Polygons, Regions};
+use crate::geometry::{CellPlane, Eye, Hit, Polygons, Pyramids, Regions};
 use crate::host::camera::ImageSize;
 use crate::host::order::Order;
 use crate::host::sampling::Pass;
@@ -24,8 +24,8 @@ use crate::machine::events::{Act, Events};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
 use crate::measure::{Measured, Observed, Recording, Topology};
 use crate::program::cube::{
-    Dealt, MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, TaskGraph, gray_order, highest_rank,
-    swapped, topology,
+    Dealt, MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, Space, TaskGraph, gray_order,
+    highest_rank, swapped, topology,
 };
 use crate::run::one_cell::Whole;
 use crate::run::render::Picture;
@@ -34,8 +34,8 @@ use crate::run::trees::ByKind;
 pub use calibrate::{Calibrated, Known, KnownTime};
 pub use cut::Cut;
 pub use options::{
-    CubeMode, CubeOptions, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent, PixelOrder,
-    PixelsOf, QueueRays, Termination,
+    CellCuts, CubeMode, CubeOptions, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent,
+    PixelOrder, PixelsOf, QueueRays, Termination,
 };
 pub use spec::{CubeSpec, RegionSpec};
 use trees::{Traced, Tracing};
@@ -87,6 +87,8 @@ pub struct CubeOutcome {
     pub phases: Phases,
     /// Each region's node.
     pub node_of: Vec<u16>,
+    /// The node that each pixel belongs to, if nodes have regions.
+    pub owners: Vec<u16>,
     /// Each node's part of the scene.
     pub parts: Vec<Part>,
     /// The slots of each node, if these are limited.
@@ -184,7 +186,8 @@ impl CubeSpec {
         let (scene, workload) = whole.lay_out(machine.times, &workers.cancel)?;
         let (sampling, limits) = (self.sampling(), self.limits());
         let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
-        let mut cut = self.cut(&picture, &machine, workers)?;
+        let pyramids = self.pyramids(&picture)?;
+        let mut cut = self.cut(&picture, &machine, pyramids.as_ref(), workers)?;
         let own = match self.regions.map(|regions| regions.grids) {
             Some(Grids::Own) => cut.own_grids(&workload, self.rays.grid_coefficient, workers)?,
             _ => Vec::new(),
@@ -194,7 +197,8 @@ impl CubeSpec {
             Some((PageMap::new(grid, workload.polygons(), bytes), bytes))
         });
         let pass = Pass::first(self.size, sampling, Order::Raster);
-        let tracing = Tracing { picture, regions: &cut.regions, own: &own, pages, hits: keeps_hits };
+        let space = Space { regions: &cut.regions, own: &own, pyramids: pyramids.as_ref() };
+        let tracing = Tracing { picture, space, pages, hits: keeps_hits };
         let traced = tracing.pass(&pass, workers, observe)?;
         let pixels = traced.pixels(pass.per_pixel());
         let polygons = workload.polygons();
@@ -213,14 +217,35 @@ impl CubeSpec {
     }
 
     /// The regions of a scene, or all of it as one.
-    fn cut<E>(&self, picture: &Picture<'_>, machine: &Ipsc2, workers: &Workers) -> Result<Cut, RunError<E>> {
+    fn cut<E>(
+        &self,
+        picture: &Picture<'_>,
+        machine: &Ipsc2,
+        pyramids: Option<&Pyramids>,
+        workers: &Workers,
+    ) -> Result<Cut, RunError<E>> {
         let Some(grid) = picture.workload.grids().next() else {
             return Err(InputError::new("the scene has no grid").into());
         };
         match &self.regions {
             None => Ok(Cut::none(Regions::whole(CellPlane::new(grid, 1)), picture.workload)),
-            Some(spec) => Cut::by_sample(spec, picture, (grid, machine), workers),
+            Some(spec) => Cut::by_sample(spec, picture, (grid, machine, pyramids), workers),
         }
+    }
+
+    /// The pyramids that are the regions' cells, if they are.
+    ///
+    /// Fails if the eye does not have all of the scene before it.
+    fn pyramids(&self, picture: &Picture<'_>) -> Result<Option<Pyramids>, InputError> {
+        let asked = self.regions.filter(|regions| regions.cell_cuts == CellCuts::Pyramids);
+        let Some((regions, grid)) = asked.zip(picture.workload.grids().next()) else { return Ok(None) };
+        let eye = Eye::of(&picture.scene.camera);
+        let pyramids = Pyramids::new(eye, grid.volume(), regions.cell_grid);
+        let around = || {
+            InputError::new("pyramids start at the eye, which does not have all of the scene before it")
+                .help("take other --cell-cuts, or another scene")
+        };
+        pyramids.map(Some).ok_or_else(around)
     }
 
     /// Lets the nodes run.
@@ -242,14 +267,17 @@ impl CubeSpec {
         let slots = self.slots(&parts, machine)?;
         let phases = prepare(machine, &parts);
         let highest_rank = highest_rank(&scene.graph);
+        let owners = self.regions.map(|spec| self.owners(&spec, &scene.graph, &node_of)).unwrap_or_default();
         let (stats, observed, seen) = match &self.regions {
             Some(spec) => {
                 self.check_slots(slots, highest_rank)?;
                 let rules = spec.rules(slots.unwrap_or(0));
-                let owners = self.owners(spec, &scene.graph, &node_of);
                 let order = order(spec, scene.graph.trees.len());
                 let mut nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), rules);
-                let events = watched(nodes.topology(), 0, machine, watching);
+                let mut events = watched(nodes.topology(), 0, machine, watching);
+                if watching.path {
+                    events = events.explained(nodes.explain(), RegionNodes::sending);
+                }
                 let events = drive(&mut nodes, events, (RegionNodes::next, RegionNodes::is_over), cancel)?;
                 if !nodes.is_over() {
                     return Err(nodes.stuck().into());
@@ -262,13 +290,28 @@ impl CubeSpec {
                 let Some(mut nodes) = nodes else {
                     return Err(InputError::new("it was not recorded which pages the rays read").into());
                 };
-                let events = watched(nodes.topology(), nodes.helpers(), machine, watching);
+                let mut events = watched(nodes.topology(), nodes.helpers(), machine, watching);
+                if watching.path {
+                    events = events.explained(nodes.explain(), MemoryNodes::sending);
+                }
                 let events = drive(&mut nodes, events, (MemoryNodes::next, MemoryNodes::is_over), cancel)?;
-                let (stats, observed) = events.stop(|task| nodes.rests(task));
+                let (stats, mut observed) = events.stop(|task| nodes.rests(task));
+                observed.path.iter_mut().for_each(|path| nodes.told_of_nodes(path));
                 (stats, observed, nodes.seen)
             }
         };
-        Ok(CubeOutcome { stats, observed, seen, one_node, phases, node_of, parts, slots, highest_rank })
+        Ok(CubeOutcome {
+            stats,
+            observed,
+            seen,
+            one_node,
+            phases,
+            node_of,
+            owners: self.of_pixels(owners),
+            parts,
+            slots,
+            highest_rank,
+        })
     }
 
     /// Each region's node.
@@ -339,6 +382,11 @@ impl CubeSpec {
             PixelsOf::Shared => (tree / per_pixel % node_of.len()) as u16,
         };
         (0..graph.trees.len()).map(owner).collect()
+    }
+
+    /// The owners of pixels, of those of their samples: the first one's.
+    fn of_pixels(&self, owners: Vec<u16>) -> Vec<u16> {
+        owners.into_iter().step_by((self.rays.samples as usize).pow(2).max(1)).collect()
     }
 
     /// The trees of nodes that share a memory.

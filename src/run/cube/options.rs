@@ -24,6 +24,9 @@ parameters! {
         /// Cells along each side of the plane from which regions are made [default: 64].
         #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(1..=128)))]
         cell_grid: u32, "N", Whole, "cells along a side";
+        /// How cells are cut: of equal width (equal), so that each row and column has an equal part of the work (quantiles), or as
+        /// pyramids from the eye, in which its rays stay (pyramids) [default: equal].
+        cell_cuts: CellCuts, "HOW", Text, "cuts of the cells";
         /// Whose grid a node walks through: the part of the scene's one grid that is in its region, or one of its own that fits its
         /// polygons [default: one].
         grids: Grids, "WHOSE", Text, "grids";
@@ -98,6 +101,16 @@ choices! {
         /// With pairs swapped from there on.
         #[default]
         Swapped = "swapped",
+    }
+    /// How cells are cut.
+    CellCuts {
+        /// All as wide.
+        #[default]
+        Equal = "equal",
+        /// With an equal part of the work in each row and column.
+        Quantiles = "quantiles",
+        /// On the screen.
+        Pyramids = "pyramids",
     }
     /// Whose grid a node walks through.
     Grids {

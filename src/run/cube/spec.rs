@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::options::{
-    CubeMode, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent, PixelOrder, PixelsOf,
-    QueueRays, Termination,
+    CellCuts, CubeMode, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent, PixelOrder,
+    PixelsOf, QueueRays, Termination,
 };
 use crate::error::InputError;
 use crate::host::camera::ImageSize;
@@ -60,6 +60,9 @@ pub struct RegionSpec {
     pub sub_sample: Percent,
     /// Cells along each side of the plane.
     pub cell_grid: u32,
+    /// How they are cut.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub cell_cuts: CellCuts,
     /// Whose grid a node walks through.
     #[serde(default, skip_serializing_if = "is_default")]
     pub grids: Grids,
@@ -100,6 +103,7 @@ impl Default for RegionSpec {
         RegionSpec {
             sub_sample: Percent(1.5),
             cell_grid: 64,
+            cell_cuts: CellCuts::default(),
             grids: Grids::default(),
             mapping: Mapping::default(),
             flow: FlowKind::default(),
@@ -124,6 +128,7 @@ impl RegionSpec {
         RegionSpec {
             sub_sample: asked.sub_sample.unwrap_or(below.sub_sample),
             cell_grid: asked.cell_grid.unwrap_or(below.cell_grid),
+            cell_cuts: asked.cell_cuts.unwrap_or(below.cell_cuts),
             grids: asked.grids.unwrap_or(below.grids),
             mapping: asked.mapping.unwrap_or(below.mapping),
             flow,
@@ -160,6 +165,10 @@ impl RegionSpec {
             let error =
                 InputError::new("a window counts pixels that are done, which --termination token does not tell");
             return Err(error.help("ask for --termination credit, or for another --flow"));
+        }
+        if self.cell_cuts == CellCuts::Pyramids && self.grids == Grids::Own {
+            let error = InputError::new("pyramids are cut out of the one grid, and --grids own has others");
+            return Err(error.help("ask for --grids one, or for other --cell-cuts"));
         }
         let Percent(share) = self.sub_sample;
         if !(share > 0.0 && share <= 100.0) {
@@ -259,7 +268,7 @@ impl CubeSpec {
             machine,
             distribution: _,
         } = self;
-        let regions = regions.map(|regions| (regions.sub_sample, regions.cell_grid, regions.grids));
+        let regions = regions.map(|regions| (regions.sub_sample, regions.cell_grid, regions.cell_cuts, regions.grids));
         let cut = regions.map(|regions| (regions, machine.nodes, machine.times_us));
         Key::of((scene, size_factor, resolution, size, rays, cut, page_bytes))
     }

@@ -3,11 +3,11 @@
 use glam::{DVec3, Vec3};
 
 use crate::error::InputError;
-use crate::geometry::{Grid, Hit, Regions};
+use crate::geometry::Hit;
 use crate::host::camera::View;
 use crate::host::sampling::Pass;
 use crate::host::shading::{Branch, RayKind, Shader};
-use crate::program::cube::{Leg, PageMap, PageUses, RayTask, TaskGraph, Walker};
+use crate::program::cube::{Leg, PageMap, PageUses, RayTask, Space, TaskGraph, Walker};
 use crate::run::render::Picture;
 use crate::run::trees::{ByKind, grow};
 use crate::run::{RunError, Workers, ahead};
@@ -21,9 +21,7 @@ pub struct Tracing<'a> {
     /// What is to be seen.
     pub picture: Picture<'a>,
     /// The regions.
-    pub regions: &'a Regions,
-    /// The regions' own grids, if they have any.
-    pub own: &'a [Grid],
+    pub space: Space<'a>,
     /// Where the scene is in a shared memory, if it is noted what rays read there.
     pub pages: Option<(PageMap, u32)>,
     /// Whether the hits are kept.
@@ -96,11 +94,11 @@ impl Tracing<'_> {
         let Picture { scene, workload, size, limits, .. } = self.picture;
         let shader = Shader::new(scene, workload.polygons(), limits);
         let worker = || Grower {
-            walker: Walker::new(workload, self.regions, self.pages.map(|(map, _)| map)).with_own_grids(self.own),
-            has_own_grids: !self.own.is_empty(),
+            walker: Walker::new(workload, self.space, self.pages.map(|(map, _)| map)),
+            has_own_grids: !self.space.own.is_empty(),
             shader: &shader,
             view: View::new(&scene.camera, size),
-            regions: self.regions.count() as u16,
+            regions: self.space.regions.count() as u16,
             keeps_hits: self.hits,
             branches: Vec::new(),
             parents: Vec::new(),
@@ -121,7 +119,7 @@ impl Tracing<'_> {
             observe(all.graph.trees.len()).map_err(RunError::Observer)?;
             Ok::<_, RunError<E>>(batch)
         })?;
-        all.graph.regions = self.regions.count();
+        all.graph.regions = self.space.regions.count();
         if let (Some(uses), Some((map, page_bytes))) = (&mut all.graph.pages, self.pages) {
             (uses.pages, uses.page_bytes) = (map.pages(), page_bytes);
         }

@@ -112,6 +112,8 @@ struct Node {
     stop: bool,
     woken: bool,
     longest: usize,
+    queued: u64,
+    full: u64,
 }
 
 struct Cube<'a> {
@@ -207,6 +209,12 @@ impl Cube<'_> {
                 return Err(Stopped::Stuck);
             }
             for node in &mut self.nodes {
+                node.queued += (node.own.len() + node.received.len()) as u64;
+                node.full += u64::from(match self.rules.flow {
+                    Flow::Block(_) => node.free == 0,
+                    Flow::Classes(_) => node.free <= self.r,
+                    Flow::Unlimited | Flow::Window(_) => false,
+                });
                 match node.times.last_mut() {
                     Some((state, until)) if state == node.state => *until += 1,
                     _ => node.times.push((node.state.to_owned(), self.now + 1)),
@@ -639,6 +647,7 @@ impl Cube<'_> {
             }
         }
         out.longest_queues = self.nodes[..host].iter().map(|node| node.longest).collect();
+        out.queues = self.nodes[..host].iter().map(|node| (node.queued, node.full)).collect();
         out.tasks = self.nodes.iter().map(|node| node.times.clone()).collect();
         out.links = self.wires.taken();
         out

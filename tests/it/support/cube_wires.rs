@@ -17,6 +17,8 @@ pub struct Ticked {
     pub told_at: u64,
     pub probes: u64,
     pub longest_queues: Vec<usize>,
+    /// The rays that waited in each cycle, summed up, and the cycles without a slot for a pixel's ray.
+    pub queues: Vec<(u64, u64)>,
 }
 
 /// The links, each by its two ends: until when it is taken, and for how long it was. The host is the number behind the nodes.

@@ -83,7 +83,7 @@ pub fn tick(machine: &Ipsc2, graph: &TaskGraph, dealt: Dealt) -> (Ticked, Vec<u6
         Dealt::AsAsked(tiles) => Some(tiles),
     };
     let untold = if tiles.is_some() { count } else { 0 };
-    let out = Ticked { longest_queues: vec![0; count], ..Ticked::default() };
+    let out = Ticked { longest_queues: vec![0; count], queues: vec![(0, 0); count], ..Ticked::default() };
     let (wires, trees) = (Wires::new(machine), graph.trees.len());
     let room = (room as usize).clamp(1, uses.pages as usize);
     let mut memory =

@@ -3,6 +3,7 @@
 use super::{Ends, Next, Note, RegionNodes};
 use crate::machine::Cycles;
 use crate::machine::events::Act;
+use crate::program::cube::causes::takes;
 use crate::program::cube::messages::{MessageKind, PACKET_PIXELS, TOKEN_BYTES, WORD_BYTES, packet_bytes};
 use crate::program::cube::states::RECEIVING;
 
@@ -43,7 +44,7 @@ impl RegionNodes<'_> {
         // under way.
         let was_sent = task > 0 || self.seen.probes > 0;
         let time = if was_sent { self.took(MessageKind::Information, TOKEN_BYTES).max(Cycles(1)) } else { Cycles(0) };
-        Some(Act::Spend(RECEIVING, time))
+        Some(Act::Work(RECEIVING, time, takes(MessageKind::Information)))
     }
 
     /// Passes the token on, or knows that all is over.

@@ -11,6 +11,7 @@ mod placing;
 
 use std::collections::VecDeque;
 
+use super::causes::{self, PIXEL, takes};
 use super::graph::TaskGraph;
 use super::mapping::gray_order;
 use super::messages::{MessageKind, RAY_BYTES, RESULT_BYTES, WORD_BYTES, packet_bytes};
@@ -19,9 +20,10 @@ use super::seen::{NodeSeen, Seen};
 use super::states::{BLOCKED, GRID, IDLE, INTERSECTION, PIXELS, RECEIVING, SENDING, SHADING, SLABS, WAITING, topology};
 use super::token::{Account, Token};
 use crate::host::shading::RayKind;
-use crate::machine::events::{Act, Cube, Delivery, Message, Sender};
+use crate::machine::events::{Act, Cube, Delivery, Explanation, Message, Sender, Work};
 use crate::machine::{Cycles, Ipsc2};
 use crate::measure::{StateId, Topology};
+use crate::seam::Unit;
 
 /// How it is found out that all is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,9 +102,13 @@ pub struct RegionNodes<'a> {
     /// The order of nodes in which the token goes round.
     ring: Vec<u16>,
     ages: u64,
+    /// What time it is.
+    now: u64,
     /// Nodes that have nothing else to do than to wait for a slot somewhere, a bit each.
     blocked: u128,
     over: bool,
+    /// Whether it is told what legs consist of.
+    explains: bool,
     /// What is counted.
     pub seen: Seen,
 }
@@ -126,6 +132,9 @@ struct Node {
     /// Pixels that are done and not sent to the host.
     packet: u32,
     slots: Slots,
+    /// How many rays wait, and since when there are so many; since when no slot is free for a pixel.
+    queue: (usize, u64),
+    full_since: Option<u64>,
     account: Account,
     has_stopped: bool,
     /// Since when it has nothing to do.
@@ -195,8 +204,10 @@ impl<'a> RegionNodes<'a> {
             ranks,
             ring: gray_order(count),
             ages: 0,
+            now: 0,
             blocked: 0,
             over: graph.trees.is_empty(),
+            explains: false,
             seen,
         }
     }
@@ -208,6 +219,21 @@ impl<'a> RegionNodes<'a> {
 
     /// The states of a node that sends, and of one that has nothing left to do.
     pub const SENDING_AND_IDLE: (StateId, StateId) = (SENDING, IDLE);
+
+    /// Lets the nodes tell what they spend their time on, and by what names.
+    pub fn explain(&mut self) -> Explanation {
+        self.explains = true;
+        causes::explanation(self.machine, 0, causes::of_legs(self.graph))
+    }
+
+    /// What a node spends on sending a message, by what is in it.
+    pub fn sending(note: &Note) -> Option<Unit> {
+        Some(causes::sends(match note {
+            Note::Ray(_) => MessageKind::VirtualObject,
+            Note::Result(_) | Note::Pixels(..) => MessageKind::Calculation,
+            Note::Asks(_) | Note::Gives(_) | Note::Token(_) | Note::Stop => MessageKind::Information,
+        }))
+    }
 
     /// Whether the host has all pixels.
     pub fn is_over(&self) -> bool {
@@ -221,6 +247,7 @@ impl<'a> RegionNodes<'a> {
 
     /// What a task does next, given the time and the message that it has just taken, if it did.
     pub fn next(&mut self, task: usize, now: Cycles, taken: Option<Note>) -> Act<Note> {
+        self.now = now.0;
         if task == self.nodes.len() {
             return self.host(now, taken);
         }
@@ -257,7 +284,7 @@ impl<'a> RegionNodes<'a> {
         if let Some(Note::Pixels(count, is_last)) = taken {
             let time = self.took(MessageKind::Calculation, packet_bytes(count));
             self.host_takes = count + u32::from(is_last);
-            return Act::Spend(RECEIVING, time);
+            return Act::Work(RECEIVING, time, takes(MessageKind::Calculation));
         }
         self.host_waits -= std::mem::take(&mut self.host_takes) as usize;
         if self.host_waits > 0 {
@@ -292,10 +319,30 @@ impl<'a> RegionNodes<'a> {
     }
 
     fn note_queue(&mut self, task: usize) {
-        let node = &self.nodes[task];
+        let node = &mut self.nodes[task];
         let waiting = node.own.len() + node.received.len();
+        let (before, since) = std::mem::replace(&mut node.queue, (waiting, self.now));
         let seen = &mut self.seen.nodes[task];
         seen.longest_queue = seen.longest_queue.max(waiting);
+        seen.queue_cycles += before as u64 * (self.now - since);
+    }
+
+    /// Some slots of a node are taken or free.
+    fn note_slots(&mut self, task: usize) {
+        let is_full = match self.rules.flow {
+            Flow::Block(_) => self.free[task] == 0,
+            Flow::Classes(_) => self.free[task] <= self.ranks.1,
+            Flow::Unlimited | Flow::Window(_) => return,
+        };
+        let full_since = &mut self.nodes[task].full_since;
+        match (*full_since, is_full) {
+            (None, true) => *full_since = Some(self.now),
+            (Some(since), false) => {
+                self.seen.nodes[task].full += Cycles(self.now - since);
+                *full_since = None;
+            }
+            _ => {}
+        }
     }
 
     /// Looks at what has come, then chooses.
@@ -316,7 +363,7 @@ impl<'a> RegionNodes<'a> {
         if let Some(tree) = self.nodes[task].results.pop_front() {
             let time = self.took(MessageKind::Calculation, RESULT_BYTES) + self.machine.costs.result;
             self.nodes[task].next = Next::Counts(tree);
-            return Act::Spend(RECEIVING, time);
+            return Act::Work(RECEIVING, time, takes(MessageKind::Calculation));
         }
         if self.rules.asks_for_slots
             && let Some(act) = self.about_slots(task)
@@ -336,7 +383,8 @@ impl<'a> RegionNodes<'a> {
         if self.nodes[task].has_stopped {
             self.nodes[task].has_stopped = false;
             self.nodes[task].next = Next::Stops;
-            return Act::Spend(RECEIVING, self.took(MessageKind::Information, WORD_BYTES));
+            let time = self.took(MessageKind::Information, WORD_BYTES);
+            return Act::Work(RECEIVING, time, takes(MessageKind::Information));
         }
         if let Some(act) = self.token(task) {
             return act;
@@ -364,6 +412,7 @@ impl<'a> RegionNodes<'a> {
         let own = node.own.pop();
         let is_own = own.is_some();
         let visit = own.or_else(|| node.received.pop_front())?;
+        self.note_queue(task);
         let mut receiving = Cycles(0);
         if !is_own {
             receiving = self.took(MessageKind::VirtualObject, RAY_BYTES);
@@ -382,6 +431,16 @@ impl<'a> RegionNodes<'a> {
             (INTERSECTION, time.intersection),
             (SHADING, time.shading),
         ];
+        if self.explains {
+            let work = Act::Work(GRID, Cycles(0), Work::Piece(visit.leg));
+            let taken = Act::Work(RECEIVING, receiving, takes(MessageKind::VirtualObject));
+            let mut spells = spells;
+            spells[0].1 = Cycles(0);
+            node.script.push_back(Act::Begin(visit.ray));
+            node.script.extend((!is_own).then_some(taken));
+            node.script.extend([work, Act::SpendEach(spells), Act::Done]);
+            return node.script.pop_front();
+        }
         let job = Act::Job(visit.ray, spells);
         if node.script.is_empty() {
             return Some(job);
@@ -403,7 +462,7 @@ impl<'a> RegionNodes<'a> {
         let node = &mut self.nodes[task];
         node.begun += 1;
         node.next = Next::Began(tree);
-        Some(Act::Spend(PIXELS, self.machine.costs.pixel))
+        Some(Act::Work(PIXELS, self.machine.costs.pixel, PIXEL))
     }
 
     fn send(&mut self, task: usize, to: usize, (kind, bytes): (MessageKind, u64), content: Note) -> Act<Note> {
@@ -446,6 +505,8 @@ impl Node {
             done: 0,
             packet: 0,
             slots,
+            queue: (0, 0),
+            full_since: None,
             account: Account::default(),
             has_stopped: false,
             rests: None,

@@ -4,6 +4,7 @@ use super::{Next, Node, Note, RegionNodes, Visit};
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::machine::events::Act;
+use crate::program::cube::causes::takes;
 use crate::program::cube::messages::{MessageKind, RAY_BYTES, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES};
 use crate::program::cube::pool::{Flow, Placing};
 use crate::program::cube::states::{BLOCKED, RECEIVING};
@@ -26,6 +27,7 @@ impl RegionNodes<'_> {
             let seen = &mut self.seen.nodes[node];
             seen.most_slots = seen.most_slots.max(all - *free);
         }
+        self.note_slots(node);
     }
 
     /// A ray leaves the queue, and the node that has waited longest may send.
@@ -39,7 +41,10 @@ impl RegionNodes<'_> {
                     other.next = Next::PlacesGranted(placing);
                 }
             }
-            None => self.free[task] += 1,
+            None => {
+                self.free[task] += 1;
+                self.note_slots(task);
+            }
         }
     }
 
@@ -47,6 +52,7 @@ impl RegionNodes<'_> {
     pub(super) fn leave(&mut self, task: usize) {
         if let Flow::Classes(_) = self.rules.flow {
             self.free[task] += 1;
+            self.note_slots(task);
             self.give(task);
             let mut blocked = self.blocked;
             while blocked != 0 {
@@ -199,7 +205,7 @@ impl RegionNodes<'_> {
             }
         };
         node.next = next;
-        Some(Act::Spend(RECEIVING, self.took(MessageKind::Information, bytes)))
+        Some(Act::Work(RECEIVING, self.took(MessageKind::Information, bytes), takes(MessageKind::Information)))
     }
 
     /// A node has taken a request for a slot: it gives one, or remembers who waits.
