@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the module as a user does, in a virtual environment of its own, and tests it against the command.
+# Builds the module as a user does, in a virtual environment of its own, and tests it against the command: $PCS_SIM, or one built here.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
@@ -9,9 +9,12 @@ export PATH="$venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1
 cargo fmt --package pcs-sim-python --check
 cargo clippy --package pcs-sim-python -- -D warnings
 pip install --quiet --require-virtualenv -r python/tests/requirements.txt
-cargo build --release --bin pcs-sim
+if [ -z "${PCS_SIM:-}" ]; then
+    cargo build --release --bin pcs-sim
+    PCS_SIM="$CARGO_TARGET_DIR/release/pcs-sim"
+fi
+export PCS_SIM
 pip install --quiet --no-build-isolation --no-deps --force-reinstall ./python
-export PCS_SIM="$CARGO_TARGET_DIR/release/pcs-sim"
 cd python
 ruff format --check .
 ruff check .
