@@ -20,7 +20,7 @@ pub fn within(all: &[Within], spec: &MachineSpec) -> String {
         let ranges = all.iter().map(|within| range(within.ranges[class as usize]));
         rows.add_row([format!("{}, cycles", class.name()), plausible(class, spec)].into_iter().chain(ranges));
     }
-    format!("{}\n{}\n", aligned(rows), sentence(all))
+    format!("{}\n{}", aligned(rows), sentence(all))
 }
 
 /// From the least to the most cycles that a class can have cost in 1988.
@@ -48,11 +48,12 @@ fn sentence(all: &[Within]) -> String {
         .filter(|within| within.machines > 0)
         .map(|within| format!("{} within {} %", plural(within.machines, "machine"), within.percent))
         .collect();
-    format!(
-        "{} numbers do not determine {} costs: there are {}.\nA cost is determined as far as its range is narrow; the others are only \
-         together.\n",
+    let text = format!(
+        "{} numbers do not determine {} costs: there are {}. A cost is determined as far as its range is narrow; the others are determined \
+         only together.",
         NUMBERS.len(),
         costs(best),
         counts.join(", ")
-    )
+    );
+    wrapped(&text, WIDTH) + "\n"
 }

@@ -71,6 +71,7 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("--cells-run", "programs"),
     ("--cell-programs", "cells --cells-run programs"),
     ("figure7 --cell-programs", "cells"),
+    ("figure7 --fits", "fits.csv"),
     ("calibrate --cell-programs", "cells"),
     ("--instruction-limit", "100000000 --cells-run programs"),
     ("step --instruction-limit", "1000"),

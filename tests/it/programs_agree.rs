@@ -7,9 +7,9 @@ use std::path::Path;
 use crate::support::command::{Folder, run_in};
 use crate::support::{bits, cell_options, machine, program, scene, spent};
 use pcs_sim::geometry::{Partition, Polygons, Ray, brute_force};
-use pcs_sim::isa::FaultKind;
+use pcs_sim::isa::{Class, FaultKind};
 use pcs_sim::program::cells::CellOptions;
-use pcs_sim::program::figure7::{NUMBERS, numbers, us};
+use pcs_sim::program::figure7::{NUMBERS, Number, numbers, us};
 use pcs_sim::program::{ArrayProgram, Counts, Workload};
 use pcs_sim::run::{self, Outcome, RunError, Workers};
 use pcs_sim::scene::{Mesh, builtin};
@@ -129,6 +129,33 @@ fn figure_7_comes_out() {
 #[test]
 fn figure_7_as_people_read_it() {
     insta::assert_snapshot!(run_in(Path::new("."), "figure7").success());
+}
+
+/// All machines that fit, as a table: the file's own is among those within 2 %, and each makes the numbers as well as its row says.
+#[test]
+fn machines_that_fit_are_listed() {
+    let folder = Folder::new();
+    folder.run("figure7 -o fits.csv").success();
+    let table = std::fs::read_to_string(folder.path("fits.csv")).unwrap();
+    let mut rows = table.lines();
+    assert!(rows.next().unwrap().starts_with("off_percent,integer,multiply,divide,load,"));
+    let rows: Vec<Vec<f64>> = rows.map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.iter().filter(|row| row[0] <= 5.0).count(), 2561);
+    let machine = machine();
+    let shipped = machine.instructions.unwrap();
+    let is_shipped =
+        |row: &&Vec<f64>| Class::ALL.iter().zip(&row[1..]).all(|(&class, &cost)| f64::from(shipped.of(class)) == cost);
+    assert!(rows.iter().find(is_shipped).unwrap()[0] <= 2.0);
+    for row in rows.iter().step_by(rows.len() / 5) {
+        let mut cycles = shipped;
+        Class::ALL.iter().zip(&row[1..]).for_each(|(&class, &cost)| cycles.set(class, cost as u32));
+        let made = numbers(&machine.times, Some(&CellOptions { cycles, ..cell_options() })).unwrap();
+        let off = |(made, number): (f64, &Number)| 100.0 * (us(made, &machine.spec) / number.paper_us - 1.0).abs();
+        let worst = made.into_iter().zip(&NUMBERS).map(off).fold(0.0, f64::max);
+        assert!((worst - row[0]).abs() < 1e-5, "{row:?}: {worst}");
+    }
+    assert!(folder.run("figure7 -o fits.csv").refused().contains("exists"));
+    folder.run("figure7 -o fits.csv --force").success();
 }
 
 /// The machine files are what `calibrate` makes of them.
