@@ -76,6 +76,7 @@ pub fn render(
             task.set(done as u64, of as u64);
             Ok(())
         }
+        Seen::Grown(..) => Ok(()),
         Seen::Sent(ops, hit) => {
             hits.push(*hit);
             shuffled.take(ops);

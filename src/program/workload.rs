@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::InputError;
-use crate::geometry::{Grid, Polygons, Ray, slabs};
+use crate::geometry::{Bounds, Grid, Polygons, Ray, slabs};
 use crate::isa::Executable;
 use crate::machine::{FifoName, HostTimes, KernelTimes, MachineSpec};
 use crate::measure::Actor;
@@ -198,6 +198,11 @@ impl Workload {
     /// Each group's grid.
     pub fn grids(&self) -> impl ExactSizeIterator<Item = &Grid> {
         self.layout.groups.iter().map(|group| &group.grid)
+    }
+
+    /// Each group's part of the scene's box, and the polygons that reach into it.
+    pub fn sub_volumes(&self) -> impl ExactSizeIterator<Item = (Bounds, &[u32])> {
+        self.layout.groups.iter().map(|group| (group.volume, &group.members[..]))
     }
 
     /// The kernels that a cell runs.

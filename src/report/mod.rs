@@ -5,6 +5,7 @@ pub mod bottleneck;
 pub mod comparison;
 pub mod cube;
 pub mod farm;
+pub mod graphs;
 pub mod hits;
 pub mod kinds;
 pub mod losses;

@@ -7,6 +7,7 @@ use super::kinds::RaysByKind;
 use super::losses::Losses;
 use super::why::PathJson;
 use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, State, StateKind, StateTimes};
+use crate::program::messages::{Carried, CarriedByKind, MessageKind};
 use crate::program::{CellMemory, Counts};
 use crate::run::{CubeSpec, FarmSpec, ReplaySpec, RunSpec, Setup};
 use crate::scene::solid;
@@ -91,6 +92,8 @@ struct Report<'a> {
     refined_pixels: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     rays_by_kind: Option<&'a RaysByKind>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    messages: Option<Messages>,
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     losses: Option<&'a Losses>,
@@ -147,6 +150,17 @@ impl<'a> Fifo<'a> {
     }
 }
 
+/// What FIFOs carried, by the four kinds of messages.
+type Messages = serde_json::Map<String, serde_json::Value>;
+
+fn messages(carried: &CarriedByKind) -> Messages {
+    let kind = |kind: MessageKind| {
+        let Carried { sent, words } = carried[kind as usize];
+        (kind.key(), serde_json::json!({"sent": sent, "words": words}))
+    };
+    MessageKind::ALL.into_iter().map(kind).collect()
+}
+
 /// What was counted on a run's rays. A replay has none of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counted<'a> {
@@ -158,6 +172,8 @@ pub struct Counted<'a> {
     pub samples: Option<u64>,
     /// Of how many pixels there were more samples, where adaptive sampling says which.
     pub refined_pixels: Option<u64>,
+    /// What the FIFOs carried, by kind.
+    pub messages: Option<CarriedByKind>,
 }
 
 /// The statistics of a run as indented JSON.
@@ -186,6 +202,7 @@ pub fn to_json(
         samples: counted.samples,
         refined_pixels: counted.refined_pixels,
         rays_by_kind: counted.kinds,
+        messages: counted.messages.as_ref().map(messages),
         bottleneck: bottleneck::sentence(run),
         losses,
         why: path.map(PathJson::new),

@@ -60,6 +60,8 @@ pub enum Seen<'a> {
         /// The array as it is by now, if there is one.
         array: Option<&'a Array>,
     },
+    /// The trees of some samples were traced, whose pixels these are. The host sends their rays later.
+    Grown(&'a TreeBatch, &'a [usize]),
     /// The host sends a ray: its ops, and the hit that it will find. Not without timing.
     Sent(&'a OpBatch, &'a Hit),
 }
@@ -297,6 +299,8 @@ impl<'a> Canvas<'a> {
             }
             range.clone().zip(&batch.shown).for_each(|(sample, &key)| self.shown.keys[pass.pixel(sample)] = key);
             index += 1;
+            let pixels: Vec<usize> = range.clone().map(|sample| pass.pixel(sample)).collect();
+            observe(Seen::Grown(&batch, &pixels))?;
             let array = host.as_ref().map(ClosedLoop::array);
             observe(Seen::Samples { done: range.end, of: pass.len(), array })?;
             match host {
