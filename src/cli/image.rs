@@ -13,7 +13,7 @@ use pcs_sim::host::image;
 use pcs_sim::host::screen::{self, ScreenRectangles};
 use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
-use pcs_sim::report::graphs::{self as told, Gathered};
+use pcs_sim::report::graphs::{self as told, Gathered, Graphs};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
@@ -79,6 +79,11 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
             None => return Ok(()),
         },
     };
+    let timed = rendered.timing.as_ref().zip(files.graphs.as_ref()).zip(gathered.as_ref());
+    let of_line = |((timing, files), gathered): ((&Timing, &GraphFiles), _)| {
+        told::of_line(&setup, gathered, &timing.stats, files.asked())
+    };
+    let graphs = timed.map(of_line).transpose()?;
     print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
     let pixels = image::on_screen(&rendered.pixels);
     if let (Some(truth), Some(path)) = (truth, &args.against) {
@@ -88,7 +93,7 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
         print(&account::colors_line(&ColorTable::new(&pixels, most, palette), palette, &pixels))?;
     }
     let made = (&rendered, losses.as_ref());
-    let traced = (&found[..], gathered.as_ref());
+    let traced = (&found[..], graphs);
     let written = write_outputs((format, args.show_rectangles), &setup, made, traced, files)?;
     print(&outputs::list(&written))
 }
@@ -238,7 +243,7 @@ fn render(
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
-        rules: image.rules(setup.spec.order),
+        rules: image.host_rules(setup.spec.order),
         watching: files.views.watching(Shape::Line),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
@@ -278,15 +283,10 @@ fn write_outputs(
     (format, shows_rectangles): (Format, bool),
     setup: &Setup,
     (rendered, losses): (&Rendered, Option<&Losses>),
-    (found, gathered): (&[Hit], Option<&Gathered>),
+    (found, graphs): (&[Hit], Option<Graphs>),
     files: Outputs,
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
-    let timed = rendered.timing.as_ref().zip(files.graphs.as_ref()).zip(gathered);
-    let of_line = |((timing, files), gathered): ((&Timing, &GraphFiles), _)| {
-        told::of_line(setup, gathered, &timing.stats, files.asked())
-    };
-    let graphs = timed.map(of_line).transpose()?;
     let (size, pixels) = (setup.spec.size, &rendered.pixels);
     if shows_rectangles {
         let polygons = setup.workload.polygons();

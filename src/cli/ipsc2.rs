@@ -10,7 +10,11 @@ use pcs_sim::error::InputError;
 use pcs_sim::host::image;
 use pcs_sim::measure::Shape;
 use pcs_sim::report::stats::Configuration;
-use pcs_sim::report::{cube as told, graphs::of_cube, hits};
+use pcs_sim::report::{
+    cube as told,
+    graphs::{Graphs, of_cube},
+    hits,
+};
 use pcs_sim::run::{CubeOutcome, CubeRunOptions, CubeSetup, CubeSpec, OutputFile, SceneOptions, moot};
 
 use super::args::Typed;
@@ -43,8 +47,9 @@ pub fn ipsc2(args: &Ipsc2Args, typed: &Typed) -> Result<(), Failure> {
     let outcome = setup.run(&files.views.watching(Shape::Cube), &Cancel::default());
     spinner.finish_and_clear();
     let outcome = outcome?;
+    let graphs = files.graphs.as_ref().map(|files| of_cube(&setup, &outcome, files.asked())).transpose()?;
     print(&told::text(&setup, &outcome))?;
-    let written = write_outputs(&setup, &outcome, files)?;
+    let written = write_outputs(&setup, (&outcome, graphs), files)?;
     print(&outputs::list(&written))
 }
 
@@ -130,9 +135,12 @@ fn open_outputs(args: &Ipsc2Args, scene: &Path) -> Result<Outputs, InputError> {
     })
 }
 
-fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
+fn write_outputs(
+    setup: &CubeSetup,
+    (outcome, graphs): (&CubeOutcome, Option<Graphs>),
+    files: Outputs,
+) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
-    let graphs = files.graphs.as_ref().map(|files| of_cube(setup, outcome, files.asked())).transpose()?;
     let (size, scene) = (setup.spec.size, &setup.scene);
     if let Some((file, format)) = files.image {
         write_image(Some(file), format, size, &scene.pixels, &mut written)?;

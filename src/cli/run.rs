@@ -7,7 +7,7 @@ use pcs_sim::error::InputError;
 use pcs_sim::host::image;
 use pcs_sim::measure::{Clock, Measured, Observed, Shape, When};
 use pcs_sim::report::account::{self, cell_names};
-use pcs_sim::report::graphs::{self as told, Gathered};
+use pcs_sim::report::graphs::{self as told, Gathered, Graphs};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
@@ -46,10 +46,12 @@ pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
     let mut gathered = files.graphs.is_some().then(|| Gathered::new(&setup));
     let watched = (workers, args.results.watch, form);
     let (outcome, losses) = simulate(&setup, watched, moment, (&mut files, gathered.as_mut()))?;
+    let of_line = |(files, gathered): (&GraphFiles, _)| told::of_line(&setup, gathered, &outcome.stats, files.asked());
+    let graphs = files.graphs.as_ref().zip(gathered.as_ref()).map(of_line).transpose()?;
     let (names, losses) = (cell_names(&setup.workload), losses.as_ref());
     let seen = (&outcome.observed, setup.machine.spec.clock());
     print(&report(account::head(&setup, &outcome), told, (&outcome.stats, losses, &names), seen)?)?;
-    let written = write_outputs(&setup, (&outcome, losses), gathered.as_ref(), files)?;
+    let written = write_outputs(&setup, (&outcome, losses), graphs, files)?;
     print(&outputs::list(&written))
 }
 
@@ -145,12 +147,10 @@ pub fn report(
 fn write_outputs(
     setup: &Setup,
     (outcome, losses): (&Outcome, Option<&Losses>),
-    gathered: Option<&Gathered>,
+    graphs: Option<Graphs>,
     files: Outputs,
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
-    let of_line = |(files, gathered): (&GraphFiles, _)| told::of_line(setup, gathered, &outcome.stats, files.asked());
-    let graphs = files.graphs.as_ref().zip(gathered).map(of_line).transpose()?;
     let polygons = setup.workload.polygons();
     let configuration = Configuration::new(setup);
     outputs::finish(files.stats, &mut written, |file| {

@@ -7,6 +7,9 @@ use crate::seam::Channel;
 /// RAY, on X: id, origin x y z, direction x y z, t_max.
 pub const RAY_WORDS: u64 = 8;
 
+/// The word of a RAY more that names the polygon that it starts on and does not hit, if rays say so.
+pub const OWN_WORDS: u64 = 1;
+
 /// Sub-volumes that a word of a RAY with a mask tells of, a bit each, behind its other words.
 pub const MASK_BITS: u64 = 32;
 

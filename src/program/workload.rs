@@ -15,7 +15,7 @@ use super::array_program::{ArrayProgram, Kernel, Stages};
 use super::cells::{CellOptions, CellPrograms, InstructionStep, ProgramTracer};
 use super::layout::Layout;
 use super::masks::Screening;
-use super::messages::RAY_WORDS;
+use super::messages::{OWN_WORDS, RAY_WORDS};
 use super::stop_words::StopWords;
 use super::work;
 
@@ -34,6 +34,8 @@ pub struct Workload {
     pub(super) programs: Option<CellPrograms>,
     /// What tells the host which sub-volumes rays can meet, if it tells them.
     pub(super) screening: Option<Screening>,
+    /// Whether rays name the polygon that they start on and do not hit.
+    pub(super) names_own: bool,
     /// If the host tests samples before it sends their rays, how many for each ray of a run, its own the last of them.
     pub(super) tested: Option<Arc<Vec<u32>>>,
 }
@@ -72,6 +74,7 @@ impl Workload {
             program: program.clone(),
             programs: None,
             screening: Screening::new(program.masks),
+            names_own: false,
             tested: None,
         }
         .priced()
@@ -92,6 +95,11 @@ impl Workload {
         Workload { tested: Some(tested), ..self }.priced()
     }
 
+    /// The same whose rays name, in a word more, the polygon that they start on and do not hit.
+    pub fn naming_own(self) -> Workload {
+        Workload { names_own: true, ..self }
+    }
+
     /// The same with the prices of what is done.
     fn priced(self) -> Workload {
         let host = [(self.tested.is_some(), work::HOST_FILTER), (self.screening.is_some(), work::HOST_MASK)];
@@ -103,7 +111,8 @@ impl Workload {
 
     /// Words of a RAY.
     pub(super) fn ray_words(&self) -> u64 {
-        RAY_WORDS + self.program.masks.words(self.groups())
+        let own = if self.names_own { OWN_WORDS } else { 0 };
+        RAY_WORDS + own + self.program.masks.words(self.groups())
     }
 
     /// Against how many sub-volumes the host tests a ray, to tell it which it can meet.
@@ -139,6 +148,7 @@ impl Workload {
             (self.stop_words.is_some(), "stop words"),
             (self.program.forward_ahead > 0, "rays forwarded ahead"),
             (self.screening.is_some(), "masks"),
+            (self.names_own, "polygons that rays start on"),
         ];
         if let Some((_, what)) = beyond.into_iter().find(|(is_asked, _)| *is_asked) {
             let error = InputError::new(format!("the cells' programs know nothing of {what}"));

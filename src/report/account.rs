@@ -294,6 +294,7 @@ pub fn image_stats_json(
         samples: setup.prepared.screen.as_ref().map(|_| rendered.samples),
         refined_pixels: setup.image().adaptive.then_some(rendered.refined.len() as u64),
         messages: Some(setup.workload.messages(&timing.stats)),
+        rules: setup.image().rules,
     };
     stats::to_json(seen, setup.machine.spec.clock(), losses, counted, &configuration)
 }

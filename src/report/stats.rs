@@ -6,9 +6,10 @@ use super::bottleneck;
 use super::kinds::RaysByKind;
 use super::losses::Losses;
 use super::why::PathJson;
+use crate::host::rules::Rules;
 use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, State, StateKind, StateTimes};
 use crate::program::messages::{Carried, CarriedByKind, MessageKind};
-use crate::program::{CellMemory, Counts};
+use crate::program::{CellMemory, Counts, Spared};
 use crate::run::{CubeSpec, FarmSpec, ReplaySpec, RunSpec, Setup};
 use crate::scene::solid;
 
@@ -94,6 +95,8 @@ struct Report<'a> {
     rays_by_kind: Option<&'a RaysByKind>,
     #[serde(skip_serializing_if = "Option::is_none")]
     messages: Option<Messages>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rules: Option<RulesJson>,
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     losses: Option<&'a Losses>,
@@ -150,6 +153,37 @@ impl<'a> Fifo<'a> {
     }
 }
 
+/// What each rule spared, of those that hold.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct RulesJson {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    own: Option<OwnJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    a4b: Option<A4bJson>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct OwnJson {
+    slab_tests: u64,
+    intersection_tests: u64,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct A4bJson {
+    rays_not_sent: u64,
+    object_tests: u64,
+}
+
+impl RulesJson {
+    fn new(rules: Rules, spared: &Spared) -> Option<RulesJson> {
+        let Spared { slab_tests, intersection_tests, shadow_rays, object_tests } = *spared;
+        (rules != Rules::default()).then_some(RulesJson {
+            own: rules.own.then_some(OwnJson { slab_tests, intersection_tests }),
+            a4b: rules.a4b.then_some(A4bJson { rays_not_sent: shadow_rays, object_tests }),
+        })
+    }
+}
+
 /// What FIFOs carried, by the four kinds of messages.
 type Messages = serde_json::Map<String, serde_json::Value>;
 
@@ -174,6 +208,8 @@ pub struct Counted<'a> {
     pub refined_pixels: Option<u64>,
     /// What the FIFOs carried, by kind.
     pub messages: Option<CarriedByKind>,
+    /// The rules that the host went by.
+    pub rules: Rules,
 }
 
 /// The statistics of a run as indented JSON.
@@ -203,6 +239,7 @@ pub fn to_json(
         refined_pixels: counted.refined_pixels,
         rays_by_kind: counted.kinds,
         messages: counted.messages.as_ref().map(messages),
+        rules: counted.counts.and_then(|counts| RulesJson::new(counted.rules, &counts.spared)),
         bottleneck: bottleneck::sentence(run),
         losses,
         why: path.map(PathJson::new),

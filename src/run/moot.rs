@@ -60,8 +60,12 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
     }
     if image.timing == Switch::Off {
         let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
-        let names =
-            [&["order", "policy", "in_flight", "open_samples", "forward_ahead", "masks"], &LINKS[..], &DEPTHS, &HOST];
+        let names = [
+            &["order", "policy", "in_flight", "open_samples", "rules", "forward_ahead", "masks"],
+            &LINKS[..],
+            &DEPTHS,
+            &HOST,
+        ];
         refuse(typed, &names.concat(), why, help)?;
     }
     check_resolution(&spec.scene, spec.resolution)?;

@@ -16,6 +16,7 @@ use crate::geometry::Hit;
 use crate::host::camera::{ImageSize, View};
 use crate::host::order::Order;
 use crate::host::policy::HostRules;
+use crate::host::rules::Rules;
 use crate::host::sampling::{Pass, Sampling, Shown};
 use crate::host::screen::Screen;
 use crate::host::shading::{Limits, Shader};
@@ -46,6 +47,8 @@ pub struct Picture<'a> {
     pub limits: Limits,
     /// The pixels that can show anything, if the host knows: through the others it sends no rays.
     pub screen: Option<&'a Screen>,
+    /// What spares tests and rays.
+    pub rules: Rules,
 }
 
 /// What an observer sees of a run under way.
@@ -272,6 +275,7 @@ impl<'a> Canvas<'a> {
         let picture = self.picture;
         let cells = picture.workload.cells();
         let shader = Shader::new(picture.scene, picture.workload.polygons(), picture.limits);
+        let shader = shader.with_rules(picture.rules);
         let view = View::new(&picture.scene.camera, picture.size);
         // What refined samples show, nobody asks for.
         let look = self.look.filter(|_| pass.per_pixel() == 1);

@@ -75,6 +75,8 @@ pub struct TreeRay {
     pub ray: Ray,
     /// Cycles that the cells compute on it.
     pub busy: u64,
+    /// Whether the host sends it: not if a rule says that it hits nothing. Cells then do nothing for it.
+    pub is_sent: bool,
 }
 
 /// Traces the trees of samples. Each thread has its own.
@@ -124,7 +126,15 @@ impl Grower<'_> {
             branches,
             |branch| {
                 let number = traced.hits.len();
-                let hit = self.tracer.trace_cells(number as u32, &branch.ray, &mut traced.ops.cells);
+                self.tracer.counts.spared.object_tests += u64::from(branch.rule_tests);
+                if !branch.is_sent {
+                    self.tracer.counts.spared.shadow_rays += 1;
+                    traced.ops.cells.iter_mut().for_each(|cell| cell.end_line(number as u32));
+                    traced.hits.push(Hit::MISS);
+                    return (Hit::MISS, 0);
+                }
+                let cells = &mut traced.ops.cells;
+                let hit = self.tracer.trace_leaving(number as u32, &branch.ray, branch.own, cells);
                 let busy = computing(&traced.ops.cells, number, self.costs);
                 kinds[branch.kind as usize] += KindCounts { rays: 1, hits: hit.is_hit() as u64, busy };
                 traced.hits.push(hit);
@@ -140,6 +150,7 @@ impl Grower<'_> {
                     mask_tests: workload.mask_tests(&branch.ray) as u32,
                     ray: branch.ray,
                     busy,
+                    is_sent: branch.is_sent,
                 });
             },
         );

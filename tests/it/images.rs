@@ -28,7 +28,7 @@ fn workload(scene: &Scene, program: &str, groups: usize, times: KernelTimes) -> 
 
 fn picture<'a>(scene: &'a Scene, workload: &'a Workload, width: u32, sampling: Sampling) -> Picture<'a> {
     let size = ImageSize { width, height: width * 3 / 4 };
-    Picture { scene, workload, size, sampling, limits: Limits::default(), screen: None }
+    Picture { scene, workload, size, sampling, limits: Limits::default(), screen: None, rules: Default::default() }
 }
 
 fn plain(side: u32) -> Sampling {

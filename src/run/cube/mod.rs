@@ -19,6 +19,7 @@ use crate::error::InputError;
 use crate::geometry::{CellPlane, Hit, Regions};
 use crate::host::camera::ImageSize;
 use crate::host::order::Order;
+use crate::host::rules::Rules;
 use crate::host::sampling::Pass;
 use crate::machine::events::{Act, Events};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
@@ -196,7 +197,15 @@ impl CubeSpec {
             Whole { scene: &self.scene, size_factor, resolution, size, grid_coefficient: self.rays.grid_coefficient };
         let (scene, workload) = whole.lay_out(machine.times, &workers.cancel)?;
         let (sampling, limits) = (self.sampling(), self.limits());
-        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
+        let picture = Picture {
+            scene: &scene,
+            workload: &workload,
+            size,
+            sampling,
+            limits,
+            screen: None,
+            rules: Rules::default(),
+        };
         let mut cut = self.cut(&picture, &machine, workers)?;
         let own = match self.regions.map(|regions| regions.grids) {
             Some(Grids::Own) => cut.own_grids(&workload, self.rays.grid_coefficient, workers)?,
