@@ -10,5 +10,6 @@ pub mod ray_file;
 pub mod rules;
 pub mod sampling;
 pub mod screen;
+pub mod shades;
 pub mod shading;
 pub mod surface;

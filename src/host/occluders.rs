@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use glam::{DVec3, Vec3};
 
 use crate::geometry::partition::reached;
-use crate::geometry::{Bounds, Polygons, Ray};
+use crate::geometry::{Bounds, Hit, Polygons, Ray};
 use crate::scene::{Light, LightFrom, Mesh};
 
 /// The objects of a scene, as its lights see them.
@@ -22,11 +22,11 @@ pub struct Occluders {
 }
 
 /// What was told of a ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Told {
-    /// Whether some object may stand in its way.
-    pub may_meet: bool,
-    /// How many objects were looked at.
+    /// Its hit, if anything is known of that.
+    pub foretold: Option<Hit>,
+    /// How many objects, or polygons, were looked at.
     pub tests: u32,
 }
 
@@ -84,7 +84,7 @@ impl Occluders {
         Occluders { lights: lights.iter().map(|light| Shadows::new(&boxes, light)).collect() }
     }
 
-    /// Whether a ray to a light may meet an object.
+    /// Tells that a ray to a light meets no object, if none may stand in its way.
     pub fn look(&self, polygons: &Polygons, ray: &Ray, light: u32) -> Told {
         let mut tests = 0;
         let mut counting = |may_meet: bool| {
@@ -109,7 +109,7 @@ impl Occluders {
                 !goes_there || cylinders.iter().any(|one| counting(may_shade(one)) && !misses(one.single))
             }
         };
-        Told { may_meet, tests }
+        Told { foretold: (!may_meet).then_some(Hit::MISS), tests }
     }
 }
 

@@ -4,6 +4,7 @@
 //! | --- | --- | --- |
 //! | `own` (A1, A2, A4a) | a ray does not hit what it starts on | of single polygons, where A.3's own line for the plane says so |
 //! | `a4b` | a point outside the cone of shadow around an object's box is not shaded by it | where the cone's angle is below 90 degrees |
+//! | `a4c` | a point inside the cone of shadow within a polygon is shaded by it | where A.3 says so, too, and nothing in the scene lets light through |
 
 use std::fmt;
 use std::str::FromStr;
@@ -18,14 +19,16 @@ pub struct Rules {
     pub own: bool,
     /// A shadow ray is not sent that starts outside the cones of shadow of all objects.
     pub a4b: bool,
+    /// A shadow ray is not sent that starts inside the cone of shadow of a large polygon.
+    pub a4c: bool,
 }
 
 /// What stands for no rule.
 const NONE: &str = "none";
 
 impl Rules {
-    fn named(self) -> [(&'static str, bool); 2] {
-        [("own", self.own), ("a4b", self.a4b)]
+    fn named(self) -> [(&'static str, bool); 3] {
+        [("own", self.own), ("a4b", self.a4b), ("a4c", self.a4c)]
     }
 }
 
@@ -39,7 +42,11 @@ impl FromStr for Rules {
             let known = match name {
                 "own" => &mut rules.own,
                 "a4b" => &mut rules.a4b,
-                _ => return Err(format!("there is no rule '{name}'; there are: own, a4b, own+a4b, none")),
+                "a4c" => &mut rules.a4c,
+                _ => {
+                    let some = "own, a4b, a4c, several of them as in own+a4b, none";
+                    return Err(format!("there is no rule '{name}'; there are: {some}"));
+                }
             };
             if std::mem::replace(known, true) {
                 return Err(format!("the rule '{name}' is named twice"));
@@ -76,8 +83,9 @@ mod tests {
 
     #[test]
     fn rules_are_read_as_they_are_written() {
-        for (own, a4b) in [(false, false), (true, false), (false, true), (true, true)] {
-            let rules = Rules { own, a4b };
+        for number in 0..8 {
+            let [own, a4b, a4c] = [0, 1, 2].map(|bit| number >> bit & 1 == 1);
+            let rules = Rules { own, a4b, a4c };
             assert_eq!(rules.to_string().parse(), Ok(rules));
         }
         for wrong in ["", "own+own", "a3", "own+none", "OWN", "own,a4b"] {

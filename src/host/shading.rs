@@ -14,6 +14,7 @@ use glam::DVec3;
 
 use super::occluders::{Occluders, Told};
 use super::rules::Rules;
+use super::shades::Shades;
 use super::surface::Surface;
 use crate::geometry::{Hit, Polygons, Ray};
 use crate::scene::{Light, LightFrom, Scene};
@@ -80,23 +81,23 @@ pub struct Branch {
     pub weight: DVec3,
     /// The polygon that it starts on, if a rule says that it does not hit it.
     pub own: Option<u32>,
-    /// Whether it is sent: not if a rule says that it meets nothing.
-    pub is_sent: bool,
-    /// How many objects a rule looked at for it.
-    pub rule_tests: u32,
+    /// What a rule says of its hit, so that it is not sent: that there is none, or one of a shadow ray that need not be the first.
+    pub foretold: Option<Hit>,
+    /// How many objects a rule looked at for it, and how many polygons.
+    pub rule_tests: [u32; 2],
 }
 
 impl Branch {
     /// The root of a tree.
     pub fn primary(ray: Ray) -> Branch {
         let (kind, weight) = (RayKind::Primary, DVec3::ONE);
-        Branch { ray, kind, generation: 0, light: 0, weight, own: None, is_sent: true, rule_tests: 0 }
+        Branch { ray, kind, generation: 0, light: 0, weight, own: None, foretold: None, rule_tests: [0; 2] }
     }
 
     fn next(&self, kind: RayKind, origin: DVec3, direction: DVec3, weight: DVec3) -> Branch {
         let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
         let generation = self.generation.saturating_add(1);
-        Branch { ray, kind, generation, light: self.light, weight, own: None, is_sent: true, rule_tests: 0 }
+        Branch { ray, kind, generation, light: self.light, weight, own: None, foretold: None, rule_tests: [0; 2] }
     }
 }
 
@@ -110,6 +111,8 @@ pub struct Shader<'a> {
     rules: Rules,
     /// What may shade anything, if a rule asks for that.
     occluders: Option<Occluders>,
+    /// What shades for certain, if a rule asks for that.
+    shades: Option<Shades>,
 }
 
 impl<'a> Shader<'a> {
@@ -119,22 +122,34 @@ impl<'a> Shader<'a> {
         if lights.is_empty() {
             lights.push(Light::point(scene.camera.from, glam::Vec3::ONE));
         }
-        Shader { scene, polygons, lights, limits, rules: Rules::default(), occluders: None }
+        Shader { scene, polygons, lights, limits, rules: Rules::default(), occluders: None, shades: None }
     }
 
     /// The same where the host goes by rules. The light of a tree does not depend on them.
     pub fn with_rules(self, rules: Rules) -> Shader<'a> {
         let occluders = rules.a4b.then(|| Occluders::new(&self.scene.mesh, self.polygons, &self.lights));
-        Shader { rules, occluders, ..self }
+        let shades = rules.a4c.then(|| Shades::new(self.scene, self.polygons, &self.lights));
+        Shader { rules, occluders, shades, ..self }
     }
 
     /// A ray that leaves a polygon, with what the rules say of it.
     fn ruled(&self, branch: Branch, polygon: u32) -> Branch {
         let own = Some(polygon).filter(|&polygon| self.rules.own && self.polygons.surely_misses(&branch.ray, polygon));
-        let occluders = self.occluders.as_ref().filter(|_| branch.kind == RayKind::Shadow);
-        let told = occluders.map(|occluders| occluders.look(self.polygons, &branch.ray, branch.light));
-        let Told { may_meet, tests } = told.unwrap_or(Told { may_meet: true, tests: 0 });
-        Branch { own, is_sent: may_meet, rule_tests: tests, ..branch }
+        let ruled = Branch { own, ..branch };
+        match branch.kind {
+            RayKind::Shadow => self.foretold(ruled),
+            _ => ruled,
+        }
+    }
+
+    /// A shadow ray, with what the rules say of its hit.
+    fn foretold(&self, branch: Branch) -> Branch {
+        let (ray, light) = (&branch.ray, branch.light);
+        let outside = self.occluders.as_ref().map(|occluders| occluders.look(self.polygons, ray, light));
+        let Told { foretold, tests } = outside.unwrap_or_default();
+        let inside = self.shades.as_ref().filter(|_| foretold.is_none());
+        let shaded = inside.map(|shades| shades.look(self.polygons, ray, light)).unwrap_or_default();
+        Branch { foretold: foretold.or(shaded.foretold), rule_tests: [tests, shaded.tests], ..branch }
     }
 
     /// The light of a ray from the eye that hits nothing.

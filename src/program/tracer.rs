@@ -49,18 +49,24 @@ pub struct Spared {
     pub slab_tests: u64,
     /// Those among them that would have been tested for intersection.
     pub intersection_tests: u64,
-    /// Shadow rays that were not sent.
-    pub shadow_rays: u64,
-    /// Objects that the host looked at for shadow rays, sent or not.
+    /// Shadow rays that were not sent, as they meet nothing.
+    pub lit_rays: u64,
+    /// Objects that the host looked at for that.
     pub object_tests: u64,
+    /// Shadow rays that were not sent, as something stands in their way.
+    pub shaded_rays: u64,
+    /// Polygons that the host looked at for that.
+    pub polygon_tests: u64,
 }
 
 impl std::ops::AddAssign for Spared {
     fn add_assign(&mut self, other: Spared) {
         self.slab_tests += other.slab_tests;
         self.intersection_tests += other.intersection_tests;
-        self.shadow_rays += other.shadow_rays;
+        self.lit_rays += other.lit_rays;
         self.object_tests += other.object_tests;
+        self.shaded_rays += other.shaded_rays;
+        self.polygon_tests += other.polygon_tests;
     }
 }
 

@@ -160,6 +160,8 @@ struct RulesJson {
     own: Option<OwnJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     a4b: Option<A4bJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    a4c: Option<A4cJson>,
 }
 
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -174,12 +176,19 @@ struct A4bJson {
     object_tests: u64,
 }
 
+#[derive(Clone, Copy, Debug, Serialize)]
+struct A4cJson {
+    rays_not_sent: u64,
+    polygon_tests: u64,
+}
+
 impl RulesJson {
     fn new(rules: Rules, spared: &Spared) -> Option<RulesJson> {
-        let Spared { slab_tests, intersection_tests, shadow_rays, object_tests } = *spared;
+        let Spared { slab_tests, intersection_tests, lit_rays, object_tests, shaded_rays, polygon_tests } = *spared;
         (rules != Rules::default()).then_some(RulesJson {
             own: rules.own.then_some(OwnJson { slab_tests, intersection_tests }),
-            a4b: rules.a4b.then_some(A4bJson { rays_not_sent: shadow_rays, object_tests }),
+            a4b: rules.a4b.then_some(A4bJson { rays_not_sent: lit_rays, object_tests }),
+            a4c: rules.a4c.then_some(A4cJson { rays_not_sent: shaded_rays, polygon_tests }),
         })
     }
 }

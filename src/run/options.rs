@@ -165,7 +165,8 @@ parameters! {
         #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20)))]
         open_samples: u32, "N", Whole, "samples under way at the most";
         /// What spares tests and rays without changing a bit of any hit: rays name the polygon that they start on, which is not tested
-        /// (own); shadow rays are not sent that start outside the cones of shadow of all objects (a4b); own+a4b; none [default: none].
+        /// (own); shadow rays are not sent that start outside the cones of shadow of all objects (a4b), or inside that of a large
+        /// polygon (a4c); several as in own+a4b; none [default: none].
         rules: Rules, "RULES", Text, "rules that spare tests and rays";
     }
 }

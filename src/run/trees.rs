@@ -75,7 +75,7 @@ pub struct TreeRay {
     pub ray: Ray,
     /// Cycles that the cells compute on it.
     pub busy: u64,
-    /// Whether the host sends it: not if a rule says that it hits nothing. Cells then do nothing for it.
+    /// Whether the host sends it: not if a rule says what it hits. Cells then do nothing for it.
     pub is_sent: bool,
 }
 
@@ -126,12 +126,16 @@ impl Grower<'_> {
             branches,
             |branch| {
                 let number = traced.hits.len();
-                self.tracer.counts.spared.object_tests += u64::from(branch.rule_tests);
-                if !branch.is_sent {
-                    self.tracer.counts.spared.shadow_rays += 1;
+                let spared = &mut self.tracer.counts.spared;
+                let [objects, polygons] = branch.rule_tests;
+                spared.object_tests += u64::from(objects);
+                spared.polygon_tests += u64::from(polygons);
+                if let Some(hit) = branch.foretold {
+                    let rays = if hit.is_hit() { &mut spared.shaded_rays } else { &mut spared.lit_rays };
+                    *rays += 1;
                     traced.ops.cells.iter_mut().for_each(|cell| cell.end_line(number as u32));
-                    traced.hits.push(Hit::MISS);
-                    return (Hit::MISS, 0);
+                    traced.hits.push(hit);
+                    return (hit, 0);
                 }
                 let cells = &mut traced.ops.cells;
                 let hit = self.tracer.trace_leaving(number as u32, &branch.ray, branch.own, cells);
@@ -150,7 +154,7 @@ impl Grower<'_> {
                     mask_tests: workload.mask_tests(&branch.ray) as u32,
                     ray: branch.ray,
                     busy,
-                    is_sent: branch.is_sent,
+                    is_sent: branch.foretold.is_none(),
                 });
             },
         );

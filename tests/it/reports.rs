@@ -25,7 +25,7 @@ fn reports() -> Vec<PathBuf> {
     let folders = fs::read_dir(root().join("reports")).unwrap().map(|entry| entry.unwrap().path());
     let mut found: Vec<PathBuf> = folders.filter(|folder| folder.join("README.md").exists()).collect();
     found.sort();
-    assert_eq!(found.len(), 17, "{found:?}");
+    assert_eq!(found.len(), 18, "{found:?}");
     found
 }
 
