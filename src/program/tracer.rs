@@ -412,12 +412,21 @@ impl<'a> RayInGroup<'a> {
 
     /// Drops the polygon that the ray starts on, and counts the tests that it would have had.
     fn spare(&mut self, polygon: u32, counts: &mut Counts) {
-        let Surfaces { polygons, slabs } = self.surfaces;
-        let new = || RaySlabs::new(&self.ray, polygons.largest_coordinate());
-        let has_slabs = self.workload.stages.slabs.is_some();
-        let is_tested = !has_slabs || slabs.meets(self.ray_slabs.get_or_insert_with(new), polygon);
-        counts.spared.slab_tests += u64::from(has_slabs);
-        counts.spared.intersection_tests += u64::from(is_tested);
+        let (stages, stop_words) = (self.workload.stages, self.workload.stop_words);
+        if let Some(cell) = stages.slabs {
+            if self.stopping.seen_by(cell, stop_words) {
+                return;
+            }
+            counts.spared.slab_tests += 1;
+            let Surfaces { polygons, slabs } = self.surfaces;
+            let new = || RaySlabs::new(&self.ray, polygons.largest_coordinate());
+            if !slabs.meets(self.ray_slabs.get_or_insert_with(new), polygon) {
+                return;
+            }
+        }
+        if !self.stopping.seen_by(stages.intersection, stop_words) {
+            counts.spared.intersection_tests += 1;
+        }
     }
 
     /// Sends one word on Y, if the kernels do not run in the same cell.

@@ -114,7 +114,9 @@ mod tests {
 
     fn graph(stations: usize, arcs: &[(usize, usize, &str)]) -> Graph {
         let mut graph = Graph::new("G_p");
-        (0..stations).for_each(|place| drop(graph.add_vertex(format!("cell{place}"), Vec::new())));
+        for place in 0..stations {
+            graph.add_vertex(format!("cell{place}"), Vec::new());
+        }
         arcs.iter().for_each(|&(from, to, label)| graph.add_edge(from, to, vec![text("label", label)]));
         graph
     }

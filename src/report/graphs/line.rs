@@ -49,12 +49,11 @@ impl Gathered {
 
     /// Takes the next trees of an image, which are of samples of these pixels.
     pub fn take_trees(&mut self, trees: &TreeBatch, pixels: &[usize]) {
-        let mut number = self.rays.len() as u32;
+        let first = self.rays.len() as u32;
         let mut parents = vec![None; trees.rays.len()];
-        for ray in trees.rays.iter().filter(|ray| ray.is_sent) {
+        for (number, ray) in (first..).zip(trees.rays.iter().filter(|ray| ray.is_sent)) {
             let (child, count) = ray.children;
             (child..child + count).for_each(|child| parents[child as usize] = Some(number));
-            number += 1;
         }
         let all = trees.rays.iter().zip(&trees.traced.hits).zip(parents);
         for ((ray, hit), parent) in all.filter(|((ray, _), _)| ray.is_sent) {
