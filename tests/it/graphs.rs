@@ -173,7 +173,7 @@ fn the_graphs_of_nodes_have_what_their_statistics_have() {
     for args in [
         "ipsc2 room --size 16x12 --nodes 1",
         "ipsc2 room --size 16x12 --nodes 6 --graph-of objects",
-        "ipsc2 gears --size 16x12 --nodes 8 --grids own --graph-of polygons --termination token",
+        "ipsc2 sombrero --size 16x12 --nodes 8 --grids own --graph-of polygons --termination token",
         "ipsc2 room --size 16x12 --nodes 5 --grant handshake --samples 2",
         "ipsc2 room --size 16x12 --nodes 4 --mode shared-memory",
         "ipsc2 room --size 16x12 --nodes 3 --mode shared-memory --distribution tiles",

@@ -313,7 +313,7 @@ fn the_recorded_trace_replays_to_the_same_stats() {
         folder.run("replay a.ops --stats replay.json --force").success();
         let json = |name: &str| serde_json::from_str::<serde_json::Value>(&folder.read(name)).unwrap();
         let mut expected = json("run.json");
-        for scenes in ["counts", "configuration", "rays_by_kind"] {
+        for scenes in ["counts", "messages", "configuration", "rays_by_kind"] {
             assert!(expected.as_object_mut().unwrap().remove(scenes).is_some());
         }
         let mut replayed = json("replay.json");
