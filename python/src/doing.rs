@@ -68,7 +68,7 @@ pub fn render(
     let (mut writer, mut hits, image) = (writer(setup, ops)?, Vec::new(), setup.image());
     let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
-        rules: image.rules(setup.spec.order),
+        rules: image.host_rules(setup.spec.order),
         watching: watching.clone(),
     });
     let rendered = run::render(&setup.picture(), timed, &task.workers, |seen| match seen {
@@ -76,6 +76,7 @@ pub fn render(
             task.set(done as u64, of as u64);
             Ok(())
         }
+        Seen::Grown(..) => Ok(()),
         Seen::Sent(ops, hit) => {
             hits.push(*hit);
             shuffled.take(ops);

@@ -119,7 +119,7 @@ impl Run {
     /// How often the kernels did their work: `voxels`, `slab_tests`, `intersection_tests`, `hits`.
     #[getter]
     fn counts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let Counts { voxels, slab_tests, intersection_tests, hits } = *self.made.tallied()?;
+        let Counts { voxels, slab_tests, intersection_tests, hits, .. } = *self.made.tallied()?;
         let counts = PyDict::new(py);
         counts.set_item("voxels", voxels)?;
         counts.set_item("slab_tests", slab_tests)?;

@@ -15,6 +15,7 @@ use pcs_sim::run::{
 use pcs_sim::seam::activity_trace::Form;
 
 use super::engine_args::{EngineArgs, ShardsCommand};
+use super::graphs::GraphArgs;
 
 /// The heading of flags that are about no part of a run: that of `--help`.
 pub const GENERAL: Option<&str> = None;
@@ -77,6 +78,8 @@ pub struct RunArgs {
     pub image: Option<PathBuf>,
     #[command(flatten)]
     pub tracing: TracingArgs,
+    #[command(flatten)]
+    pub graph: GraphArgs,
 }
 
 impl ImageArgs {
@@ -183,6 +186,8 @@ pub struct ImageArgs {
     pub results: ResultArgs,
     #[command(flatten)]
     pub tracing: TracingArgs,
+    #[command(flatten)]
+    pub graph: GraphArgs,
     #[command(flatten)]
     pub views: ViewArgs,
     #[command(flatten)]

@@ -13,6 +13,7 @@ use pcs_sim::host::image;
 use pcs_sim::host::screen::{self, ScreenRectangles};
 use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
+use pcs_sim::report::graphs::{self as told, Gathered, Graphs};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
@@ -22,6 +23,7 @@ use pcs_sim::run::{
 use pcs_sim::seam::activity_trace::TraceWriter;
 
 use super::args::{ImageArgs, Typed};
+use super::graphs::{self, GraphFiles};
 use super::run::{notes, workers};
 use super::views::{self, Views};
 use super::watch::{Live, Watch};
@@ -46,6 +48,7 @@ struct Outputs {
     stats: Option<OutputFile>,
     hits: Option<OutputFile>,
     ops: Option<OutputFile>,
+    graphs: Option<GraphFiles>,
     views: Views,
 }
 
@@ -68,13 +71,19 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     spinner.finish_and_clear();
     notes(&setup);
     let mut found = Vec::new();
+    let mut gathered = files.graphs.is_some().then(|| Gathered::new(&setup));
     let (rendered, losses) = match engine {
-        None => render(args, &setup, &mut files, &mut found)?,
+        None => render(args, &setup, &mut files, (&mut found, gathered.as_mut()))?,
         Some(engine) => match shards::image(&engine, args, &setup.spec, inputs)? {
             Some(rendered) => (rendered, None),
             None => return Ok(()),
         },
     };
+    let timed = rendered.timing.as_ref().zip(files.graphs.as_ref()).zip(gathered.as_ref());
+    let of_line = |((timing, files), gathered): ((&Timing, &GraphFiles), _)| {
+        told::of_line(&setup, gathered, &timing.stats, files.asked())
+    };
+    let graphs = timed.map(of_line).transpose()?;
     print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
     let pixels = image::on_screen(&rendered.pixels);
     if let (Some(truth), Some(path)) = (truth, &args.against) {
@@ -83,7 +92,9 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     if let Format::Indexed(most, palette) = format {
         print(&account::colors_line(&ColorTable::new(&pixels, most, palette), palette, &pixels))?;
     }
-    let written = write_outputs((format, args.show_rectangles), &setup, (&rendered, losses.as_ref()), &found, files)?;
+    let made = (&rendered, losses.as_ref());
+    let traced = (&found[..], graphs);
+    let written = write_outputs((format, args.show_rectangles), &setup, made, traced, files)?;
     print(&outputs::list(&written))
 }
 
@@ -151,6 +162,7 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
         ("--stats", args.results.stats.is_some()),
         ("--hits", args.tracing.hits.is_some()),
         ("--ops", args.tracing.ops.is_some()),
+        ("--graphs", args.graph.graphs.is_some()),
         ("--plot", args.views.plot.is_some()),
         ("--page", args.views.page.is_some()),
         ("--trace", args.views.trace.is_some()),
@@ -174,6 +186,12 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
     if args.show_rectangles && spec.screen_rectangles == ScreenRectangles::Off {
         let error = InputError::new("--show-rectangles has none to show");
         return Err(error.help("leave it out, or ask for --screen-rectangles"));
+    }
+    if image.rules.a4c && args.tracing.hits.is_some() {
+        let error = InputError::new(
+            "--hits lists the first hits of all rays, and with the rule a4c some are known to hit without being sent",
+        );
+        return Err(error.help("leave it out, or a4c out of --rules"));
     }
     let untimed = image.timing == Switch::Off;
     match files.iter().find(|(_, typed)| *typed && untimed) {
@@ -208,6 +226,7 @@ fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError>
     ];
     outputs::check_distinct(&named(args), &inputs)?;
     outputs::check_png(args.refined.as_deref())?;
+    graphs::check(&args.graph, spec.size)?;
     let open = |path: Option<&PathBuf>| outputs::open(path.map(PathBuf::as_path), args.results.force);
     Ok(Outputs {
         image: open(Some(&args.output))?,
@@ -215,6 +234,7 @@ fn open_outputs(args: &ImageArgs, spec: &RunSpec) -> Result<Outputs, InputError>
         stats: open(stats)?,
         hits: open(hits)?,
         ops: open(ops)?,
+        graphs: GraphFiles::open(&args.graph, args.results.force)?,
         views: Views::open(&args.views, args.results.force)?,
     })
 }
@@ -223,13 +243,13 @@ fn render(
     args: &ImageArgs,
     setup: &Setup,
     files: &mut Outputs,
-    found: &mut Vec<Hit>,
+    (found, mut gathered): (&mut Vec<Hit>, Option<&mut Gathered>),
 ) -> Result<(Rendered, Option<Losses>), Failure> {
     let (picture, image) = (setup.picture(), setup.image());
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
-        rules: image.rules(setup.spec.order),
+        rules: image.host_rules(setup.spec.order),
         watching: files.views.watching(Shape::Line),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
@@ -245,6 +265,10 @@ fn render(
         Seen::Samples { done, of, array } => {
             live.set(done as u64, of as u64);
             array.into_iter().for_each(|array| live.show(array));
+            Ok(())
+        }
+        Seen::Grown(trees, pixels) => {
+            gathered.iter_mut().for_each(|gathered| gathered.take_trees(trees, pixels));
             Ok(())
         }
         Seen::Sent(ops, hit) => {
@@ -265,7 +289,7 @@ fn write_outputs(
     (format, shows_rectangles): (Format, bool),
     setup: &Setup,
     (rendered, losses): (&Rendered, Option<&Losses>),
-    found: &[Hit],
+    (found, graphs): (&[Hit], Option<Graphs>),
     files: Outputs,
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
@@ -283,6 +307,9 @@ fn write_outputs(
         outputs::finish(files.stats, &mut written, |file| {
             file.write_all(account::image_stats_json(setup, rendered, timing, losses)?.as_bytes())
         })?;
+        if let (Some(files), Some(graphs)) = (files.graphs, graphs) {
+            files.write(&graphs, &mut written)?;
+        }
         let spec = &setup.machine.spec;
         let mut png = Vec::new();
         if files.views.show_image() {

@@ -10,10 +10,15 @@ use pcs_sim::error::InputError;
 use pcs_sim::host::image;
 use pcs_sim::measure::Shape;
 use pcs_sim::report::stats::Configuration;
-use pcs_sim::report::{cube as told, hits};
+use pcs_sim::report::{
+    cube as told,
+    graphs::{Graphs, of_cube},
+    hits,
+};
 use pcs_sim::run::{CubeOutcome, CubeRunOptions, CubeSetup, CubeSpec, OutputFile, SceneOptions, moot};
 
 use super::args::Typed;
+use super::graphs::{self, GraphFiles};
 use super::image::{Format, IMAGES_END, write_image};
 use super::ipsc2_args::Ipsc2Args;
 use super::run::workers;
@@ -26,6 +31,7 @@ struct Outputs {
     stats: Option<OutputFile>,
     hits: Option<OutputFile>,
     tasks: Option<OutputFile>,
+    graphs: Option<GraphFiles>,
     views: Views,
 }
 
@@ -41,8 +47,9 @@ pub fn ipsc2(args: &Ipsc2Args, typed: &Typed) -> Result<(), Failure> {
     let outcome = setup.run(&files.views.watching(Shape::Cube), &Cancel::default());
     spinner.finish_and_clear();
     let outcome = outcome?;
+    let graphs = files.graphs.as_ref().map(|files| of_cube(&setup, &outcome, files.asked())).transpose()?;
     print(&told::text(&setup, &outcome))?;
-    let written = write_outputs(&setup, &outcome, files)?;
+    let written = write_outputs(&setup, (&outcome, graphs), files)?;
     print(&outputs::list(&written))
 }
 
@@ -55,11 +62,13 @@ fn tasks(args: &Ipsc2Args) -> Option<&Path> {
 fn traced(args: &Ipsc2Args, options: &CubeRunOptions) -> Result<(CubeSetup, Outputs), Failure> {
     let spec = CubeSpec::new(options, args.config.as_deref().map(CubeSpec::read).transpose()?)?;
     moot::check_cube(options, &spec)?;
+    graphs::check(&args.graph, spec.size)?;
     let files = open_outputs(args, Path::new(&spec.scene))?;
     let bar = progress::samples();
     bar.set_length(spec.samples() as u64);
     let setup = outputs::reading(&named(args), || {
-        let setup = CubeSetup::new(spec, args.hits.is_some(), &workers(args.threads), |done| {
+        let keeps_hits = args.hits.is_some() || args.graph.graphs.is_some();
+        let setup = CubeSetup::new(spec, keeps_hits, &workers(args.threads), |done| {
             bar.set_position(done as u64);
             Ok::<_, std::convert::Infallible>(())
         });
@@ -71,8 +80,12 @@ fn traced(args: &Ipsc2Args, options: &CubeRunOptions) -> Result<(CubeSetup, Outp
 
 /// An image whose tasks were recorded.
 fn recorded(args: &Ipsc2Args, path: &Path, options: CubeRunOptions) -> Result<(CubeSetup, Outputs), Failure> {
-    let of_image =
-        [("-o", args.output.is_some()), ("--hits", args.hits.is_some()), ("--config", args.config.is_some())];
+    let of_image = [
+        ("-o", args.output.is_some()),
+        ("--hits", args.hits.is_some()),
+        ("--graphs", args.graph.graphs.is_some()),
+        ("--config", args.config.is_some()),
+    ];
     if let Some((flag, _)) = of_image.iter().find(|(_, typed)| *typed) {
         let error = InputError::new(format!("{flag} is about tracing a scene, and recorded tasks go without"));
         return Err(error.help("leave it out, or name the scene").into());
@@ -113,11 +126,16 @@ fn open_outputs(args: &Ipsc2Args, scene: &Path) -> Result<Outputs, InputError> {
         stats: outputs::open(args.stats.as_deref(), args.force)?,
         hits: outputs::open(args.hits.as_deref(), args.force)?,
         tasks: outputs::open(args.tasks.as_deref(), args.force)?,
+        graphs: GraphFiles::open(&args.graph, args.force)?,
         views: Views::open(&args.views, args.force)?,
     })
 }
 
-fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Result<Vec<PathBuf>, Failure> {
+fn write_outputs(
+    setup: &CubeSetup,
+    (outcome, graphs): (&CubeOutcome, Option<Graphs>),
+    files: Outputs,
+) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
     let (size, scene) = (setup.spec.size, &setup.scene);
     if let Some((file, format)) = files.image {
@@ -127,8 +145,11 @@ fn write_outputs(setup: &CubeSetup, outcome: &CubeOutcome, files: Outputs) -> Re
     outputs::finish(files.stats, &mut written, |file| {
         file.write_all(told::to_json(setup, outcome, &configuration)?.as_bytes())
     })?;
-    if let Some((found, polygons)) = &scene.found {
-        outputs::finish(files.hits, &mut written, |file| hits::write(file, polygons, found))?;
+    if let Some(found) = &scene.found {
+        outputs::finish(files.hits, &mut written, |file| hits::write(file, found.workload.polygons(), &found.hits))?;
+    }
+    if let (Some(files), Some(graphs)) = (files.graphs, graphs) {
+        files.write(&graphs, &mut written)?;
     }
     outputs::finish(files.tasks, &mut written, |file| scene.write_tasks(&setup.spec, file))?;
     let mut png = Vec::new();

@@ -9,6 +9,7 @@ use pcs_sim::run::{
 };
 
 use super::args::{Typed, ViewArgs};
+use super::graphs::GraphArgs;
 
 /// `pcs-sim ipsc2`.
 #[derive(Debug, Args)]
@@ -46,6 +47,8 @@ pub struct Ipsc2Args {
     /// Replace result files that exist.
     #[arg(long, help_heading = "Results")]
     pub force: bool,
+    #[command(flatten)]
+    pub graph: GraphArgs,
     #[command(flatten)]
     pub views: ViewArgs,
     /// Threads to use [default: all cores]. The results do not depend on it.

@@ -13,6 +13,7 @@ mod engine_args;
 mod farm;
 mod farm_args;
 mod figure7;
+mod graphs;
 mod image;
 mod interrupt;
 mod ipsc2;

@@ -7,6 +7,7 @@ use pcs_sim::error::InputError;
 use pcs_sim::host::image;
 use pcs_sim::measure::{Clock, Measured, Observed, Shape, When};
 use pcs_sim::report::account::{self, cell_names};
+use pcs_sim::report::graphs::{self as told, Gathered, Graphs};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::stats::Configuration;
 use pcs_sim::report::{bottleneck, hits};
@@ -14,6 +15,7 @@ use pcs_sim::run::{self, Layers, Outcome, OutputFile, PlannedRun, RunSpec, Setup
 use pcs_sim::seam::activity_trace::{Form, TraceWriter};
 
 use super::args::{RunArgs, Typed};
+use super::graphs::{self, GraphFiles};
 use super::views::{Seen, Views};
 use super::watch::{Live, Watch};
 use super::{Failure, Told, outputs, print, progress};
@@ -24,6 +26,7 @@ struct Outputs {
     hits: Option<OutputFile>,
     ops: Option<OutputFile>,
     image: Option<OutputFile>,
+    graphs: Option<GraphFiles>,
     views: Views,
 }
 
@@ -40,11 +43,15 @@ pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
     spinner.finish_and_clear();
     notes(&setup);
     let moment = told.moment(setup.machine.spec.clock())?;
-    let (outcome, losses) = simulate(&setup, (workers, args.results.watch, form), moment, &mut files)?;
+    let mut gathered = files.graphs.is_some().then(|| Gathered::new(&setup));
+    let watched = (workers, args.results.watch, form);
+    let (outcome, losses) = simulate(&setup, watched, moment, (&mut files, gathered.as_mut()))?;
+    let of_line = |(files, gathered): (&GraphFiles, _)| told::of_line(&setup, gathered, &outcome.stats, files.asked());
+    let graphs = files.graphs.as_ref().zip(gathered.as_ref()).map(of_line).transpose()?;
     let (names, losses) = (cell_names(&setup.workload), losses.as_ref());
     let seen = (&outcome.observed, setup.machine.spec.clock());
     print(&report(account::head(&setup, &outcome), told, (&outcome.stats, losses, &names), seen)?)?;
-    let written = write_outputs(&setup, &outcome, losses, files)?;
+    let written = write_outputs(&setup, (&outcome, losses), graphs, files)?;
     print(&outputs::list(&written))
 }
 
@@ -74,6 +81,7 @@ fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
         args.config.as_deref(),
     ];
     outputs::check_distinct(&named(args), &inputs)?;
+    graphs::check(&args.graph, spec.size)?;
     outputs::check_png(args.image.as_deref())?;
     let open = |path: &Option<PathBuf>| outputs::open(path.as_deref(), args.results.force);
     Ok(Outputs {
@@ -81,6 +89,7 @@ fn open_outputs(args: &RunArgs, spec: &RunSpec) -> Result<Outputs, InputError> {
         hits: open(&args.tracing.hits)?,
         ops: open(&args.tracing.ops)?,
         image: open(&args.image)?,
+        graphs: GraphFiles::open(&args.graph, args.results.force)?,
         views: Views::open(&args.views, args.results.force)?,
     })
 }
@@ -94,7 +103,7 @@ fn simulate(
     setup: &Setup,
     (workers, watch, form): (Workers, bool, Form),
     moment: Option<When>,
-    files: &mut Outputs,
+    (files, mut gathered): (&mut Outputs, Option<&mut Gathered>),
 ) -> Result<(Outcome, Option<Losses>), Failure> {
     let spec = &setup.machine.spec;
     let mut live = Live::new(
@@ -110,6 +119,7 @@ fn simulate(
     let mut shuffled = Shuffled::new(cells);
     let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
         shuffled.take(&batch.ops);
+        gathered.iter_mut().for_each(|gathered| gathered.take_batch(batch, setup));
         live.inc(batch.hits.len() as u64);
         live.show(array);
         writer.as_mut().map_or(Ok(()), |writer| writer.write(&batch.ops)).map_err(failed)
@@ -136,8 +146,8 @@ pub fn report(
 
 fn write_outputs(
     setup: &Setup,
-    outcome: &Outcome,
-    losses: Option<&Losses>,
+    (outcome, losses): (&Outcome, Option<&Losses>),
+    graphs: Option<Graphs>,
     files: Outputs,
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut written = Vec::new();
@@ -151,6 +161,9 @@ fn write_outputs(
     outputs::finish(files.image, &mut written, |file| {
         image::write_png(file, setup.spec.size, &setup.preview(&outcome.hits))
     })?;
+    if let (Some(files), Some(graphs)) = (files.graphs, graphs) {
+        files.write(&graphs, &mut written)?;
+    }
     write_views(setup, (outcome, losses), &configuration, files.views, &mut written)?;
     Ok(written)
 }

@@ -241,6 +241,16 @@ impl Polygons {
         Some(PolygonHit { t, alpha, beta, triangle })
     }
 
+    /// Whether a ray cannot hit a polygon, as A.3 finds by its plane alone: in the same arithmetic, so that it finds none in any case.
+    /// (With closed edges, which know no plane, by all of the test.)
+    pub fn surely_misses(&self, ray: &Ray, polygon: u32) -> bool {
+        if self.edges == Edges::Closed {
+            return self.intersect(ray, polygon, f32::INFINITY).is_none();
+        }
+        let t = self.records[polygon as usize].plane_hit(ray);
+        !t.is_some_and(|t| t > 0.0 && t <= ray.t_max)
+    }
+
     #[inline]
     fn projected(&self, record: &Record) -> &[[f32; 2]] {
         &self.projected[record.first as usize..][..record.count as usize]

@@ -12,6 +12,9 @@
 
 use glam::DVec3;
 
+use super::occluders::{Occluders, Told};
+use super::rules::Rules;
+use super::shades::Shades;
 use super::surface::Surface;
 use crate::geometry::{Hit, Polygons, Ray};
 use crate::scene::{Light, LightFrom, Scene};
@@ -76,17 +79,25 @@ pub struct Branch {
     pub light: u32,
     /// The share of the light it finds that reaches the pixel; for a shadow ray, what it adds if it meets nothing.
     pub weight: DVec3,
+    /// The polygon that it starts on, if a rule says that it does not hit it.
+    pub own: Option<u32>,
+    /// What a rule says of its hit, so that it is not sent: that there is none, or one of a shadow ray that need not be the first.
+    pub foretold: Option<Hit>,
+    /// How many objects a rule looked at for it, and how many polygons.
+    pub rule_tests: [u32; 2],
 }
 
 impl Branch {
     /// The root of a tree.
     pub fn primary(ray: Ray) -> Branch {
-        Branch { ray, kind: RayKind::Primary, generation: 0, light: 0, weight: DVec3::ONE }
+        let (kind, weight) = (RayKind::Primary, DVec3::ONE);
+        Branch { ray, kind, generation: 0, light: 0, weight, own: None, foretold: None, rule_tests: [0; 2] }
     }
 
     fn next(&self, kind: RayKind, origin: DVec3, direction: DVec3, weight: DVec3) -> Branch {
         let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
-        Branch { ray, kind, generation: self.generation.saturating_add(1), light: self.light, weight }
+        let generation = self.generation.saturating_add(1);
+        Branch { ray, kind, generation, light: self.light, weight, own: None, foretold: None, rule_tests: [0; 2] }
     }
 }
 
@@ -97,6 +108,11 @@ pub struct Shader<'a> {
     polygons: &'a Polygons,
     lights: Vec<Light>,
     limits: Limits,
+    rules: Rules,
+    /// What may shade anything, if a rule asks for that.
+    occluders: Option<Occluders>,
+    /// What shades for certain, if a rule asks for that.
+    shades: Option<Shades>,
 }
 
 impl<'a> Shader<'a> {
@@ -106,7 +122,34 @@ impl<'a> Shader<'a> {
         if lights.is_empty() {
             lights.push(Light::point(scene.camera.from, glam::Vec3::ONE));
         }
-        Shader { scene, polygons, lights, limits }
+        Shader { scene, polygons, lights, limits, rules: Rules::default(), occluders: None, shades: None }
+    }
+
+    /// The same where the host goes by rules. The light of a tree does not depend on them.
+    pub fn with_rules(self, rules: Rules) -> Shader<'a> {
+        let occluders = rules.a4b.then(|| Occluders::new(&self.scene.mesh, self.polygons, &self.lights));
+        let shades = rules.a4c.then(|| Shades::new(self.scene, self.polygons, &self.lights));
+        Shader { rules, occluders, shades, ..self }
+    }
+
+    /// A ray that leaves a polygon, with what the rules say of it.
+    fn ruled(&self, branch: Branch, polygon: u32) -> Branch {
+        let own = Some(polygon).filter(|&polygon| self.rules.own && self.polygons.surely_misses(&branch.ray, polygon));
+        let ruled = Branch { own, ..branch };
+        match branch.kind {
+            RayKind::Shadow => self.foretold(ruled),
+            _ => ruled,
+        }
+    }
+
+    /// A shadow ray, with what the rules say of its hit.
+    fn foretold(&self, branch: Branch) -> Branch {
+        let (ray, light) = (&branch.ray, branch.light);
+        let outside = self.occluders.as_ref().map(|occluders| occluders.look(self.polygons, ray, light));
+        let Told { foretold, tests } = outside.unwrap_or_default();
+        let inside = self.shades.as_ref().filter(|_| foretold.is_none());
+        let shaded = inside.map(|shades| shades.look(self.polygons, ray, light)).unwrap_or_default();
+        Branch { foretold: foretold.or(shaded.foretold), rule_tests: [tests, shaded.tests], ..branch }
     }
 
     /// The light of a ray from the eye that hits nothing.
@@ -116,6 +159,7 @@ impl<'a> Shader<'a> {
 
     /// What a ray's hit adds to the pixel at once. Hands the rays that the hit asks for to `send`.
     pub fn shade(&self, branch: &Branch, hit: &Hit, mut send: impl FnMut(Branch)) -> DVec3 {
+        let mut send = |child: Branch| send(self.ruled(child, hit.polygon));
         match (branch.kind, hit.is_hit()) {
             (RayKind::Shadow, false) => branch.weight,
             (_, false) => branch.weight * self.scene.background.as_dvec3(),

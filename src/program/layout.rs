@@ -49,6 +49,8 @@ pub struct Layout {
 /// A group's part of the scene.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
+    /// Its part of the scene's box. Those of all groups fill it.
+    pub volume: Bounds,
     pub members: Vec<u32>,
     pub grid: Grid,
 }
@@ -91,7 +93,7 @@ impl Layout {
         let fill = |sub_volume: SubVolume| {
             let SubVolume { members, volume } = sub_volume;
             let grid = Grid::new(&surfaces.polygons, &members, volume, coefficient, cancel)?;
-            Ok::<_, NotLaidOut>(Group { grid, members })
+            Ok::<_, NotLaidOut>(Group { volume, grid, members })
         };
         let groups = partition::assign(&surfaces.polygons, boxes).into_iter().map(fill).collect::<Result<_, _>>()?;
         Ok(Layout { surfaces, groups })

@@ -21,5 +21,5 @@ pub use array_program::{ArrayProgram, Kernel, Masks, Stages};
 pub use cut::{Sample, sub_sample};
 pub use layout::{Layout, NotLaidOut, Surfaces};
 pub(crate) use masks::Screening;
-pub use tracer::{Counts, GroupVisit, Said, Test, Tracer, Visit, VoxelVisit};
+pub use tracer::{Counts, GroupVisit, Said, Spared, Test, Tracer, Visit, VoxelVisit};
 pub use workload::{CellMemory, Workload};

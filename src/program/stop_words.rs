@@ -43,7 +43,7 @@ impl StopWords {
     }
 
     /// Words that a stage writes to its left neighbour before the first ray.
-    fn head_start(&self, stage: usize) -> u64 {
+    pub fn head_start(&self, stage: usize) -> u64 {
         (self.lag(stage - 1) - self.lag(stage)) as u64
     }
 

@@ -37,6 +37,37 @@ pub struct Counts {
     pub intersection_tests: u64,
     /// Rays that hit a polygon.
     pub hits: u64,
+    /// What rules spared.
+    #[serde(default)]
+    pub spared: Spared,
+}
+
+/// What [rules](crate::host::rules) spared, and what they cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Spared {
+    /// Polygons that were dropped before the slabs, as rays start on them.
+    pub slab_tests: u64,
+    /// Those among them that would have been tested for intersection.
+    pub intersection_tests: u64,
+    /// Shadow rays that were not sent, as they meet nothing.
+    pub lit_rays: u64,
+    /// Objects that the host looked at for that.
+    pub object_tests: u64,
+    /// Shadow rays that were not sent, as something stands in their way.
+    pub shaded_rays: u64,
+    /// Polygons that the host looked at for that.
+    pub polygon_tests: u64,
+}
+
+impl std::ops::AddAssign for Spared {
+    fn add_assign(&mut self, other: Spared) {
+        self.slab_tests += other.slab_tests;
+        self.intersection_tests += other.intersection_tests;
+        self.lit_rays += other.lit_rays;
+        self.object_tests += other.object_tests;
+        self.shaded_rays += other.shaded_rays;
+        self.polygon_tests += other.polygon_tests;
+    }
 }
 
 impl std::ops::AddAssign for Counts {
@@ -45,6 +76,7 @@ impl std::ops::AddAssign for Counts {
         self.slab_tests += other.slab_tests;
         self.intersection_tests += other.intersection_tests;
         self.hits += other.hits;
+        self.spared += other.spared;
     }
 }
 
@@ -118,22 +150,27 @@ impl<'a> Tracer<'a> {
         let shares = self.workload.shares(id, count);
         // The host forwards none ahead: it sends messages as they are answered.
         self.workload.send_ray(&mut batch.host, id, self.workload.mask_tests(ray), shares.answered);
-        self.trace_line(id, shares, ray, &mut batch.cells)
+        self.trace_line(id, shares, (ray, None), &mut batch.cells)
     }
 
     /// The same without the host's line, for who decides himself when the ray is sent, by itself.
     pub fn trace_cells(&mut self, id: u32, ray: &Ray, cells: &mut [OpStream]) -> Hit {
-        self.trace_line(id, Shares::OWN, ray, cells)
+        self.trace_line(id, Shares::OWN, (ray, None), cells)
+    }
+
+    /// The same of a ray that says which polygon it starts on and does not hit, if it says so.
+    pub fn trace_leaving(&mut self, id: u32, ray: &Ray, own: Option<u32>, cells: &mut [OpStream]) -> Hit {
+        self.trace_line(id, Shares::OWN, (ray, own), cells)
     }
 
     /// Each cell reads and passes on some rays (programs just the one), works on this one, and answers some.
-    fn trace_line(&mut self, id: u32, shares: Shares, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+    fn trace_line(&mut self, id: u32, shares: Shares, (ray, own): (&Ray, Option<u32>), cells: &mut [OpStream]) -> Hit {
         let hit = match &mut self.programs {
             Some(programs) => programs.trace(id, ray, cells, &mut self.counts).unwrap_or_else(|fault| {
                 self.fault.get_or_insert(fault);
                 Hit::MISS
             }),
-            None => self.trace_groups(shares, ray, cells),
+            None => self.trace_groups(shares, (ray, own), cells),
         };
         cells.iter_mut().for_each(|cell| cell.end_line(id));
         self.counts.hits += hit.is_hit() as u64;
@@ -141,14 +178,14 @@ impl<'a> Tracer<'a> {
     }
 
     /// The same where the cells take Figure 7's times.
-    fn trace_groups(&mut self, shares: Shares, ray: &Ray, cells: &mut [OpStream]) -> Hit {
+    fn trace_groups(&mut self, shares: Shares, (ray, own): (&Ray, Option<u32>), cells: &mut [OpStream]) -> Hit {
         let bounded = self.workload.program.bounded_walk;
         let mut nearest = Hit::MISS;
         let mut ray_slabs = None;
         let stages = self.workload.stages.count();
         for (index, (group, cells)) in self.workload.layout.groups.iter().zip(cells.chunks_mut(stages)).enumerate() {
             let known = if bounded { nearest } else { Hit::MISS };
-            let mut in_group = RayInGroup::new(self.workload, ray, known, cells, ray_slabs);
+            let mut in_group = RayInGroup { own, ..RayInGroup::new(self.workload, ray, known, cells, ray_slabs) };
             in_group.read_ray(shares.read, index + 1 == self.workload.groups());
             if bounded && index > 0 {
                 in_group.read_earlier_hits(shares.answered);
@@ -219,6 +256,8 @@ struct RayInGroup<'a> {
     surfaces: &'a Surfaces,
     /// The ray, which ends at the hit that is known when the group begins.
     ray: Ray,
+    /// The polygon that it starts on and does not hit, if it says so.
+    own: Option<u32>,
     cells: &'a mut [OpStream],
     ray_slabs: Option<RaySlabs>,
     entered: Entered,
@@ -244,6 +283,7 @@ impl<'a> RayInGroup<'a> {
             workload,
             surfaces: &workload.layout.surfaces,
             ray,
+            own: None,
             cells,
             ray_slabs: ray_slabs.map(|slabs| slabs.ending_at(ray.t_max)),
             entered: Entered::default(),
@@ -355,6 +395,9 @@ impl<'a> RayInGroup<'a> {
     /// A polygon from the grid goes through the slabs, if there are any, to the intersection.
     #[inline]
     fn candidate(&mut self, polygon: u32, counts: &mut Counts) {
+        if self.own == Some(polygon) {
+            return self.spare(polygon, counts);
+        }
         let stages = self.workload.stages;
         let mut cell = 0;
         if let Some(slabs) = stages.slabs {
@@ -374,6 +417,25 @@ impl<'a> RayInGroup<'a> {
         }
         counts.intersection_tests += 1;
         self.intersection_test(polygon);
+    }
+
+    /// Drops the polygon that the ray starts on, and counts the tests that it would have had.
+    fn spare(&mut self, polygon: u32, counts: &mut Counts) {
+        let (stages, stop_words) = (self.workload.stages, self.workload.stop_words);
+        if let Some(cell) = stages.slabs {
+            if self.stopping.seen_by(cell, stop_words) {
+                return;
+            }
+            counts.spared.slab_tests += 1;
+            let Surfaces { polygons, slabs } = self.surfaces;
+            let new = || RaySlabs::new(&self.ray, polygons.largest_coordinate());
+            if !slabs.meets(self.ray_slabs.get_or_insert_with(new), polygon) {
+                return;
+            }
+        }
+        if !self.stopping.seen_by(stages.intersection, stop_words) {
+            counts.spared.intersection_tests += 1;
+        }
     }
 
     /// Sends one word on Y, if the kernels do not run in the same cell.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::InputError;
-use crate::geometry::{Grid, Polygons, Ray, slabs};
+use crate::geometry::{Bounds, Grid, Polygons, Ray, slabs};
 use crate::isa::Executable;
 use crate::machine::{FifoName, HostTimes, KernelTimes, MachineSpec};
 use crate::measure::Actor;
@@ -15,7 +15,7 @@ use super::array_program::{ArrayProgram, Kernel, Stages};
 use super::cells::{CellOptions, CellPrograms, InstructionStep, ProgramTracer};
 use super::layout::Layout;
 use super::masks::Screening;
-use super::messages::{HIT_WORDS, Messaging, RAY_WORDS};
+use super::messages::{HIT_WORDS, Messaging, OWN_WORDS, RAY_WORDS};
 use super::stop_words::StopWords;
 use super::work;
 
@@ -34,6 +34,8 @@ pub struct Workload {
     pub(super) programs: Option<CellPrograms>,
     /// What tells the host which sub-volumes rays can meet, if it tells them.
     pub(super) screening: Option<Screening>,
+    /// Whether rays name the polygon that they start on and do not hit.
+    pub(super) names_own: bool,
     /// If the host tests samples before it sends their rays, how many for each ray of a run, its own the last of them.
     pub(super) tested: Option<Arc<Vec<u32>>>,
 }
@@ -86,6 +88,7 @@ impl Workload {
             program: program.clone(),
             programs: None,
             screening: Screening::new(program.masks),
+            names_own: false,
             tested: None,
         }
         .priced()
@@ -104,6 +107,11 @@ impl Workload {
     /// an image, whose host finds that out by itself, none.
     pub fn with_samples_tested(self, tested: Arc<Vec<u32>>) -> Workload {
         Workload { tested: Some(tested), ..self }.priced()
+    }
+
+    /// The same whose rays name, in a word more, the polygon that they start on and do not hit.
+    pub fn naming_own(self) -> Workload {
+        Workload { names_own: true, ..self }
     }
 
     /// The same with the prices of what is done.
@@ -142,7 +150,8 @@ impl Workload {
 
     /// Words of a RAY.
     pub(super) fn ray_words(&self) -> u64 {
-        RAY_WORDS + self.program.masks.words(self.groups())
+        let own = if self.names_own { OWN_WORDS } else { 0 };
+        RAY_WORDS + own + self.program.masks.words(self.groups())
     }
 
     /// Against how many sub-volumes the host tests a ray, to tell it which it can meet.
@@ -182,6 +191,7 @@ impl Workload {
             (self.program.rays_per_message > 1, "messages of several rays"),
             (self.messaging().takes_time, "what a message takes (message_us)"),
             (self.screening.is_some(), "masks"),
+            (self.names_own, "polygons that rays start on"),
         ];
         if let Some((_, what)) = beyond.into_iter().find(|(is_asked, _)| *is_asked) {
             let error = InputError::new(format!("the cells' programs know nothing of {what}"));
@@ -241,6 +251,11 @@ impl Workload {
     /// Each group's grid.
     pub fn grids(&self) -> impl ExactSizeIterator<Item = &Grid> {
         self.layout.groups.iter().map(|group| &group.grid)
+    }
+
+    /// Each group's part of the scene's box, and the polygons that reach into it.
+    pub fn sub_volumes(&self) -> impl ExactSizeIterator<Item = (Bounds, &[u32])> {
+        self.layout.groups.iter().map(|group| (group.volume, &group.members[..]))
     }
 
     /// The kernels that a cell runs.

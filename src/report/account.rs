@@ -272,6 +272,7 @@ pub fn stats_json(setup: &Setup, outcome: &Outcome, losses: Option<&Losses>) -> 
     let counted = Counted {
         counts: Some(&outcome.counts),
         samples: setup.prepared.screen.as_ref().map(|_| setup.prepared.count() as u64),
+        messages: Some(setup.workload.messages(&outcome.stats)),
         ..Counted::default()
     };
     stats::to_json(seen, setup.machine.spec.clock(), losses, counted, &configuration)
@@ -292,6 +293,8 @@ pub fn image_stats_json(
         kinds: Some(&kinds),
         samples: setup.prepared.screen.as_ref().map(|_| rendered.samples),
         refined_pixels: setup.image().adaptive.then_some(rendered.refined.len() as u64),
+        messages: Some(setup.workload.messages(&timing.stats)),
+        rules: setup.image().rules,
     };
     stats::to_json(seen, setup.machine.spec.clock(), losses, counted, &configuration)
 }

@@ -374,7 +374,7 @@ fn by_kind(outcome: &CubeOutcome) -> Map<String, Value> {
             "sent": counts.sent, "taken": counts.taken, "bytes": counts.bytes, "hops": counts.hops,
             "processor": counts.processor.0,
         });
-        (kind.name().replace(' ', "_"), value)
+        (kind.key(), value)
     };
     MessageKind::ALL.into_iter().map(kind).collect()
 }

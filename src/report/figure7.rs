@@ -1,12 +1,11 @@
 //! How well Figure 7 tells what instructions cost.
 
-use crate::input::lines::{grouped, plural};
 use crate::isa::Class;
 use crate::machine::MachineSpec;
 use crate::program::figure7::NUMBERS;
 use crate::program::figure7::calibrate::BOUNDS;
 use crate::program::figure7::fits::Within;
-use crate::report::summary::{aligned, table};
+use crate::report::summary::{WIDTH, aligned, grouped, plural, table, wrapped};
 
 /// How many machines come near Figure 7, and what each class of instructions costs in them, in cycles.
 pub fn within(all: &[Within], spec: &MachineSpec) -> String {

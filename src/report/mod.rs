@@ -6,6 +6,7 @@ pub mod comparison;
 pub mod cube;
 pub mod farm;
 pub mod figure7;
+pub mod graphs;
 pub mod hits;
 pub mod kinds;
 pub mod losses;

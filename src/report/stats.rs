@@ -6,8 +6,10 @@ use super::bottleneck;
 use super::kinds::RaysByKind;
 use super::losses::Losses;
 use super::why::PathJson;
+use crate::host::rules::Rules;
 use crate::measure::{Clock, CriticalPath, FifoInfo, FifoStats, Measured, State, StateKind, StateTimes};
-use crate::program::{CellMemory, Counts};
+use crate::program::messages::{Carried, CarriedByKind, MessageKind};
+use crate::program::{CellMemory, Counts, Spared};
 use crate::run::{CubeSpec, FarmSpec, ReplaySpec, RunSpec, Setup};
 use crate::scene::solid;
 
@@ -91,6 +93,10 @@ struct Report<'a> {
     refined_pixels: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     rays_by_kind: Option<&'a RaysByKind>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    messages: Option<Messages>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rules: Option<RulesJson>,
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     losses: Option<&'a Losses>,
@@ -147,6 +153,57 @@ impl<'a> Fifo<'a> {
     }
 }
 
+/// What each rule spared, of those that hold.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct RulesJson {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    own: Option<OwnJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    a4b: Option<A4bJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    a4c: Option<A4cJson>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct OwnJson {
+    slab_tests: u64,
+    intersection_tests: u64,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct A4bJson {
+    rays_not_sent: u64,
+    object_tests: u64,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct A4cJson {
+    rays_not_sent: u64,
+    polygon_tests: u64,
+}
+
+impl RulesJson {
+    fn new(rules: Rules, spared: &Spared) -> Option<RulesJson> {
+        let Spared { slab_tests, intersection_tests, lit_rays, object_tests, shaded_rays, polygon_tests } = *spared;
+        (rules != Rules::default()).then_some(RulesJson {
+            own: rules.own.then_some(OwnJson { slab_tests, intersection_tests }),
+            a4b: rules.a4b.then_some(A4bJson { rays_not_sent: lit_rays, object_tests }),
+            a4c: rules.a4c.then_some(A4cJson { rays_not_sent: shaded_rays, polygon_tests }),
+        })
+    }
+}
+
+/// What FIFOs carried, by the four kinds of messages.
+type Messages = serde_json::Map<String, serde_json::Value>;
+
+fn messages(carried: &CarriedByKind) -> Messages {
+    let kind = |kind: MessageKind| {
+        let Carried { sent, words } = carried[kind as usize];
+        (kind.key(), serde_json::json!({"sent": sent, "words": words}))
+    };
+    MessageKind::ALL.into_iter().map(kind).collect()
+}
+
 /// What was counted on a run's rays. A replay has none of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counted<'a> {
@@ -158,6 +215,10 @@ pub struct Counted<'a> {
     pub samples: Option<u64>,
     /// Of how many pixels there were more samples, where adaptive sampling says which.
     pub refined_pixels: Option<u64>,
+    /// What the FIFOs carried, by kind.
+    pub messages: Option<CarriedByKind>,
+    /// The rules that the host went by.
+    pub rules: Rules,
 }
 
 /// The statistics of a run as indented JSON.
@@ -186,6 +247,8 @@ pub fn to_json(
         samples: counted.samples,
         refined_pixels: counted.refined_pixels,
         rays_by_kind: counted.kinds,
+        messages: counted.messages.as_ref().map(messages),
+        rules: counted.counts.and_then(|counts| RulesJson::new(counted.rules, &counts.spared)),
         bottleneck: bottleneck::sentence(run),
         losses,
         why: path.map(PathJson::new),

@@ -181,7 +181,10 @@ impl<'a> ClosedLoop<'a> {
                 self.awaited.pop_front();
                 self.last_known = Some(message);
             }
-            begun.left[ray.tree as usize] -= 1;
+            let (first, count) = ray.children;
+            let (sent, spared): (Vec<u32>, Vec<u32>) =
+                (first..first + count).partition(|&child| begun.trees.rays[child as usize].is_sent);
+            begun.left[ray.tree as usize] -= 1 + spared.len() as u32;
             if begun.left[ray.tree as usize] == 0 {
                 begun.trees_left -= 1;
                 self.open -= 1;
@@ -196,9 +199,7 @@ impl<'a> ClosedLoop<'a> {
             if self.ready.len() <= queue {
                 self.ready.resize_with(queue + 1, VecDeque::new);
             }
-            let (first, count) = ray.children;
-            let children = (first..first + count).map(|ray| (RayPlace { ray, ..place }, message));
-            self.ready[queue].extend(children);
+            self.ready[queue].extend(sent.into_iter().map(|ray| (RayPlace { ray, ..place }, message)));
         }
     }
 

@@ -338,6 +338,8 @@ impl Layers {
         let workload = Workload::of(self.laid_out(run, cancel)?, &run.spec.program, run.machine.times);
         let (scene, prepared) = (self.scene(run)?, self.prepared(run)?);
         let workload = workload.seen_by(&scene.camera);
+        let names_own = run.spec.image.as_ref().is_some_and(|image| image.rules.own);
+        let workload = if names_own { workload.naming_own() } else { workload };
         let workload = match prepared.screen {
             // The host of an image finds out as it goes what it tests.
             Some(_) if run.spec.image.is_some() => workload.with_samples_tested(Arc::default()),

@@ -30,8 +30,8 @@ mod workers;
 
 pub use cube::{
     Calibrated, CellCuts, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut,
-    Distribution, First, FlowKind, Grant, Grids, Known, KnownTime, Mapping, Percent, PixelOrder, PixelsOf, QueueRays,
-    RegionSpec, Termination,
+    Distribution, First, FlowKind, Found, Grant, Grids, Known, KnownTime, Mapping, Percent, PixelOrder, PixelsOf,
+    QueueRays, RegionSpec, Termination,
 };
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
 pub use in_step::InStep;
@@ -54,7 +54,7 @@ pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, Sizin
 pub use spec::{ImageSpec, ReplaySpec, RunSpec, array_program, is_builtin, load_scene, machine_file};
 pub use timed::{Outcome, RunError, TakeBatch, Watching, replay, replay_watched, run, run_watched};
 pub use trace::{TracedBatch, trace};
-pub use trees::{ByKind, KindCounts};
+pub use trees::{ByKind, KindCounts, TreeBatch, TreeRay, computing};
 pub use workers::Workers;
 
 pub use crate::input::fields::read_text;

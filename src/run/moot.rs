@@ -64,7 +64,7 @@ pub fn check_image(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError>
     if image.timing == Switch::Off {
         let (why, help) = (WITHOUT_TIMING, "leave out one of the two");
         let names = [
-            &["order", "policy", "in_flight", "open_samples", "forward_ahead", "rays_per_message", "masks"],
+            &["order", "policy", "in_flight", "open_samples", "rules", "forward_ahead", "rays_per_message", "masks"],
             &LINKS[..],
             &DEPTHS,
             &HOST,

@@ -10,6 +10,7 @@ use crate::geometry::{Edges, Numbering, Partition};
 use crate::host::camera::ImageSize;
 use crate::host::order::Order;
 use crate::host::policy::Policy;
+use crate::host::rules::Rules;
 use crate::host::sampling::AdaptiveBy;
 use crate::host::screen::ScreenRectangles;
 use crate::machine::MachineOptions;
@@ -165,6 +166,10 @@ parameters! {
         /// How many samples the host may have begun and not done [default: 1024].
         #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20)))]
         open_samples: u32, "N", Whole, "samples under way at the most";
+        /// What spares tests and rays without changing a bit of any hit: rays name the polygon that they start on, which is not tested
+        /// (own); shadow rays are not sent that start outside the cones of shadow of all objects (a4b), or inside that of a large
+        /// polygon (a4c); several as in own+a4b; none [default: none].
+        rules: Rules, "RULES", Text, "rules that spare tests and rays";
     }
 }
 

@@ -16,6 +16,7 @@ use crate::geometry::Hit;
 use crate::host::camera::{ImageSize, View};
 use crate::host::order::Order;
 use crate::host::policy::HostRules;
+use crate::host::rules::Rules;
 use crate::host::sampling::{Pass, Sampling, Shown};
 use crate::host::screen::Screen;
 use crate::host::shading::{Limits, Shader};
@@ -46,6 +47,8 @@ pub struct Picture<'a> {
     pub limits: Limits,
     /// The pixels that can show anything, if the host knows: through the others it sends no rays.
     pub screen: Option<&'a Screen>,
+    /// What spares tests and rays.
+    pub rules: Rules,
 }
 
 /// What an observer sees of a run under way.
@@ -60,6 +63,8 @@ pub enum Seen<'a> {
         /// The array as it is by now, if there is one.
         array: Option<&'a Array>,
     },
+    /// The trees of some samples were traced, whose pixels these are. The host sends their rays later.
+    Grown(&'a TreeBatch, &'a [usize]),
     /// The host sends a ray: its ops, and the hit that it will find. Not without timing.
     Sent(&'a OpBatch, &'a Hit),
 }
@@ -270,6 +275,7 @@ impl<'a> Canvas<'a> {
         let picture = self.picture;
         let cells = picture.workload.cells();
         let shader = Shader::new(picture.scene, picture.workload.polygons(), picture.limits);
+        let shader = shader.with_rules(picture.rules);
         let view = View::new(&picture.scene.camera, picture.size);
         // What refined samples show, nobody asks for.
         let look = self.look.filter(|_| pass.per_pixel() == 1);
@@ -297,6 +303,8 @@ impl<'a> Canvas<'a> {
             }
             range.clone().zip(&batch.shown).for_each(|(sample, &key)| self.shown.keys[pass.pixel(sample)] = key);
             index += 1;
+            let pixels: Vec<usize> = range.clone().map(|sample| pass.pixel(sample)).collect();
+            observe(Seen::Grown(&batch, &pixels))?;
             let array = host.as_ref().map(ClosedLoop::array);
             observe(Seen::Samples { done: range.end, of: pass.len(), array })?;
             match host {

@@ -70,6 +70,7 @@ impl Setup {
         let (image, size) = (self.image(), self.spec.size);
         let (sampling, limits) = (image.sampling(), image.limits());
         let screen = self.prepared.screen.as_ref();
-        Picture { scene: &self.scene, workload: &self.workload, size, sampling, limits, screen }
+        let rules = image.rules;
+        Picture { scene: &self.scene, workload: &self.workload, size, sampling, limits, screen, rules }
     }
 }

@@ -13,6 +13,7 @@ use crate::host::camera::{self, ImageSize};
 use crate::host::order::{Order, Sequence};
 use crate::host::policy::{HostRules, Policy};
 use crate::host::ray_file;
+use crate::host::rules::Rules;
 use crate::host::sampling::{AdaptiveBy, Criterion, Sampling};
 use crate::host::screen::ScreenRectangles;
 use crate::host::shading::Limits;
@@ -178,6 +179,9 @@ pub struct ImageSpec {
     pub in_flight: Option<u64>,
     /// How many samples the host may have begun and not done.
     pub open_samples: u32,
+    /// What spares tests and rays without changing a hit.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub rules: Rules,
 }
 
 /// What stands for the standard programs of the cells.
@@ -201,6 +205,7 @@ impl Default for ImageSpec {
             policy: rules.policy,
             in_flight: rules.in_flight,
             open_samples: rules.open_samples as u32,
+            rules: Rules::default(),
         }
     }
 }
@@ -306,6 +311,7 @@ impl RunSpec {
             policy: host.policy.unwrap_or(below.policy),
             in_flight: host.in_flight.or(below.in_flight),
             open_samples: host.open_samples.unwrap_or(below.open_samples),
+            rules: host.rules.unwrap_or(below.rules),
         };
         image.check()?;
         Ok(RunSpec { image: Some(image), rays: None, ..RunSpec::new(options, base)? })
@@ -393,7 +399,7 @@ impl ImageSpec {
     }
 
     /// What the host may do, which begins the pixels in that order.
-    pub fn rules(&self, order: Order) -> HostRules {
+    pub fn host_rules(&self, order: Order) -> HostRules {
         let open_samples = self.open_samples as usize;
         HostRules { order, policy: self.policy, in_flight: self.in_flight, open_samples }
     }

@@ -57,7 +57,7 @@ pub struct TreeBatch {
 }
 
 /// A ray's place in its tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeRay {
     /// What it is for.
     pub kind: RayKind,
@@ -71,6 +71,12 @@ pub struct TreeRay {
     pub tree: u32,
     /// Against how many sub-volumes the host tests it before it sends it.
     pub mask_tests: u32,
+    /// The ray itself.
+    pub ray: Ray,
+    /// Cycles that the cells compute on it.
+    pub busy: u64,
+    /// Whether the host sends it: not if a rule says what it hits. Cells then do nothing for it.
+    pub is_sent: bool,
 }
 
 /// Traces the trees of samples. Each thread has its own.
@@ -120,13 +126,25 @@ impl Grower<'_> {
             branches,
             |branch| {
                 let number = traced.hits.len();
-                let hit = self.tracer.trace_cells(number as u32, &branch.ray, &mut traced.ops.cells);
-                let busy = traced.ops.cells.iter().map(|cell| computing(cell, number, self.costs)).sum();
+                let spared = &mut self.tracer.counts.spared;
+                let [objects, polygons] = branch.rule_tests;
+                spared.object_tests += u64::from(objects);
+                spared.polygon_tests += u64::from(polygons);
+                if let Some(hit) = branch.foretold {
+                    let rays = if hit.is_hit() { &mut spared.shaded_rays } else { &mut spared.lit_rays };
+                    *rays += 1;
+                    traced.ops.cells.iter_mut().for_each(|cell| cell.end_line(number as u32));
+                    traced.hits.push(hit);
+                    return (hit, 0);
+                }
+                let cells = &mut traced.ops.cells;
+                let hit = self.tracer.trace_leaving(number as u32, &branch.ray, branch.own, cells);
+                let busy = computing(&traced.ops.cells, number, self.costs);
                 kinds[branch.kind as usize] += KindCounts { rays: 1, hits: hit.is_hit() as u64, busy };
                 traced.hits.push(hit);
-                (hit, ())
+                (hit, busy)
             },
-            |branch, (hit, ()), (next, children)| {
+            |branch, (hit, busy), (next, children)| {
                 rays.push(TreeRay {
                     kind: branch.kind,
                     generation: branch.generation,
@@ -134,6 +152,9 @@ impl Grower<'_> {
                     children: ((first + next) as u32, children.len() as u32),
                     tree,
                     mask_tests: workload.mask_tests(&branch.ray) as u32,
+                    ray: branch.ray,
+                    busy,
+                    is_sent: branch.foretold.is_none(),
                 });
             },
         );
@@ -191,9 +212,10 @@ pub(super) fn grow<R>(
     color
 }
 
-/// The cycles that a cell computes on a ray, in its kernels.
-fn computing(cell: &OpStream, line: usize, costs: &Costs) -> u64 {
-    let units = cell.line(line).iter().filter_map(|op| Some((op.unit()?, op.count())));
+/// The cycles that cells compute on a ray, in their kernels; `line` is its place in the batch.
+pub fn computing(cells: &[OpStream], line: usize, costs: &Costs) -> u64 {
+    let ops = cells.iter().flat_map(|cell| cell.line(line));
+    let units = ops.filter_map(|op| Some((op.unit()?, op.count())));
     let of_kernels = units.filter(|(unit, _)| costs.activity(*unit) != work::OTHER);
     of_kernels.map(|(unit, count)| costs.of(unit).0 * count as u64).sum()
 }

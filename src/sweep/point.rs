@@ -99,9 +99,9 @@ fn render(
     workers: &Workers,
 ) -> Result<Outcome, String> {
     let (size, sampling, limits) = (point.spec.size, image.sampling(), image.limits());
-    let picture = Picture { scene, workload, size, sampling, limits, screen };
+    let picture = Picture { scene, workload, size, sampling, limits, screen, rules: image.rules };
     let timed =
-        Timed { spec: &point.machine.spec, rules: image.rules(point.spec.order), watching: Watching::default() };
+        Timed { spec: &point.machine.spec, rules: image.host_rules(point.spec.order), watching: Watching::default() };
     let rendered = run::render(&picture, Some(timed), workers, |_| Ok::<_, Infallible>(())).map_err(reason)?;
     let timing = rendered.timing.ok_or("the image was not timed")?;
     Ok(Outcome::new(point, workload, timing.stats, rendered.counts))

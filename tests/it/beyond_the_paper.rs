@@ -180,7 +180,8 @@ fn image(
 ) -> Result<(Rendered, Vec<OpBatch>), RunError<Infallible>> {
     let size = ImageSize { width: 12, height: 9 };
     let sampling = Sampling { side: 1, adaptive: None };
-    let picture = Picture { scene, workload, size, sampling, limits: Limits::default(), screen: None };
+    let picture =
+        Picture { scene, workload, size, sampling, limits: Limits::default(), screen: None, rules: Default::default() };
     let mut batches = Vec::new();
     let rendered = run::render(
         &picture,

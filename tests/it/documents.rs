@@ -165,7 +165,7 @@ fn tables_md_lists_every_field() {
     let runs = [
         "--scene room --size 8x6 --mode broadcast --cells 2 --why --enough --ops a.ops",
         "replay a.ops",
-        "image room --size 8x6 -o i.png --samples 2 --adaptive --screen-rectangles scene",
+        "image room --size 8x6 -o i.png --samples 2 --adaptive --screen-rectangles scene --rules own+a4b+a4c",
         "--scene tetra --size-factor 3 --size 8x8 --cells-run programs",
         "--mode broadcast --cells 8 --partition work --scene teapot --size 48x48",
         "--scene room --size 8x6 --mode pipeline --stop-words 2",

@@ -448,6 +448,7 @@ fn the_work_on_a_scene_is_that_of_one_cell() {
         sampling: image.sampling(),
         limits: image.limits(),
         screen: None,
+        rules: Default::default(),
     };
     let rendered = run::render(&picture, None, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap();
     let counts = one.counts().unwrap();

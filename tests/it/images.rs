@@ -28,7 +28,7 @@ fn workload(scene: &Scene, program: &str, groups: usize, times: KernelTimes) -> 
 
 fn picture<'a>(scene: &'a Scene, workload: &'a Workload, width: u32, sampling: Sampling) -> Picture<'a> {
     let size = ImageSize { width, height: width * 3 / 4 };
-    Picture { scene, workload, size, sampling, limits: Limits::default(), screen: None }
+    Picture { scene, workload, size, sampling, limits: Limits::default(), screen: None, rules: Default::default() }
 }
 
 fn plain(side: u32) -> Sampling {
@@ -313,7 +313,7 @@ fn the_recorded_trace_replays_to_the_same_stats() {
         folder.run("replay a.ops --stats replay.json --force").success();
         let json = |name: &str| serde_json::from_str::<serde_json::Value>(&folder.read(name)).unwrap();
         let mut expected = json("run.json");
-        for scenes in ["counts", "configuration", "rays_by_kind"] {
+        for scenes in ["counts", "messages", "configuration", "rays_by_kind"] {
             assert!(expected.as_object_mut().unwrap().remove(scenes).is_some());
         }
         let mut replayed = json("replay.json");

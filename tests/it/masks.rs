@@ -124,7 +124,15 @@ fn images_are_the_same_and_timed_as_their_ops_say() {
     let render = |masks: Masks, times| {
         let program = ArrayProgram { masks, ..program("broadcast", 5) };
         let workload = Workload::new(&scene.mesh, &program, times, &[]).unwrap().seen_by(&scene.camera);
-        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
+        let picture = Picture {
+            scene: &scene,
+            workload: &workload,
+            size,
+            sampling,
+            limits,
+            screen: None,
+            rules: Default::default(),
+        };
         let timed = Timed { spec: &MachineSpec::default(), rules: HostRules::default(), watching: Watching::default() };
         let mut batches = Vec::new();
         let rendered = run::render(&picture, Some(timed), &Workers::new(2), |seen| {

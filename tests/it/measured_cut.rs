@@ -94,7 +94,7 @@ fn an_image_is_cut_by_all_its_rays() {
         let picture = run::Picture { workload, ..image.picture() };
         let timed = run::Timed {
             spec: &image.machine.spec,
-            rules: image.image().rules(image.spec.order),
+            rules: image.image().host_rules(image.spec.order),
             watching: run::Watching::default(),
         };
         let rendered: Rendered =

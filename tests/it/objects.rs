@@ -96,7 +96,15 @@ fn render(scene: &Scene, sampling: Sampling) -> (Rendered, u64) {
         Workload::new(&scene.mesh, &crate::support::program("pipeline", 1), crate::support::machine().times, &[])
             .unwrap();
     let size = ImageSize { width: SIDE, height: SIDE };
-    let picture = Picture { scene, workload: &workload, size, sampling, limits: Limits::default(), screen: None };
+    let picture = Picture {
+        scene,
+        workload: &workload,
+        size,
+        sampling,
+        limits: Limits::default(),
+        screen: None,
+        rules: Default::default(),
+    };
     let rendered = run::render(&picture, None, &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap();
     let primary = rendered.kinds[0].rays;
     (rendered, primary)

@@ -162,8 +162,15 @@ fn sweeps_have_it_as_a_parameter() {
 fn image(order: Order, sampling: Sampling) -> (Rendered, Vec<[u32; 4]>) {
     let scene = builtin::generate("balls", Some(1), Some(8)).unwrap();
     let workload = Workload::new(&scene.mesh, &program("broadcast", 3), crate::support::machine().times, &[]).unwrap();
-    let picture =
-        Picture { scene: &scene, workload: &workload, size: SIZE, sampling, limits: Limits::default(), screen: None };
+    let picture = Picture {
+        scene: &scene,
+        workload: &workload,
+        size: SIZE,
+        sampling,
+        limits: Limits::default(),
+        screen: None,
+        rules: Default::default(),
+    };
     let rules = HostRules { order, policy: Policy::PrimariesFirst, open_samples: 1 << 20, ..HostRules::default() };
     let timed = Timed { spec: &MachineSpec::default(), rules, watching: Watching::default() };
     let mut hits = Vec::new();

@@ -13,6 +13,7 @@ fn timing_of(json: &str) -> serde_json::Value {
     let mut value: serde_json::Value = serde_json::from_str(json).unwrap();
     let object = value.as_object_mut().unwrap();
     object.remove("counts");
+    object.remove("messages");
     object.remove("configuration");
     value
 }

@@ -26,7 +26,15 @@ fn render(scene: &Scene, sampling: Sampling, width: u32) -> Rendered {
     let program = crate::support::program("pipeline", 1);
     let workload = Workload::new(&scene.mesh, &program, crate::support::machine().times, &[]).unwrap();
     let size = ImageSize { width, height: width };
-    let picture = Picture { scene, workload: &workload, size, sampling, limits: Limits::default(), screen: None };
+    let picture = Picture {
+        scene,
+        workload: &workload,
+        size,
+        sampling,
+        limits: Limits::default(),
+        screen: None,
+        rules: Default::default(),
+    };
     run::render(&picture, None, &Workers::new(2), |_| Ok::<_, Infallible>(())).unwrap()
 }
 

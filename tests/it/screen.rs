@@ -243,7 +243,15 @@ fn images_are_the_same_and_timed_as_their_ops_say() {
         {
             let size = ImageSize { width: size.0, height: size.1 };
             let limits = Limits::default();
-            let plain = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
+            let plain = Picture {
+                scene: &scene,
+                workload: &workload,
+                size,
+                sampling,
+                limits,
+                screen: None,
+                rules: Default::default(),
+            };
             let (all, _) = timed(&plain, HostRules::default());
             for of in BOTH {
                 let screen = screen(&scene, workload.polygons(), size, of);

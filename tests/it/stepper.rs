@@ -20,6 +20,7 @@ fn counted(workload: &Workload, visit: &Visit) -> Counts {
     let tests = || voxels().flat_map(|voxel| &voxel.tests);
     let intersected = |said: &Said| matches!(said, Said::Missed | Said::Behind(_) | Said::Nearest(_));
     Counts {
+        spared: Default::default(),
         voxels: voxels().count() as u64,
         slab_tests: tests().filter(|test| has_slabs && (intersected(&test.said) || test.said == Said::Dropped)).count()
             as u64,

@@ -72,7 +72,15 @@ fn an_image_ends_at_its_next_ray() {
     let (scene, rays) = scene("room", 1, 100);
     let workload = &workload(&scene.mesh, &program("pipeline", 1), &rays);
     let (size, sampling) = (ImageSize { width: 100, height: 100 }, Sampling { side: 1, adaptive: None });
-    let picture = Picture { scene: &scene, workload, size, sampling, limits: Limits::default(), screen: None };
+    let picture = Picture {
+        scene: &scene,
+        workload,
+        size,
+        sampling,
+        limits: Limits::default(),
+        screen: None,
+        rules: Default::default(),
+    };
     let spec = &machine().spec;
     let timed = Timed { spec, rules: HostRules::default(), watching: Watching::default() };
     let mut sent = 0;

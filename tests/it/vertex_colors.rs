@@ -75,7 +75,8 @@ fn seen_from_above(mut scene: Scene, side: u32) -> Vec<Vec3> {
     let workload = Workload::new(&scene.mesh, &crate::support::program("pipeline", 1), machine.times, &[]).unwrap();
     let size = ImageSize { width: side, height: side };
     let (sampling, limits) = (Sampling::default(), Limits::default());
-    let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
+    let picture =
+        Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None, rules: Default::default() };
     run::render(&picture, None, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap().pixels
 }
 

@@ -378,7 +378,8 @@ fn picture(scene: &Scene) -> Vec<Vec3> {
     let workload = Workload::new(&scene.mesh, &crate::support::program("pipeline", 1), machine.times, &[]).unwrap();
     let size = ImageSize { width: 48, height: 36 };
     let (sampling, limits) = (Sampling::default(), Limits::default());
-    let picture = Picture { scene, workload: &workload, size, sampling, limits, screen: None };
+    let picture =
+        Picture { scene, workload: &workload, size, sampling, limits, screen: None, rules: Default::default() };
     run::render(&picture, None, &Workers::new(1), |_| Ok::<_, Infallible>(())).unwrap().pixels
 }
 

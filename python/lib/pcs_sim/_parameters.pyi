@@ -254,6 +254,9 @@ class ImageParameters(MachineParameters, total=False):
     open_samples: int | None
     """Samples under way at the most."""
 
+    rules: str | None
+    """Rules that spare tests and rays."""
+
 class ModelParameters(MachineParameters, total=False):
     """Parameters of a prediction."""
 

@@ -85,7 +85,7 @@ fn rays(setup: &Setup, workers: &Workers) -> Result<Again, Failure> {
 }
 
 fn image(setup: &Setup, workers: &Workers) -> Result<Again, Failure> {
-    let rules = setup.image().rules(setup.spec.order);
+    let rules = setup.image().host_rules(setup.spec.order);
     let timed = Timed { spec: &setup.machine.spec, rules, watching: watching() };
     let mut rendered = run::render(&setup.picture(), Some(timed), workers, |_| Ok::<_, Infallible>(()))?;
     let title = account::image_title(setup, &rendered);

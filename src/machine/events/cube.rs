@@ -58,8 +58,13 @@ impl Cube {
     }
 
     /// The node that a task is on, or the number behind them for the host. Tasks behind the host are helpers, one on each node.
-    fn place(&self, task: usize) -> usize {
+    pub fn place(&self, task: usize) -> usize {
         if task > self.nodes { task - self.nodes - 1 } else { task }
+    }
+
+    /// How many places there are: the nodes', and the host's behind them.
+    pub fn places(&self) -> usize {
+        self.nodes + 1
     }
 
     /// For how long a message has its links.
@@ -89,8 +94,9 @@ impl Cube {
         Passage { bus: 0, starts: start, free, arrives }
     }
 
-    /// The links of a message's way, from task to task.
-    pub(super) fn links_between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> + use<> {
+    /// The links of a message's way, from task to task: those out of node 0 by bit, those out of node 1, ..., then the one from the
+    /// host, then the one to it.
+    pub fn links_between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> + use<> {
         self.way(self.place(from), self.place(to))
     }
 

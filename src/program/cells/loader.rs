@@ -103,7 +103,7 @@ impl Memory {
     }
 
     fn grid(&mut self, polygons: &Polygons, group: &Group) {
-        let Group { grid, members } = group;
+        let Group { grid, members, .. } = group;
         self.word("references", grid.reference_count() as u32);
         self.number("reach", polygons.reach() as f32);
         let axes = |grid: &Grid| [0, 1, 2].map(|axis| (grid.size()[axis], grid.low()[axis], grid.per_edge()[axis]));

@@ -138,7 +138,12 @@ impl<'a> MemoryNodes<'a> {
             Dealt::AsAsked(tiles) => (vec![Vec::new(); count], tiles, count),
         };
         let pixels = |pixels: &Vec<u32>| NodeSeen { pixels: pixels.len(), ..NodeSeen::default() };
-        let seen = Seen { nodes: own.iter().map(pixels).collect(), sent: vec![0; count * count], ..Seen::default() };
+        let seen = Seen {
+            nodes: own.iter().map(pixels).collect(),
+            sent: vec![0; count * count],
+            pairs: vec![Default::default(); (count + 1) * (count + 1)],
+            ..Seen::default()
+        };
         let waits = graph.trees.len();
         Some(MemoryNodes {
             machine,
@@ -415,7 +420,7 @@ impl<'a> MemoryNodes<'a> {
         time: Cycles,
         content: PageNote,
     ) -> Act<PageNote> {
-        self.seen.messages[kind as usize].send(bytes, self.cube.hops(from, to), time);
+        self.seen.send(&self.cube, (from, to), (kind, bytes), time);
         Act::Send(Message { delivery: Delivery::Post(to), time, bytes, content })
     }
 

@@ -1,35 +1,7 @@
-//! What nodes tell each other: the four kinds of messages, and how long they are.
+//! What nodes tell each other, by kind, and how long it is.
 
 use crate::machine::Cycles;
-
-/// What is in a message, by the kinds of the thesis on graphs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MessageKind {
-    /// Part of the scene.
-    RealObject,
-    /// A ray.
-    VirtualObject,
-    /// What was computed: the light of a ray, or pixels.
-    Calculation,
-    /// What it takes to work together.
-    Information,
-}
-
-impl MessageKind {
-    /// All kinds, in the order of reports.
-    pub const ALL: [MessageKind; 4] =
-        [MessageKind::RealObject, MessageKind::VirtualObject, MessageKind::Calculation, MessageKind::Information];
-
-    /// Its name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            MessageKind::RealObject => "real object",
-            MessageKind::VirtualObject => "virtual object",
-            MessageKind::Calculation => "calculation",
-            MessageKind::Information => "information",
-        }
-    }
-}
+pub use crate::program::messages::MessageKind;
 
 /// The messages of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,6 +36,15 @@ impl MessageCounts {
 
 /// The messages of each kind, in the order of [`MessageKind::ALL`].
 pub type Messages = [MessageCounts; MessageKind::ALL.len()];
+
+/// What was sent from one to another, of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sent {
+    /// How many messages.
+    pub messages: u64,
+    /// Their bytes.
+    pub bytes: u64,
+}
 
 /// Bytes of a ray: pixel 4, owner 2, kind, turns and hops 2, credit 4, origin 12, direction 12, end 4, weight 12.
 pub const RAY_BYTES: u64 = 52;

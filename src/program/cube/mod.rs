@@ -24,7 +24,7 @@ mod walker;
 pub use graph::{Leg, PageUses, RayTask, TaskGraph, WorkTimes};
 pub use mapping::{gray_order, swapped};
 pub use memory::{Dealt, MemoryNodes, PageNote};
-pub use messages::{BLOCK_BYTES, MessageCounts, MessageKind, Messages};
+pub use messages::{BLOCK_BYTES, MessageCounts, MessageKind, Messages, Sent};
 pub use phases::{Part, Phases, Preparation};
 pub use pool::Flow;
 pub use regions::{Ends, Note, RegionNodes, Rules, Visit, highest_rank};

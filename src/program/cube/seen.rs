@@ -1,7 +1,8 @@
 //! What is counted while nodes run, beside their time.
 
-use super::messages::Messages;
+use super::messages::{MessageKind, Messages, Sent};
 use crate::machine::Cycles;
+use crate::machine::events::Cube;
 
 /// What is counted beside the nodes' time.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -18,6 +19,25 @@ pub struct Seen {
     pub nodes: Vec<NodeSeen>,
     /// Rays that were sent on or away, from each node to each, row by row.
     pub sent: Vec<u64>,
+    /// What was sent from each of the nodes and the host to each, by kind, row by row; the host is the last of them.
+    pub pairs: Vec<[Sent; MessageKind::ALL.len()]>,
+}
+
+impl Seen {
+    /// A message of a kind is sent over links of a cube, between two tasks, of which one spends some time on it.
+    #[inline]
+    pub(super) fn send(
+        &mut self,
+        cube: &Cube,
+        (from, to): (usize, usize),
+        (kind, bytes): (MessageKind, u64),
+        time: Cycles,
+    ) {
+        self.messages[kind as usize].send(bytes, cube.hops(from, to), time);
+        let pair = &mut self.pairs[cube.place(from) * cube.places() + cube.place(to)][kind as usize];
+        pair.messages += 1;
+        pair.bytes += bytes;
+    }
 }
 
 /// What a node came to beside its time.

@@ -16,13 +16,15 @@ use glam::Vec3;
 use super::{RunError, Watching, Workers};
 use crate::cancel::Cancel;
 use crate::error::InputError;
-use crate::geometry::{CellPlane, Eye, Hit, Polygons, Pyramids, Regions};
+use crate::geometry::{CellPlane, Eye, Hit, Pyramids, Regions};
 use crate::host::camera::ImageSize;
 use crate::host::order::Order;
+use crate::host::rules::Rules;
 use crate::host::sampling::Pass;
 use crate::machine::events::{Act, Events};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
 use crate::measure::{Measured, Observed, Recording, Topology};
+use crate::program::Workload;
 use crate::program::cube::{
     Dealt, MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, Space, TaskGraph, gray_order,
     highest_rank, swapped, topology,
@@ -30,6 +32,7 @@ use crate::program::cube::{
 use crate::run::one_cell::Whole;
 use crate::run::render::Picture;
 use crate::run::trees::ByKind;
+use crate::scene::Scene;
 
 pub use calibrate::{Calibrated, Known, KnownTime};
 pub use cut::Cut;
@@ -53,12 +56,23 @@ pub struct CubeScene {
     pub cut: Cut,
     /// The image: its pixels' light, line by line. None of it was recorded with tasks.
     pub pixels: Vec<Vec3>,
-    /// The hits of all rays, tree by tree, and the polygons, if they were asked for.
-    pub found: Option<(Vec<Hit>, Polygons)>,
+    /// The hits of all rays, if they were asked for.
+    pub found: Option<Found>,
     /// How many rays there are of each kind, and how many hit.
     pub kinds: ByKind<(u64, u64)>,
     /// What reading it changed.
     pub notes: Vec<String>,
+}
+
+/// What the rays of an image have found, and where.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The hits of all rays, tree by tree.
+    pub hits: Vec<Hit>,
+    /// The scene.
+    pub scene: Scene,
+    /// The scene as one node would have it.
+    pub workload: Workload,
 }
 
 /// An image that is laid out for its nodes.
@@ -185,7 +199,15 @@ impl CubeSpec {
             Whole { scene: &self.scene, size_factor, resolution, size, grid_coefficient: self.rays.grid_coefficient };
         let (scene, workload) = whole.lay_out(machine.times, &workers.cancel)?;
         let (sampling, limits) = (self.sampling(), self.limits());
-        let picture = Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None };
+        let picture = Picture {
+            scene: &scene,
+            workload: &workload,
+            size,
+            sampling,
+            limits,
+            screen: None,
+            rules: Rules::default(),
+        };
         let pyramids = self.pyramids(&picture)?;
         let mut cut = self.cut(&picture, &machine, pyramids.as_ref(), workers)?;
         let own = match self.regions.map(|regions| regions.grids) {
@@ -201,19 +223,11 @@ impl CubeSpec {
         let tracing = Tracing { picture, space, pages, hits: keeps_hits };
         let traced = tracing.pass(&pass, workers, observe)?;
         let pixels = traced.pixels(pass.per_pixel());
-        let polygons = workload.polygons();
+        let polygons = workload.polygons().len();
         let Traced { graph, hits, kinds, .. } = traced;
-        let found = keeps_hits.then(|| (hits, polygons.clone()));
-        Ok(CubeScene {
-            name: scene.name,
-            polygons: polygons.len(),
-            graph,
-            cut,
-            pixels,
-            found,
-            kinds,
-            notes: scene.notes,
-        })
+        let (name, notes) = (scene.name.clone(), scene.notes.clone());
+        let found = keeps_hits.then_some(Found { hits, scene, workload });
+        Ok(CubeScene { name, polygons, graph, cut, pixels, found, kinds, notes })
     }
 
     /// The regions of a scene, or all of it as one.

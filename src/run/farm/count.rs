@@ -3,6 +3,7 @@
 use super::{FarmRays, FarmScene, FarmSpec};
 use crate::host::camera::View;
 use crate::host::order::Order;
+use crate::host::rules::Rules;
 use crate::host::sampling::{Pass, Sampling};
 use crate::host::shading::{Limits, Shader};
 use crate::program::farm::{Counts, PixelWork, Pixels};
@@ -36,7 +37,8 @@ impl FarmSpec {
         self.check_memory(bytes)?;
         let sampling = Sampling { side: rays.samples, adaptive: None };
         let limits = Limits { depth: rays.depth, contribution: rays.min_contribution };
-        let picture = Picture { scene, workload, size: self.size, sampling, limits, screen: None };
+        let picture =
+            Picture { scene, workload, size: self.size, sampling, limits, screen: None, rules: Rules::default() };
         let pixels = pixels(&picture, workers, observe)?;
         let (name, notes) = (scene.name.clone(), scene.notes.clone());
         Ok(FarmScene { name, polygons: Some(workload.polygons().len()), bytes, pixels, notes })

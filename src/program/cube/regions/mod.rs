@@ -187,7 +187,12 @@ impl<'a> RegionNodes<'a> {
             nodes[0].account.token = Some(Token::default());
         }
         let pixels = |node: &Node| NodeSeen { pixels: node.pixels.len(), ..NodeSeen::default() };
-        let seen = Seen { nodes: nodes.iter().map(pixels).collect(), sent: vec![0; count * count], ..Seen::default() };
+        let seen = Seen {
+            nodes: nodes.iter().map(pixels).collect(),
+            sent: vec![0; count * count],
+            pairs: vec![Default::default(); (count + 1) * (count + 1)],
+            ..Seen::default()
+        };
         RegionNodes {
             machine,
             graph,
@@ -467,7 +472,7 @@ impl<'a> RegionNodes<'a> {
 
     fn send(&mut self, task: usize, to: usize, (kind, bytes): (MessageKind, u64), content: Note) -> Act<Note> {
         let time = self.machine.messages.of(bytes);
-        self.seen.messages[kind as usize].send(bytes, self.cube.hops(task, to), time);
+        self.seen.send(&self.cube, (task, to), (kind, bytes), time);
         Act::Send(Message { delivery: Delivery::Post(to), time, bytes, content })
     }
 
