@@ -111,7 +111,9 @@ impl PyramidWay<'_> {
         // On the plane through the eye and the border the place is the border: a x + b = border (c x + d).
         let slope = self.direction[side] - border * self.direction.z;
         let t = (border * self.origin.z - self.origin[side]) / slope;
-        if t.is_nan() { f64::INFINITY } else { t }
+        // The line may meet that plane behind the eye; before it, it then never gets there.
+        let is_before = self.origin.z + self.direction.z * t > 0.0;
+        if is_before { t } else { f64::INFINITY }
     }
 }
 

@@ -11,7 +11,7 @@ use super::{Asked, Graphs};
 use crate::error::InputError;
 use crate::geometry::{Bounds, Hit, Partition, Ray};
 use crate::host::shading::RayKind;
-use crate::measure::{Actor, Measured, StateKind, StateTimes};
+use crate::measure::{Actor, Measured, State, StateKind, StateTimes};
 use crate::program::messages::{Carried, CarriedByKind, MessageKind};
 use crate::report::account::cell_names;
 use crate::run::{Setup, TracedBatch, TreeBatch, computing};
@@ -119,7 +119,9 @@ fn real(
     for (group, ((volume, members), grid)) in workload.sub_volumes().zip(workload.grids()).enumerate() {
         let cells = &stats.stations[group * stages..(group + 1) * stages];
         let states = &stats.topology.states;
-        let work = states.sum(&StateTimes::sum(cells), |state| state.kind == StateKind::Works);
+        // What messages take is no work on the objects.
+        let is_kernel = |state: &State| state.kind == StateKind::Works && state.name != "other";
+        let work = states.sum(&StateTimes::sum(cells), is_kernel);
         let mut attributes = vec![text("label", format!("sub-volume {group}")), text("kind", "region")];
         attributes.extend(of_box(&volume));
         attributes.extend([
