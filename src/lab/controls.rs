@@ -224,7 +224,7 @@ fn default_of(name: &str, machine: &Value) -> String {
         "mailbox" | "bounded_walk" => "false",
         "screen_rectangles" | "masks" => "off",
         "numbering" => "cut",
-        "host_filter_us" | "host_mask_us" => "0",
+        "host_filter_us" | "host_mask_us" | "message_us" => "0",
         _ => "",
     };
     let told = of_machine.map(|value| match value {

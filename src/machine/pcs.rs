@@ -210,6 +210,8 @@ impl MachineFile {
             mask: convert("host_mask_us", self.host_mask_us.unwrap_or(0.0))?,
         };
         let message = self.message_us.map(|us| convert("message_us", us)).transpose()?;
+        // Messages that take nothing are none that are taken and sent as a whole.
+        let message = message.filter(|&cycles| cycles > Cycles(0));
         Ok(KernelTimes { host, message, ..kernels })
     }
 }

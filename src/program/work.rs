@@ -118,7 +118,7 @@ pub fn price(name: &str, times: &KernelTimes, instructions: Option<&InstructionC
         "host_hit" => Some(times.host.hit),
         "host_filter" => Some(times.host.filter),
         "host_mask" => Some(times.host.mask),
-        "message" => times.message,
+        "message" => Some(times.message.unwrap_or_default()),
         _ => instruction(),
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! No run gets slower if a FIFO gets deeper: the time of each word is the latest of a few earlier ones, and with a deeper FIFO one of
 //! them comes earlier. So what is fast enough stays so with more words anywhere, and what is too slow stays so with fewer. The least
-//! depth of a FIFO, the others as they are, is found by halving; and once it is found, it stays the least when others become shallower.
-//! One pass over all FIFOs therefore ends with depths of which none can be lowered by itself.
+//! depth of a FIFO, the others as they are, is found by halving and by short steps down; and once it is found, it stays the least when
+//! others become shallower. One pass over all FIFOs therefore ends with depths of which none can be lowered by itself.
 //!
 //! Only depths are tried at which some word would have had to wait: less than a FIFO holds if all are unlimited, and in each run that
 //! is fast enough, no more than it came to hold there.

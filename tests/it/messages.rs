@@ -101,6 +101,22 @@ fn bundles_are_timed_exactly() {
     }
 }
 
+/// The statistics count messages as they go, bundles and their rest each as one.
+#[test]
+fn bundles_are_messages() {
+    let folder = Folder::new();
+    let sent = |flags: &str| {
+        let run = format!("--mode broadcast --scene room --size 5x2 --cells 3 {flags} --stats s.json --force");
+        folder.run(&run).success();
+        let stats: Value = serde_json::from_str(&folder.read("s.json")).unwrap();
+        ["virtual_object", "calculation"].map(|kind| stats["messages"][kind]["sent"].as_u64().unwrap())
+    };
+    // From the host and from two cells to the next; from three cells.
+    assert_eq!(sent(""), [30, 30]);
+    assert_eq!(sent("--rays-per-message 4"), [9, 9]);
+    assert_eq!(sent("--message-us 0"), sent(""));
+}
+
 /// A message that takes no time costs what the words cost, or a little more where it is passed on as a whole; a unit that is not used
 /// is in no vocabulary.
 #[test]
