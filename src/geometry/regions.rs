@@ -161,7 +161,7 @@ fn equal_parts(sums: &[u128], parts: usize) -> Vec<u16> {
         before += amount;
         // The next place begins the next part if this one is full, or if each of the others needs a place of its own.
         let is_full = before * parts as u128 >= total * (part as u128 + 1);
-        let is_needed = sums.len() - place - 1 <= parts - part - 1;
+        let is_needed = sums.len() - place - 1 < parts - part;
         if part + 1 < parts && (is_full || is_needed) {
             part += 1;
         }
