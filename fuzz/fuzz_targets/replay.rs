@@ -14,6 +14,6 @@ fuzz_target!(|data: &[u8]| {
     let Ok(machine) = MachineFile::standard().and_then(|machine| machine.build()) else { return };
     let (cells, costs) = (trace.cells(), trace.costs().clone());
     let _ = run::replay::<InputError>(&machine.spec, &costs, cells, &Cancel::default(), |take| {
-        trace.for_each_batch::<RunError<InputError>>(|batch| take(batch).map(drop))
+        trace.for_each_batch::<RunError<InputError>>(|batch| take(batch.into()))
     });
 });
