@@ -1,5 +1,7 @@
 //! `pcs-sim figure7`: the six numbers of the paper's Figure 7, measured, and how many machines make them as well.
 
+use std::path::{Path, PathBuf};
+
 use pcs_sim::isa::{Class, Processor};
 use pcs_sim::machine::{Machine, MachineFile, MachineSpec};
 use pcs_sim::program::cells::CellOptions;
@@ -65,13 +67,13 @@ struct Files {
 }
 
 impl Files {
-    fn open(path: &std::path::Path, force: bool) -> Result<Files, Failure> {
+    fn open(path: &Path, force: bool) -> Result<Files, Failure> {
         table::check_name(path)?;
         let [csv, parquet] = ["csv", "parquet"].map(|ending| outputs::create(&path.with_extension(ending), force));
         Ok(Files { csv: csv?, parquet: parquet? })
     }
 
-    fn write(self, table: &Table<'_>) -> Result<Vec<std::path::PathBuf>, Failure> {
+    fn write(self, table: &Table<'_>) -> Result<Vec<PathBuf>, Failure> {
         let mut written = Vec::new();
         outputs::finish(Some(self.csv), &mut written, |file| table::write_csv(file, table))?;
         outputs::finish(Some(self.parquet), &mut written, |file| table::write_parquet(file, table, &[]))?;

@@ -138,6 +138,15 @@ mod tests {
         }
     }
 
+    /// Its place on the screen nears one before the border, and the plane of the border is met behind the eye alone.
+    #[test]
+    fn a_ray_that_nears_a_border_for_ever_does_not_cross_it() {
+        let (from, to) = (Vec3::new(0.83, 4.5, 0.0), Vec3::new(0.97, 5.49, 0.0));
+        let pyramids = pyramids(2);
+        let way = pyramids.way(&Ray::new(from, to - from), 0.0);
+        assert_eq!((way.cell() % 2, way.next()), (1, f64::INFINITY));
+    }
+
     #[test]
     fn an_eye_inside_has_no_pyramids() {
         let eye = Eye { at: Vec3::ZERO, forward: DVec3::Y, right: DVec3::X, up: DVec3::Z };

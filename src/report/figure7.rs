@@ -3,7 +3,7 @@
 use crate::isa::Class;
 use crate::machine::MachineSpec;
 use crate::program::figure7::NUMBERS;
-use crate::program::figure7::calibrate::BOUNDS;
+use crate::program::figure7::calibrate::{BOUNDS, whole_cycles};
 use crate::program::figure7::fits::Within;
 use crate::report::summary::{WIDTH, aligned, grouped, plural, table, wrapped};
 
@@ -24,9 +24,8 @@ pub fn within(all: &[Within], spec: &MachineSpec) -> String {
 
 /// From the least to the most cycles that a class can have cost in 1988.
 fn plausible(class: Class, spec: &MachineSpec) -> String {
-    let cycles = |ns: f64| (ns / spec.clock_ns).round().max(1.0) as u32;
     let bound = BOUNDS.iter().find(|bound| bound.class == class);
-    range(bound.map(|bound| (cycles(bound.least_ns), cycles(bound.most_ns))))
+    range(bound.map(|bound| (whole_cycles(bound.least_ns, spec), whole_cycles(bound.most_ns, spec))))
 }
 
 fn range(cycles: Option<(u32, u32)>) -> String {

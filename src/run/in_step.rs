@@ -141,5 +141,7 @@ impl Lane {
         }
         let fed = self.array.feed(Arc::clone(ops)).map_err(RunError::from);
         self.failed = fed.and_then(|()| Ok(self.array.run()?)).err();
+        // What it was the last to have is not filled again.
+        drop(self.array.take_spent());
     }
 }

@@ -198,9 +198,11 @@ impl Array {
         Ok(())
     }
 
-    /// A batch that has been done, emptied, for its memory to be used again. One that is shared is none of it.
+    /// A batch that has been done, emptied, for its memory to be used again. One that somebody else still has is none of it. To be asked
+    /// for as often as batches are fed, or they pile up.
     pub fn take_spent(&mut self) -> Option<OpBatch> {
-        self.spent.pop()
+        // The array beside it does the same batches, and is the last to have them.
+        self.spent.pop().or_else(|| self.unlimited.as_mut()?.take_spent())
     }
 
     /// The memory that it takes, in bytes, but for what its observers keep.

@@ -57,6 +57,11 @@ pub const BOUNDS: [Bound; 10] = [
     bound(Class::Branch, 100.0, 200.0, 600.0, "a cycle or two of the sequencer"),
 ];
 
+/// A time as whole cycles of a machine, at least one.
+pub fn whole_cycles(ns: f64, spec: &MachineSpec) -> u32 {
+    (ns / spec.clock_ns).round().max(1.0) as u32
+}
+
 const fn bound(class: Class, least_ns: f64, typical_ns: f64, most_ns: f64, why: &'static str) -> Bound {
     Bound { class, least_ns, typical_ns, most_ns, why }
 }
@@ -75,7 +80,7 @@ pub(super) type Classes = [[f64; Class::ALL.len()]; NUMBERS.len()];
 pub fn calibrate(spec: &MachineSpec, folder: Option<PathBuf>) -> Result<InstructionCycles, MeasureError> {
     let classes = classes(folder)?;
     let goal = NUMBERS.map(|number| number.paper_us * 1e3 / spec.clock_ns);
-    let cycles = |ns: f64| (ns / spec.clock_ns).round().max(1.0);
+    let cycles = |ns: f64| f64::from(whole_cycles(ns, spec));
     let badness = |costs: &[f64; Class::ALL.len()]| {
         let number =
             |row: &[f64; Class::ALL.len()]| row.iter().zip(costs).map(|(count, cost)| count * cost).sum::<f64>();

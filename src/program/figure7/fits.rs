@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::calibrate::{BOUNDS, Classes, classes};
+use super::calibrate::{BOUNDS, Classes, classes, whole_cycles};
 use super::{MeasureError, NUMBERS};
 use crate::isa::{Class, InstructionCycles};
 use crate::machine::MachineSpec;
@@ -90,7 +90,7 @@ struct Search {
 
 impl Search {
     fn new(spec: &MachineSpec, classes: &Classes, percent: u32) -> Search {
-        let cycles = |ns: f64| (ns / spec.clock_ns).round().max(1.0) as u32;
+        let cycles = |ns: f64| whole_cycles(ns, spec);
         let column = |(index, &class): (usize, &Class)| {
             let bound = BOUNDS.iter().find(|bound| bound.class == class)?;
             let part = |number: usize| classes[number][index] * spec.clock_ns / (NUMBERS[number].paper_us * 1e3);
