@@ -89,7 +89,7 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
             InputError::new("the cost model knows neither stop words nor rays forwarded ahead, as the paper does not");
         return Err(error.help("take a program without them, or run this one to see what it does"));
     }
-    if program.rays_per_message > 1 || spec.machine.message_us.is_some() {
+    if program.rays_per_message > 1 || spec.machine.message_us.is_some_and(|us| us > 0.0) {
         let error =
             InputError::new("the cost model knows no messages of several rays, and none that take the cells time");
         return Err(error.help("take a program of one ray a message and a machine without message_us, or run this one"));
