@@ -74,6 +74,11 @@ impl<B: Bin> Timeline<B> {
         (to <= self.end).then_some(&mut self.now)
     }
 
+    /// The bin under way, which the cycle last asked for lies in.
+    pub fn under_way(&mut self) -> &mut B {
+        &mut self.now
+    }
+
     /// Cuts the cycles `from..to` where bins meet, and visits each bin with its part of them.
     #[cold]
     pub fn cut(&mut self, mut from: u64, to: u64, mut visit: impl FnMut(&mut B, u64, u64)) {

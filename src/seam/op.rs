@@ -129,11 +129,8 @@ impl Op {
     /// What the op does.
     #[inline]
     pub fn kind(self) -> OpKind {
-        if let Some(unit) = self.unit() {
-            return OpKind::Work(unit);
-        }
         // Spelled out: a match on it is then one jump, where a table would make it two.
-        match self.0 >> MOVE_BITS & 7 {
+        match self.0 >> MOVE_BITS {
             0 => OpKind::PassX,
             1 => OpKind::ReadY,
             2 => OpKind::WriteY,
@@ -141,20 +138,33 @@ impl Op {
             4 => OpKind::WriteX,
             5 => OpKind::Await,
             6 => OpKind::ReadZ,
-            _ => OpKind::WriteZ,
+            7 => OpKind::WriteZ,
+            _ => OpKind::Work(self.worked()),
         }
     }
 
     /// The unit of work, if the op works.
     #[inline]
     pub fn unit(self) -> Option<Unit> {
-        (self.0 & WORKS != 0).then_some(Unit((self.0 >> WORK_BITS & 63) as u8))
+        (self.0 & WORKS != 0).then_some(self.worked())
+    }
+
+    /// The unit of an op that works.
+    #[inline]
+    fn worked(self) -> Unit {
+        Unit((self.0 >> WORK_BITS & 63) as u8)
     }
 
     /// How many units or words.
     #[inline]
     pub fn count(self) -> u32 {
         self.0 & if self.0 & WORKS != 0 { (1 << WORK_BITS) - 1 } else { (1 << MOVE_BITS) - 1 }
+    }
+
+    /// How many words, of an op that moves some; of a wait, for which message it is.
+    #[inline]
+    pub(crate) fn words(self) -> u64 {
+        u64::from(self.0 & ((1 << MOVE_BITS) - 1))
     }
 
     /// Whether an op is of a kind.

@@ -9,7 +9,7 @@ use super::cell::Cell;
 use super::cursor::Halt;
 use super::departures::Departures;
 use super::fifo::Fifo;
-use super::link::{Link, ends};
+use super::link::{Link, around, ends};
 use super::observers::Observers;
 use super::prices::Prices;
 use super::probe::Probe;
@@ -66,6 +66,8 @@ pub struct Array {
     spent: Vec<OpBatch>,
     vocabulary: Arc<Vocabulary>,
     prices: Prices,
+    /// Whether the host, each cell, and the host as a reader may go on.
+    stirred: Box<[bool]>,
     jobs: u64,
     /// When the host read the last word of each returned message.
     returned: Vec<u64>,
@@ -123,6 +125,7 @@ impl Array {
             spent: Vec::new(),
             vocabulary: Arc::clone(costs.vocabulary()),
             prices: Prices::new(costs),
+            stirred: vec![true; cells + 2].into(),
             jobs: 0,
             returned: Vec::new(),
             limit: limit.0,
@@ -214,7 +217,7 @@ impl Array {
 
     /// Works out all times that the ops fed so far determine. Fails as soon as no further ops could help.
     pub fn run(&mut self) -> Result<(), Stuck> {
-        while self.sweep() {}
+        self.advance();
         if self.causes().is_some_and(Causes::is_full) {
             self.reckon();
         }
@@ -281,7 +284,8 @@ impl Array {
         let measured = self.measured(cycles);
         let observers = self.observers.take();
         let seen = (&measured.topology, &*self.vocabulary);
-        let observed = observers.map(|observers| observers.finish(&self.past(), seen, cycles));
+        let times: Vec<StateTimes> = self.cells.iter().map(|at| at.cell.times).collect();
+        let observed = observers.map(|observers| observers.finish((&self.past(), &times), seen, cycles));
         Ok((measured, observed.unwrap_or_default()))
     }
 
@@ -309,17 +313,45 @@ impl Array {
         self.drop_spent();
     }
 
-    /// Lets each cell, from left to right, go on as far as it can. Returns whether anything moved.
-    fn sweep(&mut self) -> bool {
-        let mut moved = self.run_host();
-        for index in 0..self.cells.len() {
-            moved |= self.run_cell(index);
+    /// Lets the host and each cell go on as far as they can, from left to right and again, as long as anything moves. In which order
+    /// is all the same to the times.
+    fn advance(&mut self) {
+        // The host has place 0, cell i has i + 1, and the host as a reader is the last.
+        let last = self.cells.len() + 1;
+        self.stirred.fill(true);
+        while self.stirred.contains(&true) {
+            let mut place = 0;
+            while place <= last {
+                let moved = std::mem::take(&mut self.stirred[place]) && self.go_on(place);
+                if moved {
+                    // Its neighbours may have waited for that; and for an answer, the host.
+                    self.stirred[place.saturating_sub(1)] = true;
+                    self.stirred[(place + 1).min(last)] = true;
+                    self.stirred[0] |= place == last;
+                }
+                place = if moved && self.wants_more(place) { place - 1 } else { place + 1 };
+            }
         }
-        self.collect_returns();
         if self.causes().is_none() {
             self.drop_spent();
         }
-        moved
+    }
+
+    /// Lets whoever has a place go on as far as it can. Returns whether it moved.
+    fn go_on(&mut self, place: usize) -> bool {
+        match place {
+            0 => self.run_host(),
+            _ if place > self.cells.len() => self.collect_returns(),
+            _ => self.run_cell(place - 1),
+        }
+    }
+
+    /// Whether a cell waits for words while the FIFOs behind it could take many more: it is better to go back for them than to let
+    /// all that follow have a few at a time. Behind the last cell there is only the host.
+    fn wants_more(&self, place: usize) -> bool {
+        let takes_more = |fifo: &Fifo| 2 * fifo.fill() < fifo.capacity();
+        let waits = (1..self.cells.len()).contains(&place) && self.cells[place - 1].halt == Halt::NoWord;
+        waits && takes_more(&self.links[place].x) && takes_more(&self.links[place].y)
     }
 
     fn run_host(&mut self) -> bool {
@@ -342,16 +374,15 @@ impl Array {
 
     fn run_cell(&mut self, index: usize) -> bool {
         let is_last = index + 1 == self.cells.len();
-        let (left, right) = self.links.split_at_mut(index + 1);
-        let (input, output) = (&mut left[index], &mut right[0]);
-        let (station, prices) = (&mut self.cells[index], &self.prices);
+        let (station, links, prices) = (&mut self.cells[index], &mut self.links, &self.prices);
         let before = station.progress();
         while let Some(batch) = self.batches.get(station.batch - self.dropped) {
             let stream = (station.batch, &batch.cells[index]);
             let cell = &mut station.cell;
             let observers = self.observers.as_mut();
-            let seen = observers.and_then(|all| all.run_cell(index, cell, stream, (input, output), (prices, is_last)));
-            station.halt = seen.unwrap_or_else(|| cell.run(stream.1.ops(), (input, output), is_last, (prices, ())));
+            let seen = observers.and_then(|all| all.run_cell((index, cell), stream, links, (prices, is_last)));
+            station.halt =
+                seen.unwrap_or_else(|| cell.run(stream.1.ops(), around(links, index), is_last, (prices, ())));
             if !station.next_batch() {
                 break;
             }
@@ -373,11 +404,12 @@ impl Array {
         }
     }
 
-    /// The host reads each word in the first cycle in which it can be read.
-    fn collect_returns(&mut self) {
+    /// The host reads each word in the first cycle in which it can be read. Returns whether it did.
+    fn collect_returns(&mut self) -> bool {
         let inbox = &mut self.links[self.cells.len()].y;
+        let before = inbox.words_read();
         while let Some(ready) = inbox.ready().filter(|ready| *ready < self.limit) {
-            inbox.read_one(ready);
+            inbox.read_one(ready, ready);
             if inbox.words_read().is_multiple_of(self.vocabulary.answer_words) {
                 self.returned.push(ready);
                 if let Some(observers) = &mut self.observers {
@@ -385,7 +417,9 @@ impl Array {
                 }
             }
         }
+        let moved = self.links[self.cells.len()].y.words_read() != before;
         self.follow_link(self.cells.len());
+        moved
     }
 
     fn drop_spent(&mut self) {

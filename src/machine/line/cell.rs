@@ -39,7 +39,11 @@ impl Cell {
             OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
             OpKind::WriteX => now.write(left, Channel::X, output, ledger),
             OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
-            OpKind::ReadZ | OpKind::WriteZ => now.move_back(op, left, input, output, ledger),
+            OpKind::ReadZ | OpKind::WriteZ => {
+                let (then, done) = now.moved_back(op, left, input, output, ledger);
+                *now = then;
+                done
+            }
             OpKind::Await | OpKind::Work(_) => Err(Halt::NotReturned),
         })
     }

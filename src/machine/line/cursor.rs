@@ -47,8 +47,8 @@ pub(super) struct Ledger<'a, W> {
 impl<W: Watcher> Ledger<'_, W> {
     #[inline(always)]
     fn spend(&mut self, state: StateId, from: u64, cycles: u64) {
+        self.watcher.spent(state, from, cycles, self.times);
         *self.times.of_mut(state) += Cycles(cycles);
-        self.watcher.spent(state, from, cycles);
     }
 }
 
@@ -76,7 +76,7 @@ impl Cursor {
                 break why;
             }
             let Some(&op) = ops.get(now.done) else { break Halt::OutOfOps };
-            let left = if resume > 0 { resume } else { op.count() as u64 };
+            let left = if resume > 0 { resume } else { op.words() };
             ledger.watcher.began(now.done, now.clock);
             if let Err(why) = step(&mut now, op, left, ledger) {
                 break why;
@@ -96,14 +96,15 @@ impl Cursor {
         while let Some((unit, count)) = ops.get(done).and_then(|op| Some((op.unit()?, op.count() as u64))) {
             let (cost, state) = ledger.prices.of(unit);
             ledger.watcher.began(done, clock);
-            // Time itself has an end, too: where cycles no longer fit into 64 bits.
-            let Some(until) = clock.checked_add(count * cost).filter(|until| *until <= self.limit) else {
-                ledger.spend(state, clock, self.limit - clock);
+            // The limit is at the latest where cycles no longer fit into 64 bits: time itself has an end, too.
+            let (cycles, most) = (count * cost, self.limit - clock);
+            if cycles > most {
+                ledger.spend(state, clock, most);
                 (self.clock, self.done) = (self.limit, done);
                 return self.halt(Halt::Limit, count);
-            };
-            ledger.spend(state, clock, until - clock);
-            clock = until;
+            }
+            ledger.spend(state, clock, cycles);
+            clock += cycles;
             done += 1;
         }
         (self.clock, self.done) = (clock, done);
@@ -125,11 +126,8 @@ impl Cursor {
                 return Ok(());
             }
             let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
-            self.stall_until(ready, (Hold::Word(channel), left), ledger);
-            if self.clock >= self.limit {
-                return self.halt(Halt::Limit, left);
-            }
-            input.read_one(self.clock);
+            self.stall(ready, (Hold::Word(channel), left), ledger)?;
+            input.read_one(self.clock, ready);
             self.clock += 1;
             left -= 1;
         }
@@ -151,10 +149,7 @@ impl Cursor {
                 return Ok(());
             }
             let Some(room) = output.fifo(channel).room() else { return self.halt(Halt::NoRoom, left) };
-            self.stall_for_room(channel, room, output, left, ledger);
-            if self.clock >= self.limit {
-                return self.halt(Halt::Limit, left);
-            }
+            self.stall_for_room(channel, room, output, left, ledger)?;
             output.write_one(channel, self.clock);
             self.clock += 1;
             left -= 1;
@@ -162,22 +157,23 @@ impl Cursor {
         Ok(())
     }
 
-    /// Reads from Z, which comes from the right, or writes to the left neighbour's. Kept out of the way of the programs that
-    /// have no use for it.
+    /// Reads from Z, which comes from the right, or writes to the left neighbour's: from where it stands now to where it stands then.
+    /// Kept out of the way of the programs that have no use for it, whose cursors stay in registers.
     #[cold]
     #[inline(never)]
-    pub fn move_back(
-        &mut self,
+    pub fn moved_back(
+        mut self,
         op: Op,
         left: u64,
         input: &mut Link,
         output: &mut Link,
         ledger: &mut Ledger<'_, impl Watcher>,
-    ) -> Done {
-        match op.kind() {
+    ) -> (Cursor, Done) {
+        let done = match op.kind() {
             OpKind::ReadZ => self.read(left, Channel::Z, &mut output.z, ledger),
             _ => self.write(left, Channel::Z, input, ledger),
-        }
+        };
+        (self, done)
     }
 
     /// Reads words from X and writes each to the right neighbour's X in the cycle in which it is read.
@@ -202,12 +198,9 @@ impl Cursor {
             // Both times must be known before a cycle is spent, as the cell may have to come back to this word.
             let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
             let Some(room) = output.x.room() else { return self.halt(Halt::NoRoom, left) };
-            self.stall_until(ready, (Hold::Word(Channel::X), left), ledger);
-            self.stall_for_room(Channel::X, room, output, left, ledger);
-            if self.clock >= self.limit {
-                return self.halt(Halt::Limit, left);
-            }
-            input.read_one(self.clock);
+            self.stall(ready, (Hold::Word(Channel::X), left), ledger)?;
+            self.stall_for_room(Channel::X, room, output, left, ledger)?;
+            input.read_one(self.clock, ready);
             output.write_one(Channel::X, self.clock);
             self.clock += 1;
             left -= 1;
@@ -232,20 +225,39 @@ impl Cursor {
         output: &Link,
         left: u64,
         ledger: &mut Ledger<'_, impl Watcher>,
-    ) {
+    ) -> Done {
         let wire_free = output.wire_free(channel);
         let hold = if wire_free > room { Hold::Wire(channel) } else { Hold::Slot(channel) };
-        self.stall_until(room.max(wire_free), (hold, left), ledger);
+        self.stall(room.max(wire_free), (hold, left), ledger)
     }
 
-    /// Waits until cycle `cycle` for what holds it up, with so much `left` of the op.
+    /// Waits until cycle `cycle` for what holds it up, with so much `left` of the op, or halts at the limit.
     #[inline(always)]
-    pub fn stall_until(&mut self, cycle: u64, (hold, left): (Hold, u64), ledger: &mut Ledger<'_, impl Watcher>) {
-        let until = cycle.min(self.limit).max(self.clock);
-        ledger.spend(hold.state(), self.clock, until - self.clock);
+    fn stall(&mut self, cycle: u64, held: (Hold, u64), ledger: &mut Ledger<'_, impl Watcher>) -> Done {
+        if cycle.max(self.clock) >= self.limit {
+            self.stall_until(cycle, held, ledger);
+            return self.halt(Halt::Limit, held.1);
+        }
+        self.spend_until(cycle.max(self.clock), held, false, ledger);
+        Ok(())
+    }
+
+    /// Waits likewise, at the longest up to the limit.
+    pub fn stall_until(&mut self, cycle: u64, held: (Hold, u64), ledger: &mut Ledger<'_, impl Watcher>) {
+        self.spend_until(cycle.min(self.limit).max(self.clock), held, cycle >= self.limit, ledger);
+    }
+
+    #[inline(always)]
+    fn spend_until(
+        &mut self,
+        until: u64,
+        (by, left): (Hold, u64),
+        is_cut: bool,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) {
+        ledger.spend(by.state(), self.clock, until - self.clock);
         if until > self.clock {
-            let is_cut = cycle >= self.limit;
-            ledger.watcher.held(Held { until, op: self.done, left, by: hold, is_cut });
+            ledger.watcher.held(Held { until, op: self.done, left, by, is_cut });
         }
         self.clock = until;
     }

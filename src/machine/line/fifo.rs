@@ -223,12 +223,11 @@ impl Fifo {
         self.count_writes(at, 1);
     }
 
-    /// Reads a word in cycle `at`, in which it is [ready](Fifo::ready).
+    /// Reads a word in cycle `at`, in which it is [ready](Fifo::ready): since cycle `ready`.
     #[inline(always)]
-    pub fn read_one(&mut self, at: u64) {
-        let written_in = self.write_time(self.read);
+    pub fn read_one(&mut self, at: u64, ready: u64) {
         self.free_from[slot(self.read, &self.free_from)] = at + 1;
-        self.count_reads(at, 1, written_in);
+        self.count_reads(at, 1, ready - self.latency);
     }
 
     /// Writes `count` words, one a cycle, the first in cycle `at`; [`Fifo::can_write`] has allowed it.

@@ -13,6 +13,13 @@ pub(super) fn ends(link: usize, cells: usize, channel: Channel) -> (Actor, Actor
     if channel == Channel::Z { (right, left) } else { (left, right) }
 }
 
+/// The link into a cell, and the one out of it.
+#[inline(always)]
+pub(super) fn around(links: &mut [Link], cell: usize) -> (&mut Link, &mut Link) {
+    let (left, right) = links.split_at_mut(cell + 1);
+    (&mut left[cell], &mut right[0])
+}
+
 /// The FIFOs at both ends of a link, and the wires that lead to them.
 #[derive(Debug)]
 pub(super) struct Link {

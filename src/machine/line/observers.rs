@@ -6,11 +6,11 @@ use super::causes::{Causes, Past};
 use super::cell::Cell;
 use super::cursor::Halt;
 use super::departures::Departures;
-use super::link::Link;
+use super::link::{Link, around};
 use super::prices::Prices;
 use super::probe::Probe;
 use super::recorder::Recorder;
-use crate::measure::{Observed, Topology};
+use crate::measure::{Observed, StateTimes, Topology};
 use crate::seam::{Op, OpBatch, OpStream, Vocabulary};
 
 /// Those that watch an array.
@@ -55,28 +55,32 @@ impl Observers {
     /// Does a cell's ops of a batch as [`Cell::run`], if somebody watches it at this time. Kept apart from the cells that
     /// nobody watches.
     #[inline(never)]
+    #[expect(
+        clippy::ptr_arg,
+        reason = "of a slice, LLVM loads all that links hold before each op, as nothing else could change it"
+    )]
     pub fn run_cell(
         &mut self,
-        index: usize,
-        cell: &mut Cell,
+        (index, cell): (usize, &mut Cell),
         (batch, stream): (usize, &OpStream),
-        (input, output): (&mut Link, &mut Link),
+        links: &mut Vec<Link>,
         (prices, is_last): (&Prices, bool),
     ) -> Option<Halt> {
+        let links = around(links, index);
         let recorder = self.recorder.as_mut().filter(|recorder| recorder.is_open_at(cell.now.clock));
         let mut lane = self.probe.as_mut().map(|probe| probe.cell(index));
         let mut waits = self.causes.as_mut().map(|causes| causes.cell(index, batch));
         let Some(recorder) = recorder else {
             return match (lane, waits.as_mut()) {
                 (None, None) => None,
-                (Some(lane), None) => Some(cell.run(stream.ops(), (input, output), is_last, (prices, lane))),
-                (None, Some(waits)) => Some(cell.run(stream.ops(), (input, output), is_last, (prices, waits))),
-                both => Some(cell.run(stream.ops(), (input, output), is_last, (prices, both))),
+                (Some(lane), None) => Some(cell.run(stream.ops(), links, is_last, (prices, lane))),
+                (None, Some(waits)) => Some(cell.run(stream.ops(), links, is_last, (prices, waits))),
+                both => Some(cell.run(stream.ops(), links, is_last, (prices, both))),
             };
         };
         let (halt, events) = recorder.cell(index).run(stream, cell.now.done, |ops, track| {
             let watchers = (lane.as_deref_mut(), (track, waits.as_mut()));
-            let halt = cell.run(ops, (input, output), is_last, (prices, watchers));
+            let halt = cell.run(ops, (&mut *links.0, &mut *links.1), is_last, (prices, watchers));
             (halt, cell.now)
         });
         recorder.count(events);
@@ -124,10 +128,10 @@ impl Observers {
         self.probe.iter_mut().for_each(|probe| probe.returned(cycle));
     }
 
-    /// All that was seen in a run of `cycles` cycles.
+    /// All that was seen in a run of `cycles` cycles, in which the cells have spent `times` in each state.
     pub fn finish(
         self,
-        past: &Past<'_>,
+        (past, times): (&Past<'_>, &[StateTimes]),
         (topology, vocabulary): (&Arc<Topology>, &Vocabulary),
         cycles: u64,
     ) -> Observed {
@@ -135,7 +139,7 @@ impl Observers {
         let explained = self.causes.map(|causes| causes.finish(past, (topology, vocabulary), cycles));
         let (path, looked_at, snapshot) =
             explained.map_or((None, None, None), |(path, at, seen)| (Some(path), at, seen));
-        let profile = |probe: Probe| probe.finish(topology, past.links, clocks().skip(1), cycles);
+        let profile = |probe: Probe| probe.finish(topology, past.links, (clocks().skip(1), times), cycles);
         Observed {
             profile: self.probe.map(profile),
             recording: self.recorder.map(|recorder| {

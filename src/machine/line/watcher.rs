@@ -1,13 +1,13 @@
 //! Who sees where a cell's cycles go.
 
 use super::hold::Held;
-use crate::measure::StateId;
+use crate::measure::{StateId, StateTimes};
 
 /// Sees where a cell's cycles go, all but those in which it moves a word or has nothing left to do. `()` sees nothing and
 /// costs nothing.
 pub(super) trait Watcher {
-    /// The cell spent `cycles` cycles, from cycle `from` on, in one state.
-    fn spent(&mut self, state: StateId, from: u64, cycles: u64);
+    /// The cell spent `cycles` cycles, from cycle `from` on, in one state, and `before` that so many in each.
+    fn spent(&mut self, state: StateId, from: u64, cycles: u64, before: &StateTimes);
 
     /// The cell comes to an op, by its place in the batch, in that cycle; or goes on with it.
     #[inline(always)]
@@ -20,14 +20,14 @@ pub(super) trait Watcher {
 
 impl Watcher for () {
     #[inline(always)]
-    fn spent(&mut self, _: StateId, _: u64, _: u64) {}
+    fn spent(&mut self, _: StateId, _: u64, _: u64, _: &StateTimes) {}
 }
 
 impl<W: Watcher> Watcher for Option<W> {
     #[inline(always)]
-    fn spent(&mut self, state: StateId, from: u64, cycles: u64) {
+    fn spent(&mut self, state: StateId, from: u64, cycles: u64, before: &StateTimes) {
         if let Some(watcher) = self {
-            watcher.spent(state, from, cycles);
+            watcher.spent(state, from, cycles, before);
         }
     }
 
@@ -49,9 +49,9 @@ impl<W: Watcher> Watcher for Option<W> {
 /// Both see all.
 impl<A: Watcher, B: Watcher> Watcher for (A, B) {
     #[inline(always)]
-    fn spent(&mut self, state: StateId, from: u64, cycles: u64) {
-        self.0.spent(state, from, cycles);
-        self.1.spent(state, from, cycles);
+    fn spent(&mut self, state: StateId, from: u64, cycles: u64, before: &StateTimes) {
+        self.0.spent(state, from, cycles, before);
+        self.1.spent(state, from, cycles, before);
     }
 
     #[inline(always)]

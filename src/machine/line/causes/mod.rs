@@ -22,7 +22,7 @@ use super::hold::Held;
 use super::watcher::Watcher;
 use crate::machine::chains::{Chains, Code, Entry};
 use crate::machine::timeline::bins_for;
-use crate::measure::{Actor, Cause, CriticalPath, PathPart, Snapshot, StateId, Topology, When};
+use crate::measure::{Actor, Cause, CriticalPath, PathPart, Snapshot, StateId, StateTimes, Topology, When};
 use crate::quantities::Cycles;
 use crate::seam::{Channel, OpBatch, Vocabulary};
 use moment::Look;
@@ -83,7 +83,7 @@ pub(super) struct Remembered<'a> {
 
 impl Watcher for &mut Remembered<'_> {
     #[inline(always)]
-    fn spent(&mut self, _: StateId, _: u64, _: u64) {}
+    fn spent(&mut self, _: StateId, _: u64, _: u64, _: &StateTimes) {}
 
     #[inline(always)]
     fn held(&mut self, held: Held) {

@@ -227,7 +227,7 @@ impl Tally {
         bin.hold(far, turn - there, far == self.capacity);
         if apart > 1 {
             // On the way and on the way back.
-            bin.word_cycles += (near + far) as u128 * (apart - 1) as u128;
+            bin.word_cycles += u128::from((near + far) * (apart - 1));
             self.pass(near.min(far) + 1, apart - 1, 2);
         }
         true

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::fifo::Fifo;
 use super::link::Link;
 use crate::machine::timeline::bins_for;
-use crate::measure::{FifoProfile, Profile, Topology};
+use crate::measure::{FifoProfile, Profile, StateTimes, Topology};
 use crate::quantities::Cycles;
 use crate::seam::{Channel, OpStream};
 use cell::CellLane;
@@ -68,12 +68,13 @@ impl Probe {
         self.jobs.returned(cycle);
     }
 
-    /// All that was seen in a run of `cycles` cycles. `clocks` are those of the cells at its end.
+    /// All that was seen in a run of `cycles` cycles. `clocks` are those of the cells at its end, `times` what they have spent in each
+    /// state.
     pub fn finish(
         self,
         topology: &Arc<Topology>,
         links: &[Link],
-        clocks: impl Iterator<Item = u64>,
+        (clocks, times): (impl Iterator<Item = u64>, &[StateTimes]),
         cycles: u64,
     ) -> Profile {
         let mut fifos: [Vec<FifoProfile>; 3] = Default::default();
@@ -89,7 +90,12 @@ impl Probe {
             topology: Arc::clone(topology),
             bin: Cycles(bin),
             cycles: Cycles(cycles),
-            stations: self.cells.into_iter().zip(clocks).map(|(lane, clock)| lane.finish(clock, cycles)).collect(),
+            stations: self
+                .cells
+                .into_iter()
+                .zip(clocks.zip(times))
+                .map(|(lane, then)| lane.finish(then, cycles))
+                .collect(),
             fifos: fifos.into_iter().flatten().collect(),
             jobs,
             latency,

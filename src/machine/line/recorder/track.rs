@@ -4,7 +4,7 @@ use super::Window;
 use crate::machine::line::cursor::{Cursor, Halt};
 use crate::machine::line::states::{IDLE, MOVING, is_waiting};
 use crate::machine::line::watcher::Watcher;
-use crate::measure::{JobSpan, OpSpan, StateId, StationRecord, Stretch};
+use crate::measure::{JobSpan, OpSpan, StateId, StateTimes, StationRecord, Stretch};
 use crate::quantities::Cycles;
 use crate::seam::{Op, OpStream};
 
@@ -47,7 +47,7 @@ pub struct Recorded<'a> {
 
 impl Watcher for &mut Recorded<'_> {
     #[inline]
-    fn spent(&mut self, state: StateId, from: u64, cycles: u64) {
+    fn spent(&mut self, state: StateId, from: u64, cycles: u64, _: &StateTimes) {
         if cycles == 0 {
             return;
         }
