@@ -1,7 +1,9 @@
 //! An image on a hypercube, described as a value ([`CubeSpec`]), laid out, and run.
 
+mod bounds;
 mod calibrate;
 mod cut;
+mod forecast;
 mod options;
 mod spec;
 mod tasks_file;
@@ -14,16 +16,16 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::{RunError, Watching, Workers};
-use crate::cancel::Cancel;
+use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::{CellPlane, Eye, Hit, Pyramids, Regions};
 use crate::host::camera::ImageSize;
 use crate::host::order::Order;
 use crate::host::rules::Rules;
 use crate::host::sampling::Pass;
-use crate::machine::events::{Act, Events};
+use crate::machine::events::{Act, Events, Queues};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
-use crate::measure::{Measured, Observed, Recording, Topology};
+use crate::measure::{Measured, Observed, Recording, SoFar, Topology};
 use crate::program::Workload;
 use crate::program::cube::{
     Dealt, MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, Space, TaskGraph, gray_order,
@@ -36,6 +38,7 @@ use crate::scene::Scene;
 
 pub use calibrate::{Calibrated, Known, KnownTime};
 pub use cut::Cut;
+pub use forecast::CubeForecast;
 pub use options::{
     CellCuts, CubeMode, CubeOptions, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent,
     PixelOrder, PixelsOf, QueueRays, Termination,
@@ -174,6 +177,20 @@ impl CubeSetup {
     pub fn run(&self, watching: &Watching, cancel: &Cancel) -> Result<CubeOutcome, RunError<Infallible>> {
         self.spec.run(&self.scene, &self.machine, watching, cancel)
     }
+
+    /// The same. `show` is called now and then; it can ask what has been done so far.
+    ///
+    /// # Errors
+    ///
+    /// As [`CubeSpec::run`].
+    pub fn run_shown(
+        &self,
+        watching: &Watching,
+        cancel: &Cancel,
+        show: impl FnMut(&dyn Fn() -> SoFar),
+    ) -> Result<CubeOutcome, RunError<Infallible>> {
+        self.spec.run_shown(&self.scene, &self.machine, watching, cancel, show)
+    }
 }
 
 impl CubeSpec {
@@ -192,6 +209,17 @@ impl CubeSpec {
         keeps_hits: bool,
         workers: &Workers,
         observe: impl FnMut(usize) -> Result<(), E>,
+    ) -> Result<CubeScene, RunError<E>> {
+        let pass = Pass::first(self.size, self.sampling(), Order::Raster);
+        self.lay_out_by(keeps_hits, workers, |tracing| tracing.pass(&pass, workers, observe))
+    }
+
+    /// The same of the samples that `trace` traces.
+    fn lay_out_by<E>(
+        &self,
+        keeps_hits: bool,
+        workers: &Workers,
+        trace: impl FnOnce(&Tracing<'_>) -> Result<Traced, RunError<E>>,
     ) -> Result<CubeScene, RunError<E>> {
         let machine = self.machine.build()?;
         let CubeSpec { size_factor, resolution, size, .. } = *self;
@@ -218,11 +246,10 @@ impl CubeSpec {
             let grid = workload.grids().next()?;
             Some((PageMap::new(grid, workload.polygons(), bytes), bytes))
         });
-        let pass = Pass::first(self.size, sampling, Order::Raster);
         let space = Space { regions: &cut.regions, own: &own, pyramids: pyramids.as_ref() };
         let tracing = Tracing { picture, space, pages, hits: keeps_hits };
-        let traced = tracing.pass(&pass, workers, observe)?;
-        let pixels = traced.pixels(pass.per_pixel());
+        let traced = trace(&tracing)?;
+        let pixels = traced.pixels((self.rays.samples as usize).pow(2));
         let polygons = workload.polygons().len();
         let Traced { graph, hits, kinds, .. } = traced;
         let (name, notes) = (scene.name.clone(), scene.notes.clone());
@@ -275,6 +302,17 @@ impl CubeSpec {
         watching: &Watching,
         cancel: &Cancel,
     ) -> Result<CubeOutcome, RunError<Infallible>> {
+        self.run_shown(scene, machine, watching, cancel, |_| {})
+    }
+
+    fn run_shown(
+        &self,
+        scene: &CubeScene,
+        machine: &Ipsc2,
+        watching: &Watching,
+        cancel: &Cancel,
+        mut show: impl FnMut(&dyn Fn() -> SoFar),
+    ) -> Result<CubeOutcome, RunError<Infallible>> {
         let one_node = one_node(&scene.graph, machine)?;
         let node_of = self.node_of(&scene.cut, machine);
         let parts = self.parts(scene, machine, &node_of);
@@ -288,15 +326,22 @@ impl CubeSpec {
                 let rules = spec.rules(slots.unwrap_or(0));
                 let order = order(spec, scene.graph.trees.len());
                 let mut nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), rules);
+                nodes.queues = watched_queues(nodes.queues, machine, watching);
                 let mut events = watched(nodes.topology(), 0, machine, watching);
                 if watching.path {
                     events = events.explained(nodes.explain(), RegionNodes::sending);
                 }
-                let events = drive(&mut nodes, events, (RegionNodes::next, RegionNodes::is_over), cancel)?;
+                let mut show = |nodes: &RegionNodes<'_>, events: &Events<_>| {
+                    cancel.check()?;
+                    show(&|| SoFar { fifos: nodes.queues.so_far(), ..events.so_far() });
+                    Ok(())
+                };
+                let events = drive(&mut nodes, events, (RegionNodes::next, RegionNodes::is_over), &mut show)?;
                 if !nodes.is_over() {
                     return Err(nodes.stuck().into());
                 }
-                let (stats, observed) = events.stop(|task| nodes.rests(task));
+                let (mut stats, mut observed) = events.stop(|task| nodes.rests(task));
+                nodes.queues.tell(&mut stats, &mut observed);
                 (stats, observed, nodes.seen)
             }
             None => {
@@ -308,7 +353,12 @@ impl CubeSpec {
                 if watching.path {
                     events = events.explained(nodes.explain(), MemoryNodes::sending);
                 }
-                let events = drive(&mut nodes, events, (MemoryNodes::next, MemoryNodes::is_over), cancel)?;
+                let mut show = |_: &MemoryNodes<'_>, events: &Events<_>| {
+                    cancel.check()?;
+                    show(&|| events.so_far());
+                    Ok(())
+                };
+                let events = drive(&mut nodes, events, (MemoryNodes::next, MemoryNodes::is_over), &mut show)?;
                 let (stats, mut observed) = events.stop(|task| nodes.rests(task));
                 observed.path.iter_mut().for_each(|path| nodes.told_of_nodes(path));
                 (stats, observed, nodes.seen)
@@ -465,12 +515,22 @@ fn watched<M: Copy>(topology: Topology, helpers: usize, machine: &Ipsc2, watchin
     }
 }
 
-/// Lets nodes run until all is over, or none can go on. Of them is known what a task does next, and whether all is over.
+fn watched_queues(queues: Queues, machine: &Ipsc2, watching: &Watching) -> Queues {
+    // The host is a station, too.
+    let queues = if watching.profile { queues.probed(machine.nodes + 1) } else { queues };
+    match &watching.recording {
+        Some(window) => queues.recorded(window.clone(), Recording::MOST_EVENTS),
+        None => queues,
+    }
+}
+
+/// Lets nodes run until all is over, or none can go on. Of them is known what a task does next, and whether all is over; `look` sees them now
+/// and then.
 fn drive<P, M: Copy>(
     nodes: &mut P,
     mut events: Events<M>,
     (next, is_over): (impl Fn(&mut P, usize, Cycles, Option<M>) -> Act<M>, impl Fn(&P) -> bool),
-    cancel: &Cancel,
+    look: &mut impl FnMut(&P, &Events<M>) -> Result<(), Cancelled>,
 ) -> Result<Events<M>, RunError<Infallible>> {
     loop {
         for _ in 0..STEPS {
@@ -478,6 +538,6 @@ fn drive<P, M: Copy>(
                 return Ok(events);
             }
         }
-        cancel.check()?;
+        look(nodes, &events)?;
     }
 }
