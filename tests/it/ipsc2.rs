@@ -148,7 +148,9 @@ fn an_image_on_a_hypercube_has_all_views() {
         assert!(stdout.contains(&format!("wrote plots/{name}.svg\nwrote plots/{name}.png\n")), "{stdout}");
     }
     let page = folder.read("run.html");
-    for told in ["The hypercube", "node 3", "legs done", "waiting page", "What the queues held", "What the links carried"] {
+    for told in
+        ["The hypercube", "node 3", "legs done", "waiting page", "What the queues held", "What the links carried"]
+    {
         assert!(page.contains(told), "{told}");
     }
     folder.run(&format!("{image} --trace run.pftrace")).success();
@@ -159,7 +161,9 @@ fn an_image_on_a_hypercube_has_all_views() {
 fn a_sub_sample_predicts_what_an_image_takes_at_the_least() {
     let folder = Folder::new();
     let rows = |flags: &str| {
-        folder.run(&format!("model teapot --on ipsc2 --size 64x64 --nodes 8 {flags} --stats model.json --force")).success();
+        folder
+            .run(&format!("model teapot --on ipsc2 --size 64x64 --nodes 8 {flags} --stats model.json --force"))
+            .success();
         let told: Value = serde_json::from_str(&folder.read("model.json")).unwrap();
         let rows = told["quantities"].as_array().unwrap().clone();
         move |name: &str, column: &str| {
@@ -171,7 +175,8 @@ fn a_sub_sample_predicts_what_an_image_takes_at_the_least() {
     for name in ["rays", "regions a ray meets", "ray messages a ray", "seconds of one node", "seconds, at least"] {
         assert_eq!(all(name, "model"), all(name, "counted"), "{name}");
     }
-    assert!(all("regions a random line meets", "model") > all("regions a ray meets", "counted"), "rays end within");
+    let lines = all("regions a random line meets", "model").unwrap();
+    assert!(lines > 1.0 && lines < 8.0, "{lines}");
     let some = rows("");
     for name in ["rays", "seconds of one node", "seconds of an equal part of all work", "seconds, at least"] {
         let error = some(name, "model").unwrap() / some(name, "counted").unwrap() - 1.0;

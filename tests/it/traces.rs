@@ -205,13 +205,13 @@ fn read_perfetto(bytes: &[u8]) -> Read {
         let stack = open.entry(event.track_uuid).or_default();
         let at = packet.timestamp;
         assert!(now.insert(event.track_uuid, at).is_none_or(|before| before <= at), "{track} goes back in time");
+        let name = || match event.name_iid {
+            0 => event.name.clone(),
+            number => named(&interned.event_names, number),
+        };
         match event.r#type {
             1 => {
-                let name = if event.name.is_empty() {
-                    named(&interned.event_names, event.name_iid)
-                } else {
-                    event.name.clone()
-                };
+                let name = name();
                 let (texts, arguments): (Vec<_>, Vec<_>) =
                     event.debug_annotations.iter().partition(|a| !a.string_value.is_empty());
                 for (number, text) in (1..).zip(&texts) {
@@ -231,7 +231,7 @@ fn read_perfetto(bytes: &[u8]) -> Read {
             }
             2 => read.slices[stack.pop().expect("a slice ends that has begun")].until = at,
             3 => {
-                let (name, flow) = (event.name.clone(), event.flow_ids.max(event.terminating_flow_ids));
+                let (name, flow) = (name(), event.flow_ids.max(event.terminating_flow_ids));
                 let slice = &read.slices[*stack.last().expect("a mark is in a slice")];
                 let (is_end, inside) = (event.terminating_flow_ids > 0, (slice.name.clone(), slice.from));
                 read.marks.push(Mark { track, name, at, flow, is_end, inside });

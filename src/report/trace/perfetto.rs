@@ -171,12 +171,13 @@ pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> std::
 /// For each station the marks of its messages, in the order of time: where one sets out, from which a flow leads to where it arrives.
 fn marks(recording: &Recording) -> Vec<Vec<(Cycles, Event)>> {
     let mut marks = vec![Vec::new(); recording.stations.len()];
-    let named = |way: &str, other: usize| Some(format!("{way} {}", recording.topology.station(other)));
+    // Behind the states' names are those of the ways of messages.
+    let named = |way: usize, other: usize| Some((1 + recording.topology.states.all().len() + 2 * other + way) as u64);
     for (&MessageSpan { from, to, sent, arrived }, flow) in recording.messages.iter().zip(1..) {
         let is_held = recording.window.contains(&arrived);
         let flows = if is_held { vec![flow] } else { Vec::new() };
-        let sets_out = Event { kind: Some(MARK), name: named("to", to), flows, ..Event::default() };
-        let comes = Event { kind: Some(MARK), name: named("from", from), ending_flows: vec![flow], ..Event::default() };
+        let sets_out = Event { kind: Some(MARK), name_id: named(0, to), flows, ..Event::default() };
+        let comes = Event { kind: Some(MARK), name_id: named(1, from), ending_flows: vec![flow], ..Event::default() };
         marks[from].push((sent, sets_out));
         if is_held {
             marks[to].push((arrived, comes));
@@ -184,6 +185,11 @@ fn marks(recording: &Recording) -> Vec<Vec<(Cycles, Event)>> {
     }
     marks.iter_mut().for_each(|of_station: &mut Vec<(Cycles, Event)>| of_station.sort_by_key(|(at, _)| *at));
     marks
+}
+
+/// What messages to a station and from it are called.
+fn ways(topology: &Topology, station: usize) -> [String; 2] {
+    ["to", "from"].map(|way| format!("{way} {}", topology.station(station)))
 }
 
 struct Writer<'a, W> {
@@ -206,14 +212,16 @@ impl<W: Write> Writer<'_, W> {
 
     /// The names that events refer to, and the array.
     fn describe(&mut self, title: &str) -> std::io::Result<()> {
-        let states: Vec<&str> = self.topology.states.all().iter().map(|state| state.name.as_str()).collect();
+        let ways: Vec<String> = (0..self.topology.stations).flat_map(|station| ways(self.topology, station)).collect();
+        let states = self.topology.states.all().iter().map(|state| state.name.as_str());
+        let events: Vec<&str> = states.chain(ways.iter().map(String::as_str)).collect();
         let names = |names: &[&str]| {
             let named = names.iter().zip(1..);
             named.map(|(&name, id)| Name { id: Some(id), name: Some(name.to_owned()) }).collect()
         };
         let arguments = [&[self.topology.names.job.as_str(), "cycle", "cycles", "in cycle"], &CHAIN[..]].concat();
         let interned =
-            Interned { categories: names(&CATEGORIES), events: names(&states), arguments: names(&arguments) };
+            Interned { categories: names(&CATEGORIES), events: names(&events), arguments: names(&arguments) };
         let flags = Some(RESETS_NAMES | NEEDS_NAMES);
         self.packet(Packet { interned: Some(interned), sequence_flags: flags, ..Packet::default() })?;
         let name = Some(title.to_owned());
