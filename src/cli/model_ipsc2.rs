@@ -28,7 +28,7 @@ pub fn model(args: &ModelIpsc2Args, typed: &Typed) -> Result<(), Failure> {
     let (machine, expected) =
         (spec.machine.build()?, outputs::reading(&named, || spec.forecast(&workers).map_err(Failure::from))?);
     spinner.finish_and_clear();
-    machine.notes.iter().chain(&expected.sample.notes).for_each(|note| super::note(note));
+    machine.notes.iter().chain(&expected.sample.notes).map(String::as_str).for_each(super::note);
     let run = if args.predict_only { None } else { Some(simulate(spec.clone(), args.threads)?) };
     let bounds = run.as_ref().map(|(setup, outcome)| setup.bounds(outcome));
     let made = run.as_ref().zip(bounds.as_ref()).map(|((setup, outcome), bounds)| Made { setup, outcome, bounds });

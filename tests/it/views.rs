@@ -157,14 +157,9 @@ fn a_hypercubes_page_opens_in_a_browser() {
     let used_links = links.iter().filter(|link| link["messages"] != 0);
     assert_eq!(page.eval("document.querySelectorAll('#array .link').length"), json!(used_links.count()));
     let bytes = &links.iter().max_by_key(|link| link["busy"].as_u64()).unwrap()["bytes"];
-    let told = page.eval(
-        "[...document.querySelectorAll('#array .link title')].at(-1).textContent.replace(/\\D*, (.*) bytes.*/, '$1')",
-    );
-    assert_eq!(
-        told.as_str().unwrap().replace(' ', "").contains(&bytes.to_string()),
-        true,
-        "the busiest is on top: {told}"
-    );
+    let told = page.eval("[...document.querySelectorAll('#array .link title')].at(-1).textContent");
+    let told = told.as_str().unwrap().replace(' ', "");
+    assert!(told.contains(&format!("messages,{bytes}bytes")), "the busiest is on top: {told}");
     folder.run("ipsc2 teapot --size 32x32 --nodes 64 --page many.html").success();
     for window in [(1280, 800), (900, 800)] {
         let many = used(&browser, &folder, "many", window);
