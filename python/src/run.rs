@@ -148,25 +148,29 @@ impl Run {
         Table::new(columns)
     }
 
-    /// What every FIFO held: a row a FIFO. `capacity`, `words` (through it), `max` and `mean` are in words; `full` and
-    /// `empty` are shares of the run. Asked for by `enough`, that is the depth from which nothing changes any more, in words.
+    /// What every FIFO held, or the queue of every node of a hypercube: a row a FIFO. `capacity` (none if they take all that come), `words`
+    /// (through it), `max` and `mean` are in words, or rays; `full` and `empty` are shares of the run. Asked for by `enough`, that is the depth
+    /// from which nothing changes any more, in words.
     #[getter]
     fn fifos(&self) -> PyResult<Table> {
         let stats = self.made.measured()?;
         let infos = || stats.topology.fifos.iter();
         let fifos = || stats.fifos.iter();
+        let capacities: Option<Vec<u64>> = infos().map(|info| Some(info.capacity?.0)).collect();
         let mut columns = vec![
             text("name", infos().map(|info| info.name.clone())),
             text("channel", infos().map(|info| info.group.clone())),
             text("from", infos().map(|info| info.from.to_string())),
             text("to", infos().map(|info| info.to.to_string())),
-            whole("capacity", infos().map(|info| info.capacity.0)),
+        ];
+        columns.extend(capacities.map(|words| whole("capacity", words.into_iter())));
+        columns.extend([
             whole("words", fifos().map(|fifo| fifo.words.0)),
             whole("max", fifos().map(|fifo| fifo.max.0)),
             number("mean", fifos().map(|fifo| Some(fifo.mean(stats.cycles)))),
             number("full", fifos().map(|fifo| Some(stats.share(fifo.full)))),
             number("empty", fifos().map(|fifo| Some(stats.share(fifo.empty)))),
-        ];
+        ]);
         if fifos().any(|fifo| fifo.enough.is_some()) {
             columns.push(whole("enough", fifos().map(|fifo| fifo.enough.unwrap_or_default().0)));
         }

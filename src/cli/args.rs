@@ -20,7 +20,7 @@ use super::graphs::GraphArgs;
 /// The heading of flags that are about no part of a run: that of `--help`.
 pub const GENERAL: Option<&str> = None;
 
-const VIEWS: &str = "Views of the run over time";
+pub const VIEWS: &str = "Views of the run over time";
 
 /// What can be asked of a run of primary rays.
 #[derive(Clone, Debug, Args)]

@@ -11,7 +11,7 @@ use super::args::{
 };
 use super::cell_args::{AsmArgs, CalibrateArgs, DisasmArgs, Figure7Args, StepArgs};
 use super::farm_args::FarmArgs;
-use super::ipsc2_args::{CalibrateIpsc2Args, Ipsc2Args};
+use super::ipsc2_args::{CalibrateIpsc2Args, Ipsc2Args, ModelIpsc2Args};
 use super::lab::LabArgs;
 use super::why_args::{SizeArgs, WhyArgs};
 
@@ -41,6 +41,7 @@ impl Cli {
             Some(Command::Replay(args)) => (args.results.json, &mut args.results.stats),
             Some(Command::Why(args)) => (args.run.results.json, &mut args.run.results.stats),
             Some(Command::Model(args)) => (args.results.json, &mut args.results.stats),
+            Some(Command::ModelIpsc2(args)) => (args.json, &mut args.stats),
             Some(_) => return self,
         };
         if json {
@@ -68,6 +69,9 @@ pub enum Command {
     Sweep(Box<SweepArgs>),
     /// Predicts a run by the paper's cost model, and tells how far off the prediction is.
     Model(Box<ModelArgs>),
+    /// Predicts an image on an iPSC/2 by its sub-sample, and tells how far off that is: model SCENE --on ipsc2.
+    #[command(name = "model-ipsc2")]
+    ModelIpsc2(Box<ModelIpsc2Args>),
     /// Serves a page on this machine, on which runs are changed by sliders, seen and compared.
     Lab(LabArgs),
     /// Draws one column of a table over another.

@@ -264,7 +264,7 @@ fn render(
     let result = run::render(&picture, timed, &workers, |seen| match seen {
         Seen::Samples { done, of, array } => {
             live.set(done as u64, of as u64);
-            array.into_iter().for_each(|array| live.show(array));
+            array.into_iter().for_each(|array| live.show(|| array.so_far()));
             Ok(())
         }
         Seen::Grown(trees, pixels) => {

@@ -23,6 +23,7 @@ use super::image::{Format, IMAGES_END, write_image};
 use super::ipsc2_args::Ipsc2Args;
 use super::run::workers;
 use super::views::{Seen, Views};
+use super::watch::{Live, Watch};
 use super::{Failure, outputs, print, progress};
 
 /// The files that the command writes.
@@ -43,9 +44,11 @@ pub fn ipsc2(args: &Ipsc2Args, typed: &Typed) -> Result<(), Failure> {
         None => traced(args, &options)?,
     };
     setup.notes().for_each(super::note);
-    let spinner = progress::waiting("running the nodes");
-    let outcome = setup.run(&files.views.watching(Shape::Cube), &Cancel::default());
-    spinner.finish_and_clear();
+    let watch = args.watch.then(|| Watch::new(setup.machine.clock, Vec::new()));
+    let mut live = Live::new(progress::waiting("running the nodes"), watch);
+    let watching = files.views.watching(Shape::Cube);
+    let outcome = setup.run_shown(&watching, &Cancel::default(), |so_far| live.show(so_far));
+    live.finish();
     let outcome = outcome?;
     let graphs = files.graphs.as_ref().map(|files| of_cube(&setup, &outcome, files.asked())).transpose()?;
     print(&told::text(&setup, &outcome))?;
@@ -185,6 +188,7 @@ pub fn spelled_out(mut typed: Vec<OsString>) -> Vec<OsString> {
     let command = match typed.get(1).and_then(|word| word.to_str()) {
         Some("calibrate") => "calibrate-ipsc2",
         Some("image") => "ipsc2",
+        Some("model") => "model-ipsc2",
         // What was recorded of an array has ops, and is timed on a row of nodes.
         Some("replay") if typed.iter().any(|word| word.to_string_lossy().ends_with(".tasks")) => "ipsc2",
         Some(word) if word.starts_with('-') => {

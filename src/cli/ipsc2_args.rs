@@ -8,7 +8,7 @@ use pcs_sim::run::{
     CubeMode, CubeOptions, CubeRunOptions, KnownTime, LightOptions, RunSpec, SceneOptions, ShapeOptions,
 };
 
-use super::args::{Typed, ViewArgs};
+use super::args::{Typed, VIEWS, ViewArgs};
 use super::graphs::GraphArgs;
 
 /// `pcs-sim ipsc2`.
@@ -47,6 +47,9 @@ pub struct Ipsc2Args {
     /// Replace result files that exist.
     #[arg(long, help_heading = "Results")]
     pub force: bool,
+    /// Watch the nodes and their queues at work, on a terminal.
+    #[arg(long, help_heading = VIEWS)]
+    pub watch: bool,
     #[command(flatten)]
     pub graph: GraphArgs,
     #[command(flatten)]
@@ -73,6 +76,55 @@ impl Ipsc2Args {
             machine: self.machine.clone(),
         };
         options.retain(|name| name == "scene" || typed.has(name));
+        options
+    }
+}
+
+/// `pcs-sim model-ipsc2`.
+#[derive(Debug, Args)]
+pub struct ModelIpsc2Args {
+    /// A built-in scene (`pcs-sim scenes` lists them) or a file: .ron, .obj, .ply, .nff, .cas.
+    #[arg(value_name = "SCENE", required_unless_present = "config")]
+    pub scene: Option<String>,
+    /// Predict the image that a file describes: statistics, or their configuration. Flags beside it change that.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Predict and simulate nothing.
+    #[arg(long)]
+    pub predict_only: bool,
+    #[command(flatten)]
+    pub cube: CubeOptions,
+    #[command(flatten)]
+    pub shape: ShapeOptions,
+    #[command(flatten)]
+    pub light: LightOptions,
+    #[command(flatten)]
+    pub machine: Ipsc2Options,
+    /// Write all quantities as JSON; - is standard output, which then has nothing else.
+    #[arg(long, value_name = "FILE", help_heading = "Results")]
+    pub stats: Option<PathBuf>,
+    /// Print all quantities as JSON, and nothing else: short for --stats -.
+    #[arg(long, help_heading = "Results", conflicts_with = "stats")]
+    pub json: bool,
+    /// Replace result files that exist.
+    #[arg(long, help_heading = "Results")]
+    pub force: bool,
+    /// Threads to use [default: all cores]. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+impl ModelIpsc2Args {
+    /// What is asked of the image that is predicted.
+    pub fn options(&self, typed: &Typed) -> CubeRunOptions {
+        let mut options = CubeRunOptions {
+            scene: SceneOptions { scene: self.scene.clone() },
+            shape: self.shape.clone(),
+            light: self.light.clone(),
+            cube: self.cube.clone(),
+            machine: self.machine.clone(),
+        };
+        options.retain(|name| typed.has(name));
         options
     }
 }

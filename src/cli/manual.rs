@@ -22,7 +22,9 @@ pub fn command() -> Command {
         command = command.mut_subcommand(name, |command| told(command, &standard));
     }
     command = command.mut_subcommand("farm", |command| told(command, &capitan));
-    command = command.mut_subcommand("ipsc2", |command| told(command, &ipsc2));
+    for name in ["ipsc2", "model-ipsc2"] {
+        command = command.mut_subcommand(name, |command| told(command, &ipsc2));
+    }
     moot::ALWAYS_REFUSED.into_iter().fold(command, |command, (name, refused)| match name {
         "run" => hidden(command, refused),
         _ => command.mut_subcommand(name, |command| hidden(command, refused)),

@@ -21,6 +21,7 @@ mod ipsc2_args;
 mod lab;
 mod manual;
 mod model;
+mod model_ipsc2;
 mod outputs;
 mod plot;
 mod progress;
@@ -188,8 +189,8 @@ fn of_another_machine(error: &clap::Error, command: &str) -> Option<InputError> 
     let name = flag.strip_prefix("--").filter(|_| error.kind() == ErrorKind::UnknownArgument)?.replace('-', "_");
     let of_arrays = RunOptions::parameters().any(|known| known.name == name);
     let of_cubes = CubeRunOptions::parameters().any(|known| known.name == name);
-    let is_of_array = command == "image" || command.starts_with('-');
-    match (command == "ipsc2", of_arrays, of_cubes) {
+    let is_of_array = matches!(command, "image" | "model") || command.starts_with('-');
+    match (matches!(command, "ipsc2" | "model-ipsc2"), of_arrays, of_cubes) {
         (true, true, false) => {
             let error = InputError::new(format!("{flag} is about cells in a row, and this is a hypercube"));
             Some(error.help("leave it out, or --on ipsc2; nodes as a row of cells are --on ipsc2 --mode broadcast"))
@@ -240,6 +241,7 @@ fn command(cli: &Cli, matches: &ArgMatches) -> Result<(), Failure> {
         Some(Command::Why(args)) => why::why(args, typed),
         Some(Command::Sweep(args)) => sweep::sweep(args),
         Some(Command::Model(args)) => model::model(args, typed),
+        Some(Command::ModelIpsc2(args)) => model_ipsc2::model(args, typed),
         Some(Command::Lab(args)) => lab::lab(args),
         Some(Command::Plot(args)) => plot::plot(args),
         Some(Command::Compare(args)) => compare::compare(args),

@@ -34,7 +34,8 @@ pub fn replay(args: &ReplayArgs, told: Told) -> Result<(), Failure> {
     let mut live = Live::new(spinner, args.results.watch.then(|| Watch::new(clock, Vec::new())));
     let (moment, cancel) = (told.moment(clock)?, Cancel::default());
     let (result, observed, shuffled) =
-        replay.time(&Watching { moment, ..views.watching(Shape::Line) }, &cancel, |array| live.show(array))?;
+        replay
+            .time(&Watching { moment, ..views.watching(Shape::Line) }, &cancel, |array| live.show(|| array.so_far()))?;
     let losses = bottleneck::losses(&result, || shuffled.time(&replay.machine.spec, &replay.costs, &cancel));
     let losses = losses.as_ref();
     live.finish();

@@ -121,7 +121,7 @@ fn simulate(
         shuffled.take(&batch.ops);
         gathered.iter_mut().for_each(|gathered| gathered.take_batch(batch, setup));
         live.inc(batch.hits.len() as u64);
-        live.show(array);
+        live.show(|| array.so_far());
         writer.as_mut().map_or(Ok(()), |writer| writer.write(&batch.ops)).map_err(failed)
     });
     live.finish();

@@ -47,6 +47,12 @@ impl Bounds {
         self.high - self.low
     }
 
+    /// The sum of its faces' areas.
+    pub fn surface(&self) -> f64 {
+        let [x, y, z] = self.extent().to_array();
+        2.0 * (x * y + y * z + z * x)
+    }
+
     /// Where on a ray it enters the box, or 0 if it starts inside; `None` if it misses it or ends before.
     pub fn entered_by(&self, ray: &Ray) -> Option<f64> {
         let (mut enters, mut leaves) = (0.0f64, ray.t_max as f64);

@@ -250,7 +250,7 @@ impl<'a> Sought<'a> {
         match self {
             Sought::Level { fifo, is_full } => {
                 let at = recording.topology.fifos.iter().position(|info| info.name.eq_ignore_ascii_case(fifo))?;
-                let wanted = if is_full { recording.topology.fifos[at].capacity } else { Words(0) };
+                let wanted = if is_full { recording.topology.fifos[at].capacity? } else { Words(0) };
                 let FifoLevels { levels, .. } = recording.fifos.get(at)?;
                 begins(levels.iter().map(|&(from, words)| (from, words == wanted)), after)
             }

@@ -1,6 +1,7 @@
 //! Simulated time in bins whose number is bounded.
 
-use crate::measure::StateTimes;
+use crate::measure::{FifoBin, StateTimes};
+use crate::quantities::{Cycles, Words};
 
 /// What is kept of a stretch of time.
 pub trait Bin: Clone + Default {
@@ -12,6 +13,36 @@ impl Bin for StateTimes {
     fn absorb(&mut self, later: &StateTimes) {
         self.add(later);
     }
+}
+
+impl Bin for FifoBin {
+    fn absorb(&mut self, later: &FifoBin) {
+        self.min = self.min.min(later.min);
+        self.max = self.max.max(later.max);
+        self.word_cycles += later.word_cycles;
+        self.full += later.full;
+    }
+}
+
+impl FifoBin {
+    /// The FIFO holds so many words for some cycles.
+    #[inline(always)]
+    pub(crate) fn hold(&mut self, occupancy: u64, cycles: u64, full: bool) {
+        self.min = self.min.min(Words(occupancy));
+        self.max = self.max.max(Words(occupancy));
+        self.word_cycles += occupancy as u128 * cycles as u128;
+        self.full += Cycles(if full { cycles } else { 0 });
+    }
+}
+
+/// A histogram has about as many entries at the most; deeper FIFOs let occupancies share them.
+const MOST_ENTRIES: u64 = 1024;
+
+/// For how many cycles each occupancy was held, from 0 to the highest, in fewer entries where there are many; and how many share one.
+pub fn histogram(cycles: &[u64]) -> (Vec<Cycles>, Words) {
+    let highest = cycles.len().saturating_sub(1) as u64;
+    let step = (highest / MOST_ENTRIES + 1).next_power_of_two();
+    (cycles.chunks(step as usize).map(|shared| Cycles(shared.iter().sum())).collect(), Words(step))
 }
 
 /// How many of something.

@@ -32,6 +32,21 @@ pub struct Recording {
     pub stations: Vec<StationRecord>,
     /// The FIFOs.
     pub fifos: Vec<FifoLevels>,
+    /// The messages that stations sent each other in it, in the order in which they set out, if they send whole ones.
+    pub messages: Vec<MessageSpan>,
+}
+
+/// A message from one station to another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MessageSpan {
+    /// Who sent it.
+    pub from: usize,
+    /// Whom to.
+    pub to: usize,
+    /// When it was ready to go.
+    pub sent: Cycles,
+    /// When it arrived.
+    pub arrived: Cycles,
 }
 
 /// What a station, or the host, did in a window.
@@ -92,7 +107,7 @@ pub struct JobSpan {
 }
 
 /// What a FIFO held in a window.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FifoLevels {
     /// The first cycle of the window, and each one in which the level changes, with the level at its end.
     pub levels: Vec<(Cycles, Words)>,
@@ -107,10 +122,32 @@ pub struct FifoLevels {
     pub reads: Vec<Cycles>,
 }
 
+impl StationRecord {
+    /// Drops all that lies in a cycle or later.
+    pub(crate) fn end_at(&mut self, end: Cycles) {
+        let StationRecord { states, jobs, .. } = self;
+        states.truncate(states.partition_point(|stretch| stretch.from < end));
+        jobs.truncate(jobs.partition_point(|span| span.from < end));
+        states.last_mut().into_iter().for_each(|last| last.until = last.until.min(end));
+        jobs.last_mut().into_iter().for_each(|last| last.until = last.until.min(end));
+    }
+}
+
 impl Recording {
     /// How many stretches, jobs and moves of words a recording holds at the most, and as many ops: what viewers open with ease, and a
     /// bound on its memory and on its files whatever the length of the run.
     pub const MOST_EVENTS: usize = 400_000;
+
+    /// Lets what stations did and sent end before a cycle, if it does not already.
+    pub(crate) fn end_at(&mut self, end: Cycles) {
+        if end >= self.window.end {
+            return;
+        }
+        self.cut = true;
+        self.window.end = end.max(self.window.start);
+        self.stations.iter_mut().for_each(|record| record.end_at(end));
+        self.messages.truncate(self.messages.partition_point(|message| message.sent < end));
+    }
 
     /// The end of its beginning: of the cycles before it no more than `most` stretches, jobs, ops and moves of words begin in;
     /// all of the window of which the ops are recorded, if it has no more.

@@ -13,11 +13,11 @@ use crate::quantities::Cycles;
 pub struct SoFar {
     /// What the figures are of.
     pub topology: Arc<Topology>,
-    /// The first cycle after the host's last read.
+    /// The first cycle after the host's last read; of tasks that act in the order of time, the cycle that they have come to.
     pub cycles: Cycles,
-    /// Messages that have come back to the host.
+    /// Messages that have come back to the host; of tasks, jobs that are done.
     pub returned: u64,
-    /// Each station's cycles up to its own clock. None of them is idle.
+    /// Each station's cycles up to its own clock. None of a line's is idle.
     pub stations: Vec<StateTimes>,
     /// Each FIFO's statistics, and the cycle up to which they go.
     pub fifos: Vec<(FifoStats, Cycles)>,

@@ -45,12 +45,27 @@ pub struct FifoStats {
 /// How long the wire of a link, or a bus, was busy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkStats {
+    /// Who sends over it; `None` for a bus, over which all do.
+    pub from: Option<Actor>,
     /// To whom it leads; `None` for a bus, which leads to all.
     pub into: Option<Actor>,
     /// Cycles in which it carried words; of wires that carry channels side by side, those of the busiest.
     pub busy: Cycles,
     /// As many of them as words take that were read before the end; of a bus all.
     pub read: Cycles,
+    /// The messages that it carried, if it carries whole ones and not word by word.
+    pub messages: Option<LinkMessages>,
+}
+
+/// The messages that a link, or a bus, carried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinkMessages {
+    /// How many were sent over it.
+    pub sent: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// For how long they waited for it when they were ready to go. One that needs several links waits for that which is free last.
+    pub waited: Cycles,
 }
 
 impl FifoStats {

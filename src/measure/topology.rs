@@ -26,8 +26,15 @@ pub struct FifoInfo {
     pub from: Actor,
     /// Who reads from it.
     pub to: Actor,
-    /// How many words it can hold.
-    pub capacity: Words,
+    /// How many words it can hold; none if it takes all that come.
+    pub capacity: Option<Words>,
+}
+
+impl FifoInfo {
+    /// Whether so many words fill it.
+    pub fn is_full(&self, held: Words) -> bool {
+        self.capacity.is_some_and(|capacity| held >= capacity)
+    }
 }
 
 /// How the stations of a machine stand to each other, for reports that draw it or say what limits it.
@@ -51,6 +58,10 @@ pub struct Names {
     pub station: String,
     /// The stations, if they have names of their own and not just numbers.
     pub stations: Vec<String>,
+    /// A FIFO.
+    pub fifo: String,
+    /// What FIFOs hold.
+    pub word: String,
     /// What comes in numbers, and is begun and done.
     pub job: String,
     /// From when to when the time of a job is counted.
@@ -79,6 +90,8 @@ impl Default for Names {
             machine: "array".to_owned(),
             station: "cell".to_owned(),
             stations: Vec::new(),
+            fifo: "FIFO".to_owned(),
+            word: "word".to_owned(),
             job: "ray".to_owned(),
             job_time: "from their first word sent to their last word back".to_owned(),
         }

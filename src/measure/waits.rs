@@ -83,7 +83,7 @@ impl<'a> Waits<'a> {
         match state.kind {
             StateKind::Waits if held > Words(0) => Some(WaitAt::OnItsWay(fifo)),
             StateKind::Waits => Some(WaitAt::Empty(fifo)),
-            StateKind::Blocked if held >= topology.fifos[fifo].capacity => Some(WaitAt::Full(fifo)),
+            StateKind::Blocked if topology.fifos[fifo].is_full(held) => Some(WaitAt::Full(fifo)),
             StateKind::Blocked => Some(WaitAt::Wire(fifo)),
             _ => None,
         }

@@ -12,6 +12,7 @@
 //! | (4), memory of the grid | [`grid::memory_words`] |
 //! | (6), memory of the slabs | [`slabs::memory_words`] |
 //! | §4.2, what each cell and link has to do, and the bounds that follow | [`throughput`] |
+//! | §4.1, what each node of a hypercube has to do, and the bounds that follow | [`cube`] |
 //!
 //! The paper leaves open how large a scene's polygons are and how its rays run ("must be measured in pre-processing").
 //! A [`Survey`] measures both, on a few of the rays and a coarse grid, and turns them into a [`Prediction`].
@@ -19,6 +20,7 @@
 //! Everything here is plain numbers in double precision: rays, voxels, words, and cycles as a number of any unit of time.
 
 pub mod cost;
+pub mod cube;
 mod footprint;
 pub mod grid;
 mod prediction;
@@ -27,6 +29,7 @@ pub mod slabs;
 mod survey;
 pub mod throughput;
 
+pub use cube::Bounds;
 pub use footprint::Footprint;
 pub use prediction::{PaperFormulas, Prediction, Sizes};
 pub use sketch::RayWork;

@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::bottleneck;
+use super::links::{self, LinkJson};
 use super::plot::{Caption, RegionMap};
 use super::stats::{Configuration, station};
 use super::summary::{self, Rows, grouped, percent, plural, time};
@@ -12,6 +13,7 @@ use crate::geometry::regions::Rectangle;
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::measure::{Clock, StateTimes};
+use crate::model::Bounds;
 use crate::program::cube::{MessageKind, Phases};
 use crate::run::{
     CellCuts, CubeMode, CubeOutcome, CubeScene, CubeSetup, CubeSpec, Distribution, FlowKind, Grant, Grids,
@@ -94,8 +96,10 @@ pub fn text(setup: &CubeSetup, outcome: &CubeOutcome) -> String {
         summary::speed(&outcome.stats, clock),
         gain(outcome, clock),
     ];
+    lines.push(at_least(&setup.bounds(outcome), clock));
     lines.extend(queues(setup, outcome));
-    let parts = [losses(outcome), messages(outcome, clock), summary::cells(&outcome.stats, &[])];
+    let links = summary::text(links::rows(&outcome.stats, clock));
+    let parts = [losses(outcome), messages(outcome, clock), links, summary::cells(&outcome.stats, &[])];
     let (head, verdict) = (summary::prose(&lines.join("\n")), summary::prose(&sentence(setup, outcome)));
     let why = outcome.observed.path.as_ref().map(|path| format!("\n{}", why::text(path, false))).unwrap_or_default();
     format!("{head}\n\n{}\n{verdict}\n{why}", parts.join("\n"))
@@ -118,21 +122,26 @@ pub fn caption(setup: &CubeSetup) -> Caption {
 
 fn title(setup: &CubeSetup) -> String {
     let CubeSetup { spec, scene, .. } = setup;
-    let how = match spec.mode() {
-        CubeMode::Regions => "with a region each",
-        CubeMode::SharedMemory => "with a shared memory",
-    };
     format!(
-        "image of {} ({}) on {} {how}: {}, {}",
+        "image of {} ({}) on {} {}: {}, {}",
         scene.name,
         plural(scene.polygons as u64, "polygon"),
         plural(spec.machine.nodes as u64, "node"),
+        means(spec),
         plural(spec.size.pixels() as u64, "pixel"),
         plural(scene.graph.rays.len() as u64, "ray"),
     )
 }
 
-fn machine_line(spec: &CubeSpec) -> String {
+/// How the nodes have the scene.
+pub(super) fn means(spec: &CubeSpec) -> &'static str {
+    match spec.mode() {
+        CubeMode::Regions => "with a region each",
+        CubeMode::SharedMemory => "with a shared memory",
+    }
+}
+
+pub(super) fn machine_line(spec: &CubeSpec) -> String {
     let machine = &spec.machine;
     format!(
         "machine: hypercube of {} of {} kbyte, cycle {} ns, short message {} µs, long {} µs, {} µs a byte",
@@ -199,6 +208,19 @@ pub fn gain(outcome: &CubeOutcome, clock: Clock) -> String {
     )
 }
 
+/// What a run takes at the least, and why, in a line.
+pub fn at_least(bounds: &Bounds, clock: Clock) -> String {
+    let seconds = |cycles: Cycles| time(clock.seconds(cycles));
+    let busiest = bounds.busiest().map(|(node, work)| format!("the work of node {node} takes {}, ", seconds(work)));
+    format!(
+        "at least {}: {}an equal part of all work {}, the longest chain of a pixel {}",
+        seconds(bounds.least()),
+        busiest.unwrap_or_default(),
+        seconds(bounds.equal),
+        seconds(bounds.chain),
+    )
+}
+
 /// What queues held and links carried, in a line each.
 fn queues(setup: &CubeSetup, outcome: &CubeOutcome) -> Vec<String> {
     let sent: u64 = outcome.seen.sent.iter().sum();
@@ -209,7 +231,7 @@ fn queues(setup: &CubeSetup, outcome: &CubeOutcome) -> Vec<String> {
         let pages: u64 = outcome.seen.nodes.iter().map(|node| node.pages).sum();
         return vec![format!("pages fetched: {}; {link}", grouped(pages))];
     }
-    let longest = outcome.seen.nodes.iter().map(|node| node.longest_queue).max().unwrap_or(0);
+    let longest = outcome.stats.fifos.iter().map(|queue| queue.max.0).max().unwrap_or(0);
     let balance = |work: &[u64]| {
         let sum: u64 = work.iter().sum();
         work.iter().max().map_or(1.0, |&most| most as f64 * work.len() as f64 / sum.max(1) as f64)
@@ -223,11 +245,7 @@ fn queues(setup: &CubeSetup, outcome: &CubeOutcome) -> Vec<String> {
             balance(&setup.scene.cut.predicted()),
             balance(&measured),
         ),
-        format!(
-            "ray messages a ray: {:.2}; longest queue {}; {link}",
-            sent as f64 / rays,
-            plural(longest as u64, "ray"),
-        ),
+        format!("ray messages a ray: {:.2}; longest queue {}; {link}", sent as f64 / rays, plural(longest, "ray"),),
     ]
 }
 
@@ -292,6 +310,7 @@ struct Report<'a> {
     speed_up: f64,
     efficiency: f64,
     one_node_seconds: f64,
+    at_least: AtLeast,
     phases: PhasesJson,
     pixels: usize,
     polygons: usize,
@@ -301,12 +320,35 @@ struct Report<'a> {
     losses: Map<String, Value>,
     messages: Map<String, Value>,
     tasks: Vec<Map<String, Value>>,
-    links: Vec<u64>,
+    links: Vec<LinkJson>,
     termination: Ended,
     bottleneck: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     why: Option<PathJson>,
     configuration: &'a Configuration,
+}
+
+/// Cycles that the run takes at the least.
+#[derive(Serialize)]
+struct AtLeast {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    busiest_node: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    busiest_work: Option<u64>,
+    equal_part: u64,
+    longest_chain: u64,
+}
+
+impl AtLeast {
+    fn new(bounds: &Bounds) -> AtLeast {
+        let busiest = bounds.busiest();
+        AtLeast {
+            busiest_node: busiest.map(|(node, _)| node),
+            busiest_work: busiest.map(|(_, work)| work.0),
+            equal_part: bounds.equal.0,
+            longest_chain: bounds.chain.0,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -337,6 +379,7 @@ pub fn to_json(setup: &CubeSetup, outcome: &CubeOutcome, configuration: &Configu
         speed_up: speed_up(outcome),
         efficiency: efficiency(outcome),
         one_node_seconds: clock.seconds(outcome.one_node),
+        at_least: AtLeast::new(&setup.bounds(outcome)),
         phases: PhasesJson { load: clock.seconds(loaded), subdivide: clock.seconds(Cycles(subdivided.0 - loaded.0)) },
         pixels: setup.spec.size.pixels(),
         polygons: setup.scene.polygons,
@@ -346,7 +389,7 @@ pub fn to_json(setup: &CubeSetup, outcome: &CubeOutcome, configuration: &Configu
         losses: Losses::new(outcome).named().map(share).into_iter().collect(),
         messages: by_kind(outcome),
         tasks: (0..stats.stations.len()).map(|index| task(setup, outcome, index)).collect(),
-        links: stats.links.iter().map(|link| link.busy.0).collect(),
+        links: links::to_json(stats),
         termination: Ended {
             true_end: outcome.seen.true_end.0,
             told_at: outcome.seen.told_at.0,
@@ -388,12 +431,13 @@ fn task(setup: &CubeSetup, outcome: &CubeOutcome, index: usize) -> Map<String, V
     if let (Some(seen), Some(part)) = (outcome.seen.nodes.get(index), outcome.parts.get(index)) {
         let region = outcome.node_of.iter().position(|&node| usize::from(node) == index);
         let cut = &setup.scene.cut.regions;
+        let queue = stats.fifos.get(index).copied().unwrap_or_default();
         let predicted = region.and_then(|region| setup.scene.cut.predicted().get(region).copied());
         let more = serde_json::json!({
-            "pixels": seen.pixels, "legs": seen.legs, "longest_queue": seen.longest_queue, "most_slots": seen.most_slots,
+            "pixels": seen.pixels, "legs": seen.legs, "longest_queue": queue.max.0, "most_slots": seen.most_slots,
             "pages_fetched": seen.pages, "polygons": part.polygons, "bytes": part.holds, "predicted_work": predicted,
             "cells": region.filter(|_| setup.spec.regions.is_some()).and_then(|region| cut.rectangles().get(region)).map(Rectangle::cells),
-            "mean_queue": seen.queue_cycles as f64 / stats.cycles.0.max(1) as f64, "full": seen.full.0,
+            "mean_queue": queue.mean(stats.cycles), "full": queue.full.0,
         });
         if let Value::Object(more) = more {
             task.insert("counts".to_owned(), more.into());

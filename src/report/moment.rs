@@ -108,11 +108,12 @@ fn recorded_line(topology: &Topology, waiting: &Waiting) -> String {
 }
 
 fn waits_for_word(fifo: &FifoInfo) -> String {
-    format!("waits for {}: {} is empty (0 of {})", fifo.from, fifo.name, plural(fifo.capacity.0, "word"))
+    let words = fifo.capacity.unwrap_or_default().0;
+    format!("waits for {}: {} is empty (0 of {})", fifo.from, fifo.name, plural(words, "word"))
 }
 
 fn waits_for_room(fifo: &FifoInfo) -> String {
-    let words = fifo.capacity.0;
+    let words = fifo.capacity.unwrap_or_default().0;
     format!("waits for {}: {} is full ({} of {})", fifo.to, fifo.name, grouped(words), plural(words, "word"))
 }
 

@@ -35,7 +35,7 @@ pub struct Row {
 }
 
 impl Row {
-    fn new(quantity: impl Into<String>, model: f64) -> Row {
+    pub(super) fn new(quantity: impl Into<String>, model: f64) -> Row {
         Row { quantity: quantity.into(), paper: None, model, counted: None, measured: None }
     }
 
@@ -43,11 +43,11 @@ impl Row {
         Row { paper: Some(paper), ..self }
     }
 
-    fn counted(self, counted: Option<f64>) -> Row {
+    pub(super) fn counted(self, counted: Option<f64>) -> Row {
         Row { counted, ..self }
     }
 
-    fn measured(self, measured: Option<f64>) -> Row {
+    pub(super) fn measured(self, measured: Option<f64>) -> Row {
         Row { measured, ..self }
     }
 
@@ -155,12 +155,17 @@ const QUANTITY_WIDTH: usize = 34;
 /// The quantities as a table.
 pub fn to_table(rows: &[Row]) -> String {
     let has_run = rows.iter().any(|row| row.counted.is_some() || row.measured.is_some());
-    let header = ["", "paper", "model", "counted", "measured", "error"];
-    let mut text = table(if has_run { &header } else { &header[..3] });
+    let has_paper = rows.iter().any(|row| row.paper.is_some());
+    let of_run = ["counted", "measured", "error"];
+    let header = [""].into_iter().chain(has_paper.then_some("paper")).chain(["model"]);
+    let header: Vec<&str> = header.chain(of_run.into_iter().filter(|_| has_run)).collect();
+    let mut text = table(&header);
     for row in rows {
         let optional = |value: Option<f64>| value.map_or(String::new(), number);
         let quantity = wrapped(&row.quantity, QUANTITY_WIDTH);
-        let mut cells = vec![quantity, optional(row.paper), number(row.model)];
+        let mut cells = vec![quantity];
+        cells.extend(has_paper.then(|| optional(row.paper)));
+        cells.push(number(row.model));
         if has_run {
             let error = row.error().map_or(String::new(), |error| format!("{:+.1} %", 100.0 * error));
             cells.extend([optional(row.counted), optional(row.measured), error]);

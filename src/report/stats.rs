@@ -111,7 +111,8 @@ type Cell = serde_json::Map<String, serde_json::Value>;
 #[derive(Serialize)]
 struct Fifo<'a> {
     name: &'a str,
-    capacity: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    capacity: Option<u64>,
     words: u64,
     max: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -142,7 +143,7 @@ impl<'a> Fifo<'a> {
     fn new(info: &'a FifoInfo, stats: &FifoStats, run: &Measured) -> Fifo<'a> {
         Fifo {
             name: &info.name,
-            capacity: info.capacity.0,
+            capacity: info.capacity.map(|words| words.0),
             words: stats.words.0,
             max: stats.max.0,
             enough: stats.enough.map(|words| words.0),

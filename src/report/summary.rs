@@ -64,15 +64,20 @@ pub fn cell_rows(run: &Measured, names: &[String]) -> Rows {
 /// What every FIFO held: a row a FIFO.
 pub fn fifo_rows(run: &Measured) -> Rows {
     let row = |(info, fifo): (&FifoInfo, &FifoStats)| {
-        let named = [info.name.clone(), grouped(fifo.words.0), info.capacity.0.to_string(), fifo.max.0.to_string()];
+        let named = [info.name.clone(), grouped(fifo.words.0)];
+        let capacity = info.capacity.map(|words| words.0.to_string());
         let enough = fifo.enough.map(|words| words.0.to_string());
         let [full, empty] = [fifo.full, fifo.empty].map(|cycles| percent(cycles, run.cycles));
-        named.into_iter().chain(enough).chain([format!("{:.2}", fifo.mean(run.cycles)), full, empty]).collect()
+        let held = [format!("{:.2}", fifo.mean(run.cycles)), full, empty];
+        named.into_iter().chain(capacity).chain([fifo.max.0.to_string()]).chain(enough).chain(held).collect()
     };
+    let names = &run.topology.names;
+    let through = format!("{}s through", names.word);
+    let holds = run.topology.fifos.iter().any(|info| info.capacity.is_some()).then_some("holds");
     let enough = run.fifos.iter().any(|fifo| fifo.enough.is_some()).then_some("enough");
-    let header = ["FIFO", "words through", "holds", "max"].into_iter().chain(enough).chain(["mean", "full", "empty"]);
+    let header = [names.fifo.as_str(), through.as_str()].into_iter().chain(holds).chain(["max"]).chain(enough);
     Rows {
-        header: header.map(str::to_owned).collect(),
+        header: header.chain(["mean", "full", "empty"]).map(str::to_owned).collect(),
         rows: run.topology.fifos.iter().zip(&run.fifos).map(row).collect(),
     }
 }

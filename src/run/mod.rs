@@ -29,9 +29,9 @@ mod trees;
 mod workers;
 
 pub use cube::{
-    Calibrated, CellCuts, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup, CubeSpec, Cut,
-    Distribution, First, FlowKind, Found, Grant, Grids, Known, KnownTime, Mapping, Percent, PixelOrder, PixelsOf,
-    QueueRays, RegionSpec, Termination,
+    Calibrated, CellCuts, CubeForecast, CubeMode, CubeOptions, CubeOutcome, CubeRunOptions, CubeScene, CubeSetup,
+    CubeSpec, Cut, Distribution, First, FlowKind, Found, Grant, Grids, Known, KnownTime, Mapping, Percent, PixelOrder,
+    PixelsOf, QueueRays, RegionSpec, Termination,
 };
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
 pub use in_step::InStep;

@@ -19,7 +19,7 @@ use crate::program::{ArrayProgram, Masks};
 use crate::scene::builtin;
 
 /// What commands share with others and refuse in any case, so that no help tells of it. (`run` is the command without a name.)
-pub const ALWAYS_REFUSED: [(&str, &[&str]); 7] = [
+pub const ALWAYS_REFUSED: [(&str, &[&str]); 8] = [
     ("run", &["host_hit_us"]),
     ("replay", &["memory_words"]),
     (
@@ -30,6 +30,7 @@ pub const ALWAYS_REFUSED: [(&str, &[&str]); 7] = [
     ("farm", &["adaptive", "adaptive_by", "threshold", "enough"]),
     ("ipsc2", &["adaptive", "adaptive_by", "threshold", "enough"]),
     ("calibrate-ipsc2", &ADAPTIVE),
+    ("model-ipsc2", &ADAPTIVE),
 ];
 
 /// Refuses the flags that a run of primary rays would not look at.

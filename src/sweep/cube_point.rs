@@ -133,7 +133,7 @@ impl CubePoint {
         let losses = Losses::new(outcome).named().map(|(_, time)| share(time));
         let rest = [
             (ray_messages as f64 / rays.max(1) as f64).to_string(),
-            outcome.seen.nodes.iter().map(|node| node.longest_queue).max().unwrap_or(0).to_string(),
+            outcome.stats.fifos.iter().map(|queue| queue.max.0).max().unwrap_or(0).to_string(),
             sent(MessageKind::RealObject),
             sent(MessageKind::VirtualObject),
             sent(MessageKind::Calculation),

@@ -6,7 +6,11 @@ use std::convert::Infallible;
 use pcs_sim::host::shading::RayKind;
 use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, WireTimes};
 use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
-use pcs_sim::measure::{Actor, Cause, Clock, CriticalPath, Measured, Recording, StateId, StateTimes, StationRecord};
+use pcs_sim::measure::{
+    Actor, Cause, Clock, CriticalPath, LinkMessages, LinkStats, Measured, Observed, Recording, StateId, StateTimes,
+    StationRecord,
+};
+use pcs_sim::model::Bounds;
 use pcs_sim::program::cube::{
     Dealt, Ends, Flow, Leg, MemoryNodes, MessageKind, PageUses, RayTask, RegionNodes, Rules, Seen, Stuck, TaskGraph,
     gray_order, highest_rank,
@@ -36,41 +40,81 @@ fn ticked(nodes: usize, stats: &Measured, recording: &Recording, seen: &Seen) ->
         let counts = &seen.messages[kind as usize];
         [counts.sent, counts.taken, counts.bytes, counts.hops, counts.processor.0]
     };
+    let queue = |node: usize| stats.fifos.get(node).copied().unwrap_or_default();
     Ticked {
         cycles: stats.cycles.0,
         tasks: recording.stations.iter().map(task).collect(),
-        links: stats.links.iter().map(|link| link.busy.0).collect(),
+        links: links(stats),
         messages: MessageKind::ALL.map(kind),
         true_end: seen.true_end.0,
         told_at: seen.told_at.0,
         probes: seen.probes,
-        longest_queues: seen.nodes[..nodes].iter().map(|node| node.longest_queue).collect(),
-        queues: seen.nodes[..nodes].iter().map(|node| (node.queue_cycles, node.full.0)).collect(),
+        longest_queues: (0..nodes).map(|node| queue(node).max.0 as usize).collect(),
+        queues: (0..nodes).map(|node| (queue(node).word_cycles as u64, queue(node).full.0)).collect(),
     }
+}
+
+/// What each link did, in the oracle's terms.
+fn links(stats: &Measured) -> Vec<[u64; 4]> {
+    let link = |link: &LinkStats| {
+        let LinkMessages { sent, bytes, waited } = link.messages.unwrap();
+        [link.busy.0, sent, bytes, waited.0]
+    };
+    stats.links.iter().map(link).collect()
+}
+
+/// What was seen of queues over time adds up to what they held in all, and each message is seen from end to end.
+fn adds_up(stats: &Measured, observed: &Observed, seen: &Seen) -> Result<(), TestCaseError> {
+    let (profile, recording) = (observed.profile.as_ref().unwrap(), observed.recording.as_ref().unwrap());
+    for (queue, (held, (bins, levels))) in
+        stats.fifos.iter().zip(profile.fifos.iter().zip(&recording.fifos)).enumerate()
+    {
+        prop_assert_eq!(bins.bins.len(), profile.jobs.len(), "queue {}", queue);
+        prop_assert_eq!(bins.bins.iter().map(|bin| bin.word_cycles).sum::<u128>(), held.word_cycles);
+        prop_assert_eq!(bins.bins.iter().map(|bin| bin.full).sum::<Cycles>(), held.full);
+        prop_assert_eq!(bins.bins.iter().map(|bin| bin.max).max().unwrap_or_default(), held.max);
+        prop_assert_eq!(bins.histogram.iter().copied().sum::<Cycles>(), stats.cycles);
+        prop_assert_eq!(bins.histogram.first().copied().unwrap_or_default(), held.empty);
+        let ends = levels.levels.iter().skip(1).map(|(at, _)| at.0).chain([stats.cycles.0]);
+        let spans = levels.levels.iter().zip(ends).map(|((from, level), until)| (level.0, until - from.0));
+        prop_assert_eq!(
+            spans.map(|(level, cycles)| u128::from(level) * u128::from(cycles)).sum::<u128>(),
+            held.word_cycles
+        );
+    }
+    let sent: u64 = seen.messages.iter().map(|kind| kind.sent).sum();
+    prop_assert_eq!(recording.messages.len() as u64, sent);
+    prop_assert!(
+        recording.messages.iter().all(|message| message.sent <= message.arrived && message.from != message.to)
+    );
+    Ok(())
 }
 
 /// Lets nodes run, each with the region of its number.
 fn run(machine: &Ipsc2, graph: &TaskGraph, owners: &[u16], rules: Rules) -> Result<(Measured, Seen), Stuck> {
-    run_recorded(machine, graph, owners, rules).map(|(stats, _, seen)| (stats, seen))
+    run_watched(machine, graph, owners, rules).map(|(stats, _, seen)| (stats, seen))
 }
 
-fn run_recorded(
+fn run_watched(
     machine: &Ipsc2,
     graph: &TaskGraph,
     owners: &[u16],
     rules: Rules,
-) -> Result<(Measured, Recording, Seen), Stuck> {
+) -> Result<(Measured, Observed, Seen), Stuck> {
     let node_of: Vec<u16> = (0..machine.nodes as u16).collect();
     let order: Vec<u32> = (0..graph.trees.len() as u32).collect();
     let mut nodes = RegionNodes::new(machine, graph, &node_of, (owners, &order), rules);
     let events = Events::new(nodes.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
-    let mut events = events.recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
+    let all = || (Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
+    let mut events = events.probed().recorded(all().0, all().1);
+    nodes.queues = nodes.queues.probed(machine.nodes + 1).recorded(all().0, all().1);
     while !nodes.is_over() && events.step(&mut |task, now, taken| nodes.next(task, now, taken)) {}
     if !nodes.is_over() {
         return Err(nodes.stuck());
     }
-    let (stats, observed) = events.stop(|task| nodes.rests(task));
-    Ok((stats, observed.recording.unwrap(), nodes.seen))
+    let (mut stats, mut observed) = events.stop(|task| nodes.rests(task));
+    nodes.queues.tell(&mut stats, &mut observed);
+    Ok((stats, observed, nodes.seen))
 }
 
 /// The same with its chain of causes.
@@ -82,7 +126,8 @@ fn run_explained(machine: &Ipsc2, graph: &TaskGraph, owners: &[u16], rules: Rule
     let events = Events::new(nodes.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
     let mut events = events.explained(explanation, RegionNodes::sending);
     while !nodes.is_over() && events.step(&mut |task, now, taken| nodes.next(task, now, taken)) {}
-    let (stats, observed) = events.stop(|task| nodes.rests(task));
+    let (mut stats, mut observed) = events.stop(|task| nodes.rests(task));
+    nodes.queues.tell(&mut stats, &mut observed);
     (stats, observed.path.unwrap(), nodes.seen)
 }
 
@@ -230,9 +275,10 @@ proptest! {
         let node_of: Vec<u16> = (0..nodes as u16).collect();
         let order: Vec<u32> = (0..trees as u32).collect();
         let expected = tick(&machine, &graph, &node_of, (&owners, &order), rules);
-        match run_recorded(&machine, &graph, &owners, rules) {
-            Ok((stats, recording, seen)) => {
-                let found = ticked(nodes, &stats, &recording, &seen);
+        match run_watched(&machine, &graph, &owners, rules) {
+            Ok((stats, observed, seen)) => {
+                adds_up(&stats, &observed, &seen)?;
+                let found = ticked(nodes, &stats, observed.recording.as_ref().unwrap(), &seen);
                 if let Ok(expected) = &expected {
                     for (task, (found, expected)) in found.tasks.iter().zip(&expected.tasks).enumerate() {
                         let differs = found.iter().zip(expected).position(|(found, expected)| found != expected);
@@ -242,7 +288,12 @@ proptest! {
                     }
                 }
                 prop_assert_eq!(Ok(found), expected);
-                conserves(&machine, &graph, &stats, &seen)?;
+                conserves(&stats, &seen)?;
+                let bounds = Bounds::of_regions(&machine, &graph, &node_of, &owners);
+                prop_assert!(stats.cycles >= bounds.least(), "{:?}", bounds);
+                for (work, station) in bounds.work.iter().zip(&stats.stations) {
+                    prop_assert!(stats.topology.states.works(station) >= *work, "{:?}", bounds);
+                }
                 if let Flow::Block(slots) | Flow::Classes(slots) = rules.flow {
                     prop_assert!(seen.nodes.iter().all(|node| node.most_slots <= slots));
                 }
@@ -337,14 +388,19 @@ proptest! {
         prop_assert_eq!(found, expected);
         prop_assert_eq!(memory.seen.nodes.iter().map(|node| node.pages).collect::<Vec<_>>(), fetched);
         prop_assert_eq!(memory.seen.nodes.iter().map(|node| node.pixels).sum::<usize>(), trees);
-        for station in &stats.stations {
-            prop_assert_eq!(station.total(), stats.cycles);
+        conserves(&stats, &memory.seen)?;
+        let owners: Vec<u16> = (0..trees).map(|tree| (tree % nodes) as u16).collect();
+        let bounds = Bounds::of_shared_memory(&machine, &graph, tile.is_none().then_some(&owners[..]));
+        prop_assert!(stats.cycles >= bounds.least(), "{:?}", bounds);
+        prop_assert_eq!(bounds.busiest().is_some(), tile.is_none());
+        for (work, station) in bounds.work.iter().zip(&stats.stations) {
+            prop_assert!(stats.topology.states.works(station) >= *work, "{:?}", bounds);
         }
     }
 }
 
 /// What a real image's nodes came to: the end, each task's cycles in each state, and the links'.
-type Came = (u64, Vec<BTreeMap<u8, u64>>, Vec<u64>);
+type Came = (u64, Vec<BTreeMap<u8, u64>>, Vec<[u64; 4]>);
 
 /// The same of the engine's run, in the other scheduler's terms.
 fn came(stats: &Measured) -> Came {
@@ -353,8 +409,7 @@ fn came(stats: &Measured) -> Came {
         let all = states.iter().map(|state| (state.id.0, times.of(state.id).0));
         all.filter(|(_, cycles)| *cycles > 0).collect()
     };
-    let links = stats.links.iter().map(|link| link.busy.0).collect();
-    (stats.cycles.0, stats.stations.iter().map(spent).collect(), links)
+    (stats.cycles.0, stats.stations.iter().map(spent).collect(), links(stats))
 }
 
 /// On a real scene, another scheduler, which has all that is to happen in one heap, comes to the same.
@@ -399,7 +454,7 @@ fn another_scheduler_comes_to_the_same() {
             RegionNodes::SENDING_AND_IDLE,
         );
         assert_eq!(came(&stats), (ended.cycles, ended.spent, ended.links), "{flow:?}");
-        assert_eq!(own.seen, other.seen, "{flow:?}");
+        assert_eq!((&own.seen, own.queues.so_far()), (&other.seen, other.queues.so_far()), "{flow:?}");
     }
     let (machine, graph) = scene_of(CubeMode::SharedMemory);
     let all: Vec<u32> = (0..graph.trees.len() as u32).collect();
@@ -456,8 +511,8 @@ proptest! {
     }
 }
 
-/// What must hold of any run: nothing is lost, times add up, and it takes no less than its longest part.
-fn conserves(machine: &Ipsc2, graph: &TaskGraph, stats: &Measured, seen: &Seen) -> Result<(), TestCaseError> {
+/// What must hold of any run: nothing is lost, and times add up.
+fn conserves(stats: &Measured, seen: &Seen) -> Result<(), TestCaseError> {
     for station in &stats.stations {
         prop_assert_eq!(station.total(), stats.cycles);
     }
@@ -466,20 +521,6 @@ fn conserves(machine: &Ipsc2, graph: &TaskGraph, stats: &Measured, seen: &Seen) 
     }
     prop_assert!(stats.links.iter().all(|link| link.busy <= stats.cycles));
     prop_assert!(seen.true_end <= seen.told_at && seen.told_at <= stats.cycles);
-    let work = |ray: u32| {
-        (graph.rays[ray as usize].first_leg..graph.legs_end(ray))
-            .map(move |leg| graph.time(ray, leg, &machine.times).all().0)
-    };
-    let all: u64 = (0..graph.rays.len() as u32).flat_map(work).sum();
-    prop_assert!(stats.cycles.0 * machine.nodes as u64 >= all);
-    // A ray begins when the one that asks for it has ended.
-    let mut ends = vec![0; graph.rays.len()];
-    for ray in 0..graph.rays.len() {
-        ends[ray] += work(ray as u32).sum::<u64>();
-        let (first, count) = graph.rays[ray].children;
-        (first..first + count).for_each(|child| ends[child as usize] = ends[ray]);
-    }
-    prop_assert!(stats.cycles.0 >= ends.into_iter().max().unwrap_or(0));
     Ok(())
 }
 
@@ -559,6 +600,13 @@ fn a_ray_goes_there_and_its_shadow_ray_comes_back() {
     assert_eq!(of("take_calculation"), (1, 2560), "the packet");
     assert_eq!(of("links"), (3, 300 + 300 + 139));
     assert_eq!(of("way"), (3, 3 * 480));
+    // At the least: what each node has to do, and the chain of both rays, which the result does not hold up.
+    let bounds = Bounds::of_regions(&standard(2), &there_and_back(), &[0, 1], &[0]);
+    let (there, shadow) = (hit + 83984 - comes, 4002 + 1040);
+    assert_eq!(bounds.work[0].0, first_leg + 2560 + (2560 + 320) + 2560 + shadow + 2560);
+    assert_eq!(bounds.work[1].0, there + 2560 + shadow + 2560);
+    assert_eq!((bounds.chain.0, bounds.ray_messages), (done - 2560, 2));
+    assert_eq!(bounds.equal.0, (bounds.work[0].0 + bounds.work[1].0).div_ceil(2));
     // A cycle less anywhere is a cycle less in the end.
     let mut faster = standard(2);
     faster.times.host.hit.0 -= 1;

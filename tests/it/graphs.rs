@@ -202,10 +202,18 @@ fn the_graphs_of_nodes_have_what_their_statistics_have() {
                 "{args}"
             );
         }
-        let links: Vec<u64> =
-            run.stats["links"].as_array().unwrap().iter().map(|link| link.as_u64().unwrap()).collect();
-        let told = processes.edges.iter().map(|(.., edge)| edge["busy_cycles"].parse::<u64>().unwrap());
-        assert!(links.iter().copied().eq(told), "{args}");
+        let of_links = |name: &str| {
+            let links = run.stats["links"].as_array().unwrap().iter();
+            links.map(|link| link[name].as_u64().unwrap()).collect::<Vec<_>>()
+        };
+        let of_edges = |ending: &str| {
+            let told =
+                |(name, value): (&String, &String)| name.ends_with(ending).then(|| value.parse::<u64>().unwrap());
+            processes.edges.iter().map(|(.., edge)| edge.iter().filter_map(told).sum()).collect::<Vec<u64>>()
+        };
+        assert_eq!(of_links("busy"), of_edges("busy_cycles"), "{args}");
+        assert_eq!(of_links("messages"), of_edges("_messages"), "{args}");
+        assert_eq!(of_links("bytes"), of_edges("_bytes"), "{args}");
         let tasks = run.stats["tasks"].as_array().unwrap();
         let counted = |name: &str| tasks.iter().filter_map(|task| task["counts"][name].as_u64()).sum::<u64>();
         assert_eq!(processes.vertex_sum("bytes_held"), counted("bytes"), "{args}");

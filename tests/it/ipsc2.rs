@@ -144,14 +144,48 @@ fn an_image_on_a_hypercube_has_all_views() {
     let folder = Folder::new();
     let image = "image teapot --on ipsc2 --size 24x24 --nodes 4";
     let stdout = folder.run(&format!("{image} --plot plots --page run.html --trace run.vcd")).success();
-    for name in ["nodes", "legs", "latency", "regions", "links", "owners"] {
+    for name in ["queues", "queue-histograms", "nodes", "legs", "latency", "regions", "links", "owners"] {
         assert!(stdout.contains(&format!("wrote plots/{name}.svg\nwrote plots/{name}.png\n")), "{stdout}");
     }
     let page = folder.read("run.html");
-    for told in ["The hypercube", "node 3", "legs done", "waiting page"] {
+    for told in
+        ["The hypercube", "node 3", "legs done", "waiting page", "What the queues held", "What the links carried"]
+    {
         assert!(page.contains(told), "{told}");
     }
     folder.run(&format!("{image} --trace run.pftrace")).success();
+}
+
+/// What a run takes at the least is predicted by a few of the pixels, and the sub-sample of all pixels is the image.
+#[test]
+fn a_sub_sample_predicts_what_an_image_takes_at_the_least() {
+    let folder = Folder::new();
+    let rows = |flags: &str| {
+        folder
+            .run(&format!("model teapot --on ipsc2 --size 64x64 --nodes 8 {flags} --stats model.json --force"))
+            .success();
+        let told: Value = serde_json::from_str(&folder.read("model.json")).unwrap();
+        let rows = told["quantities"].as_array().unwrap().clone();
+        move |name: &str, column: &str| {
+            let row = rows.iter().find(|row| row["quantity"] == name).unwrap_or_else(|| panic!("{name}: {rows:?}"));
+            row[column].as_f64()
+        }
+    };
+    let all = rows("--sub-sample 100");
+    for name in ["rays", "regions a ray meets", "ray messages a ray", "seconds of one node", "seconds, at least"] {
+        assert_eq!(all(name, "model"), all(name, "counted"), "{name}");
+    }
+    let lines = all("regions a random line meets", "model").unwrap();
+    assert!(lines > 1.0 && lines < 8.0, "{lines}");
+    let some = rows("");
+    for name in ["rays", "seconds of one node", "seconds of an equal part of all work", "seconds, at least"] {
+        let error = some(name, "model").unwrap() / some(name, "counted").unwrap() - 1.0;
+        assert!(error.abs() < 0.25, "{name} is {error} off by 64 pixels of 4096");
+    }
+    assert!(some("seconds, at least", "counted") <= some("seconds, at least", "measured"));
+    assert!(rows("--predict-only")("seconds, at least", "measured").is_none());
+    assert!(rows("--mode shared-memory")("seconds, at least", "measured").is_some());
+    folder.run("model teapot --on ipsc2 --fifo-words 3").refused();
 }
 
 /// A run without a command says on which machine it is, and names its scene by a flag as others do; without one it is the teapot.

@@ -388,7 +388,7 @@ fn moments_are_found_wherever_they_are() {
         }
     };
     for (place, fifo) in recording.topology.fifos.iter().enumerate() {
-        check(&format!("{}/full", fifo.name), &|cycle| cycle.levels[place] == fifo.capacity);
+        check(&format!("{}/full", fifo.name), &|cycle| Some(cycle.levels[place]) == fifo.capacity);
         check(&format!("{}/empty", fifo.name.to_lowercase()), &|cycle| cycle.levels[place] == Words(0));
     }
     let kinds = [

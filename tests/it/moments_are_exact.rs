@@ -89,7 +89,7 @@ proptest! {
                 What::WaitsForWord { fifo: Some(fifo), .. } => prop_assert!(level(fifo) > 0),
                 // In its last cycle the word before is read.
                 What::WaitsForSlot { fifo } if doing.until.0 > at as u64 + 1 => {
-                    prop_assert_eq!(level(fifo), topology.fifos[fifo].capacity.0);
+                    prop_assert_eq!(level(fifo), topology.fifos[fifo].capacity.unwrap().0);
                 }
                 _ => {}
             }

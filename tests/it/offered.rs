@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::support::command::Folder;
 
 /// The commands, each as it works without more flags.
-const COMMANDS: [(&str, &str); 25] = [
+const COMMANDS: [(&str, &str); 26] = [
     ("", "--scene room --size 4x3"),
     ("image", "room --size 4x3 -o out.png"),
     ("farm", "room --size 4x3"),
@@ -24,6 +24,7 @@ const COMMANDS: [(&str, &str); 25] = [
     ("sweep collect", "done.shards"),
     ("sweep cancel", "done.shards"),
     ("model", "room --size 4x3"),
+    ("model-ipsc2", "room --size 16x12"),
     ("lab", "--port 0"),
     ("plot", "table.csv x=x y=y -o p"),
     ("compare", "run.json run.json"),
@@ -48,10 +49,12 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("image --config", "= --config image.json -o out.png"),
     ("farm --config", "= --config farm.json"),
     ("ipsc2 --config", "= --config ipsc2.json"),
+    ("model-ipsc2 --config", "= --config ipsc2.json"),
     ("replay --config", "= --config replay.json"),
     ("--threads", "2"),
     ("--mode", "broadcast"),
     ("ipsc2 --mode", "shared-memory"),
+    ("model-ipsc2 --mode", "shared-memory"),
     ("--cell-cuts", "quantiles"),
     ("--program", "pipeline"),
     ("--cells", "6 --mode broadcast"),
@@ -87,6 +90,7 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("farm --machine", "capitan.ron"),
     ("ipsc2 --machine", "ipsc2.ron"),
     ("calibrate-ipsc2 --machine", "ipsc2.ron"),
+    ("model-ipsc2 --machine", "ipsc2.ron"),
     ("--clock-ns", "40"),
     ("--word-bytes", "4"),
     ("--fifo-words", "64"),
@@ -255,7 +259,9 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("image --forward-ahead", "0"),
     ("farm --resolution", "~ball.nff 4"),
     ("calibrate-ipsc2 --resolution", "~ball.nff 4"),
+    ("model-ipsc2 --resolution", "~ball.nff 4 --nodes 4"),
     ("ipsc2 --short-us", "40"),
+    ("model-ipsc2 --short-us", "40"),
     ("compare --threads", "2 --page p.html"),
     ("lab --listen", "127.0.0.1"),
     ("lab --max-upload", "8"),

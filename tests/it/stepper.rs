@@ -219,7 +219,7 @@ fn what_is_drawn_is_what_is_recorded() {
         );
         let last = shown.recording.moment(Cycles(end - 1)).unwrap();
         for (info, &Words(level)) in shown.recording.topology.fifos.iter().zip(&last.levels) {
-            let label = format!("{} {level} of {}", info.name, info.capacity.0);
+            let label = format!("{} {level} of {}", info.name, info.capacity.unwrap().0);
             assert!(drawn.as_array().unwrap().iter().any(|text| *text == *label), "{run}: {label} in {drawn}");
         }
         page.assert_quiet();
@@ -245,7 +245,7 @@ fn moments_are_found_by_questions() {
     let full = |name: &str| {
         let place = topology.fifos.iter().position(|fifo| fifo.name == name).unwrap();
         let capacity = topology.fifos[place].capacity;
-        fifos[place].levels.iter().find(|level| level.1 == capacity).unwrap().0.0
+        fifos[place].levels.iter().find(|level| Some(level.1) == capacity).unwrap().0.0
     };
     let waits = |cell: usize| {
         let kind = |stretch: &&pcs_sim::measure::Stretch| {

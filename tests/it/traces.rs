@@ -173,6 +173,9 @@ struct Mark {
     name: String,
     at: u64,
     flow: u64,
+    is_end: bool,
+    /// The slice that it is in, by its name and start.
+    inside: (String, u64),
 }
 
 /// The slices, in the order in which they begin in the file, the marks, and each counter's values and what its scale is shared by.
@@ -202,13 +205,13 @@ fn read_perfetto(bytes: &[u8]) -> Read {
         let stack = open.entry(event.track_uuid).or_default();
         let at = packet.timestamp;
         assert!(now.insert(event.track_uuid, at).is_none_or(|before| before <= at), "{track} goes back in time");
+        let name = || match event.name_iid {
+            0 => event.name.clone(),
+            number => named(&interned.event_names, number),
+        };
         match event.r#type {
             1 => {
-                let name = if event.name.is_empty() {
-                    named(&interned.event_names, event.name_iid)
-                } else {
-                    event.name.clone()
-                };
+                let name = name();
                 let (texts, arguments): (Vec<_>, Vec<_>) =
                     event.debug_annotations.iter().partition(|a| !a.string_value.is_empty());
                 for (number, text) in (1..).zip(&texts) {
@@ -228,11 +231,10 @@ fn read_perfetto(bytes: &[u8]) -> Read {
             }
             2 => read.slices[stack.pop().expect("a slice ends that has begun")].until = at,
             3 => {
-                let (name, flow) = (event.name.clone(), event.flow_ids.max(event.terminating_flow_ids));
-                assert_eq!(event.terminating_flow_ids > 0, name.starts_with("HIT"));
+                let (name, flow) = (name(), event.flow_ids.max(event.terminating_flow_ids));
                 let slice = &read.slices[*stack.last().expect("a mark is in a slice")];
-                assert_eq!((&slice.name, slice.from), (&name, at), "a mark is the start of its slice");
-                read.marks.push(Mark { track, name, at, flow });
+                let (is_end, inside) = (event.terminating_flow_ids > 0, (slice.name.clone(), slice.from));
+                read.marks.push(Mark { track, name, at, flow, is_end, inside });
             }
             4 => read.counters.entry(track).or_default().push((at, event.counter_value)),
             other => panic!("no event is of type {other}"),
@@ -274,6 +276,43 @@ fn a_farm_has_a_lane_for_each_task() {
         jobs += items.len() as u64;
     }
     assert_eq!(Some(jobs), stats["items"].as_u64());
+}
+
+/// Each message of a hypercube's nodes, and of the host, is an arrow from where it is sent to where it arrives; each node's queue is a counter.
+#[test]
+fn messages_of_a_hypercube_are_arrows_and_its_queues_counters() {
+    let folder = Folder::new();
+    let run = "ipsc2 teapot --size 12x10 --nodes 5 --flow unlimited";
+    folder.run(&format!("{run} --trace run.pftrace --stats run.json")).success();
+    let read = read_perfetto(&std::fs::read(folder.path("run.pftrace")).unwrap());
+    let stats: serde_json::Value = serde_json::from_str(&folder.read("run.json")).unwrap();
+    let sent: u64 = stats["messages"].as_object().unwrap().values().map(|kind| kind["sent"].as_u64().unwrap()).sum();
+    let (ends, starts): (Vec<&Mark>, Vec<&Mark>) = read.marks.iter().partition(|mark| mark.is_end);
+    // The last packet arrives when the host is the only one left, and has nothing but that to wait for.
+    assert_eq!((starts.len() as u64, ends.len() as u64), (sent, sent));
+    let by_flow: HashMap<u64, &Mark> = ends.iter().map(|mark| (mark.flow, *mark)).collect();
+    for start in starts {
+        let end = by_flow[&start.flow];
+        assert_eq!((&start.name, &end.name), (&format!("to {}", end.track), &format!("from {}", start.track)));
+        assert!(start.at < end.at, "{start:?} {end:?}");
+        assert_eq!(start.inside.0, "sending", "who sends has just done so: {start:?}");
+    }
+    for (node, task) in stats["tasks"].as_array().unwrap().iter().enumerate().take(5) {
+        let levels = &read.counters[&format!("queue {node}")];
+        let longest = levels.iter().map(|(_, rays)| *rays as u64).max();
+        // Rays that come and go in one cycle do not show.
+        assert!(longest <= task["counts"]["longest_queue"].as_u64() && longest > Some(0), "{levels:?}");
+    }
+    folder.run(&format!("{run} --trace run.vcd")).success();
+    let waves = read_waves(folder.read("run.vcd").as_bytes(), "vcd");
+    for node in 0..5 {
+        let name = format!("hypercube.node_{node}.node_{node}_queue_{node}");
+        let levels: Vec<&str> = waves[&name].iter().map(|(_, level)| level.as_str()).collect();
+        let mut counted: Vec<String> =
+            read.counters[&format!("queue {node}")].iter().map(|(_, rays)| rays.to_string()).collect();
+        counted.dedup();
+        assert_eq!(levels, counted, "{name}");
+    }
 }
 
 #[test]
@@ -357,6 +396,10 @@ fn perfetto_counters_are_the_fifos_levels() {
 fn perfetto_arrows_lead_each_ray_from_the_host_through_every_cell_and_back_and_forward_in_time() {
     let run = run(50.0);
     let read = read_perfetto(&run.trace(Format::Perfetto).0);
+    for mark in &read.marks {
+        assert_eq!(mark.is_end, mark.name.starts_with("HIT"));
+        assert_eq!(mark.inside, (mark.name.clone(), mark.at), "a mark is the start of its slice");
+    }
     let mut flows: BTreeMap<u64, Vec<&Mark>> = BTreeMap::new();
     read.marks.iter().for_each(|mark| flows.entry(mark.flow).or_default().push(mark));
     assert_eq!(flows.len() as u64, run.stats.jobs);

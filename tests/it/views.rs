@@ -142,6 +142,35 @@ fn a_farms_page_opens_in_a_browser() {
     }
 }
 
+/// A hypercube's page has its nodes, each with the queue, and all links that carried anything.
+#[test]
+fn a_hypercubes_page_opens_in_a_browser() {
+    let Some(browser) = Browser::start() else { return };
+    let folder = Folder::new();
+    // Five nodes and the host, five queues, the legs.
+    folder.run("ipsc2 teapot --size 16x16 --nodes 5 --page few.html --stats few.json").success();
+    let few = used(&browser, &folder, "few", (1280, 800));
+    assert!(few["zoomed"] == 12 && few["charts"] == 10, "charts move, and a node's can be hidden: {few}");
+    let page = opened(&browser, &folder, "few", (1280, 800));
+    let stats: Value = serde_json::from_str(&folder.read("few.json")).unwrap();
+    let links = stats["links"].as_array().unwrap();
+    let used_links = links.iter().filter(|link| link["messages"] != 0);
+    assert_eq!(page.eval("document.querySelectorAll('#array .link').length"), json!(used_links.count()));
+    let bytes = &links.iter().max_by_key(|link| link["busy"].as_u64()).unwrap()["bytes"];
+    let told = page.eval("[...document.querySelectorAll('#array .link title')].at(-1).textContent");
+    let told = told.as_str().unwrap().replace(' ', "");
+    assert!(told.contains(&format!("messages,{bytes}bytes")), "the busiest is on top: {told}");
+    folder.run("ipsc2 teapot --size 32x32 --nodes 64 --page many.html").success();
+    for window in [(1280, 800), (900, 800)] {
+        let many = used(&browser, &folder, "many", window);
+        assert!(many["fits"] == true && many["whole"] == true, "{window:?}: {many}");
+        assert_eq!(many["foreign"], json!([]), "no colour that the legend lacks");
+    }
+    folder.run("ipsc2 teapot --size 16x16 --nodes 4 --mode shared-memory --page memory.html").success();
+    let memory = used(&browser, &folder, "memory", (1280, 800));
+    assert!(memory["zoomed"] == 6 && memory["charts"] == 5, "there are no queues: {memory}");
+}
+
 /// The moments that a page tells of: of some cells at some times.
 const ASK: &str = "(() => {
   const asked = [];

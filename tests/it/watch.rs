@@ -53,6 +53,7 @@ fn on_a_pipe_there_is_nothing_to_watch() {
         "--scene room --size 64x64 --watch --ops a.ops",
         "replay a.ops --watch",
         "image room --size 32x32 -o a.png --watch",
+        "image room --on ipsc2 --size 32x32 --watch",
         "sweep sweep.ron -o t.csv --watch",
     ] {
         let finished = folder.run(command);
@@ -84,6 +85,18 @@ fn on_a_terminal_the_array_is_seen_and_the_results_stay_the_same() {
     // Neither another screen nor a hidden cursor that could outlive the command.
     assert!(!screen.contains("\x1b[?1049h"), "{screen:?}");
     assert_eq!(screen.matches("\x1b[?25l").count(), screen.matches("\x1b[?25h").count(), "{screen:?}");
+    assert_eq!(folder.read("watched.json"), folder.read("piped.json"));
+}
+
+#[test]
+fn on_a_terminal_the_nodes_of_a_hypercube_are_seen() {
+    let folder = Folder::new();
+    let run = "ipsc2 gears --nodes 8 --size 256x256 --flow unlimited";
+    folder.run(&format!("{run} --stats piped.json")).success();
+    let Some(screen) = on_a_terminal(&folder, &format!("{run} --watch --stats watched.json")) else { return };
+    for seen in ["node 3 ", "host ", "queue 7 ", " rays, full", "legs/s; below, its last", "wrote watched.json"] {
+        assert!(screen.contains(seen), "{seen}: {screen:?}");
+    }
     assert_eq!(folder.read("watched.json"), folder.read("piped.json"));
 }
 

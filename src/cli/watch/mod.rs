@@ -1,4 +1,4 @@
-//! `--watch`: the array at work, above the progress bar.
+//! `--watch`: the machine at work, above the progress bar.
 
 mod view;
 
@@ -6,21 +6,20 @@ use std::time::{Duration, Instant};
 
 use console::Term;
 use indicatif::ProgressBar;
-use pcs_sim::machine::Array;
 use pcs_sim::measure::{Clock, SoFar};
 
 use view::View;
 
-/// The array is looked at no more often: each look takes far less time than passes between two.
+/// A machine is looked at no more often: each look takes far less time than passes between two.
 const PAUSE: Duration = Duration::from_millis(250);
 
-/// A progress bar, with the array above it if it is watched.
+/// A progress bar, with the machine above it if it is watched.
 pub struct Live {
     bar: ProgressBar,
     watch: Option<Watch>,
 }
 
-/// What is needed to look at an array now and then.
+/// What is needed to look at a machine now and then.
 pub struct Watch {
     clock: Clock,
     cell_names: Vec<String>,
@@ -46,15 +45,15 @@ impl Live {
         self.bar.set_position(done);
     }
 
-    /// Shows the array, if it is watched and was not shown just now.
-    pub fn show(&mut self, array: &Array) {
+    /// Shows the machine, if it is watched and was not shown just now; `so_far` tells what it has done.
+    pub fn show(&mut self, so_far: impl FnOnce() -> SoFar) {
         let Some(watch) = &mut self.watch else { return };
         let now = Instant::now();
         if now < watch.due {
             return;
         }
         watch.due = now + PAUSE;
-        let so_far = array.so_far();
+        let so_far = so_far();
         let (height, width) = Term::stderr().size();
         let view = View { clock: watch.clock, cell_names: &watch.cell_names, before: &watch.before, now: &so_far };
         // The bar has a line of its own, and the cursor stands on the next.
@@ -70,7 +69,7 @@ impl Live {
 }
 
 impl Watch {
-    /// For an array whose cells run what the names tell, as far as that is known.
+    /// For a machine whose cells run what the names tell, as far as that is known.
     pub fn new(clock: Clock, cell_names: Vec<String>) -> Watch {
         Watch { clock, cell_names, before: SoFar::default(), due: Instant::now() + PAUSE }
     }

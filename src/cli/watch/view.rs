@@ -1,11 +1,11 @@
-//! What `--watch` shows of an array, as lines of text.
+//! What `--watch` shows of a machine, as lines of text.
 
 use console::{Style, truncate_str};
 use pcs_sim::measure::{Clock, FifoInfo, SoFar, State, StateKind, StateTimes, States};
 use pcs_sim::quantities::Cycles;
 use pcs_sim::report::summary::{grouped, plural, time};
 
-/// An array between two looks at it.
+/// A machine between two looks at it.
 pub struct View<'a> {
     pub clock: Clock,
     /// What each cell runs, as far as that is known.
@@ -46,8 +46,9 @@ impl View<'_> {
         let rate = |rays: u64, seconds: f64| {
             if seconds > 0.0 { grouped((rays as f64 / seconds).round() as u64) } else { "0".to_owned() }
         };
+        let job = &self.now.topology.names.job;
         format!(
-            "simulated {} at {} rays/s; below, its last {} at {} rays/s",
+            "simulated {} at {} {job}s/s; below, its last {} at {} {job}s/s",
             time(seconds(self.now.cycles)),
             rate(self.now.returned, seconds(self.now.cycles)),
             time(seconds(passed)),
@@ -56,7 +57,8 @@ impl View<'_> {
     }
 
     fn rows(&self, width: usize) -> Vec<String> {
-        let states = &self.now.topology.states;
+        let topology = &self.now.topology;
+        let (states, names) = (&topology.states, &topology.names);
         let length = width.saturating_sub(BESIDE_BARS).clamp(10, LONGEST_BAR);
         let mut lines = vec![self.heading(), legend(states)];
         for (index, cell) in self.cells().iter().enumerate() {
@@ -64,17 +66,20 @@ impl View<'_> {
             let works = 100.0 * share(states.works(cell), cell.total());
             lines.push(format!(
                 "{:NAME$} {} works {works:5.1} %",
-                format!("cell {index}{name}"),
+                format!("{}{name}", topology.station(index)),
                 bar_of(states, cell, length)
             ));
         }
         lines.push(String::new());
         for Level { info, mean, full } in self.levels() {
-            let filled = (mean / info.capacity.0 as f64 * length as f64).round() as usize;
+            let filled = (self.filled(info, mean) * length as f64).round() as usize;
             let bar = Style::new().for_stderr().blue().apply_to("#".repeat(filled.min(length)));
             let rest = "-".repeat(length - filled.min(length));
-            let figures = format!("{mean:7.1} of {}, full {:5.1} %", info.capacity.0, 100.0 * full);
-            lines.push(format!("{:NAME$} {bar}{rest} {figures}", format!("FIFO {}", info.name)));
+            let room = info.capacity.map_or(format!("{}s", names.word), |capacity| format!("of {}", capacity.0));
+            let figures = format!("{mean:7.1} {room}, full {:5.1} %", 100.0 * full);
+            // Some have the word in their names.
+            let kind = if info.group == names.fifo { String::new() } else { format!("{} ", names.fifo) };
+            lines.push(format!("{:NAME$} {bar}{rest} {figures}", format!("{kind}{}", info.name)));
         }
         lines
     }
@@ -82,24 +87,40 @@ impl View<'_> {
     fn columns(&self, width: usize) -> Vec<String> {
         let cells = self.cells();
         let each = cells.len().div_ceil(width.saturating_sub(NAME + 17).max(8));
-        let what = if each == 1 { "a column a cell".to_owned() } else { format!("a column for each {each} cells") };
+        let names = &self.now.topology.names;
+        let cell = &names.station;
+        let what = if each == 1 { format!("a column a {cell}") } else { format!("a column for each {each} {cell}s") };
         let states = &self.now.topology.states;
         let share_of = |some: &dyn Fn(&StateTimes) -> Cycles| {
             cells.iter().map(|cell| share(some(cell), cell.total())).collect::<Vec<f64>>()
         };
         let levels = |group: &str| {
             let all = self.levels().filter(|level| level.info.group == group);
-            all.map(|level| level.mean / level.info.capacity.0 as f64).collect()
+            all.map(|level| self.filled(level.info, level.mean)).collect()
         };
-        vec![
+        let mut lines = vec![
             self.heading(),
-            format!("{}, {what}; least, mean and most to the right", plural(cells.len() as u64, "cell")),
+            format!("{}, {what}; least, mean and most to the right", plural(cells.len() as u64, cell)),
             sparks("works", share_of(&|cell| states.works(cell)), each, Style::new().green()),
             sparks("waits", share_of(&|cell| states.waits(cell)), each, Style::new().yellow()),
             sparks("blocked", share_of(&|cell| states.blocked(cell)), each, Style::new().red()),
-            sparks("X FIFOs' level", levels("X"), each, Style::new().blue()),
-            sparks("Y FIFOs' level", levels("Y"), each, Style::new().blue()),
-        ]
+        ];
+        let mut groups: Vec<&str> = self.now.topology.fifos.iter().map(|info| info.group.as_str()).collect();
+        groups.dedup();
+        lines.extend(groups.into_iter().map(|group| {
+            let name = match group == names.fifo {
+                true => format!("{group}s' level"),
+                false => format!("{group} {}s' level", names.fifo),
+            };
+            sparks(&name, levels(group), each, Style::new().blue())
+        }));
+        lines
+    }
+
+    /// How full a FIFO is with so many words: one that takes all, against the most that any has held.
+    fn filled(&self, info: &FifoInfo, words: f64) -> f64 {
+        let highest = || self.now.fifos.iter().map(|(held, _)| held.max).max().unwrap_or_default();
+        words / info.capacity.unwrap_or_else(highest).0.max(1) as f64
     }
 
     /// What each cell did between the two looks.
@@ -122,7 +143,8 @@ impl View<'_> {
             Level {
                 info,
                 // Both ends of the time are where this FIFO has come to, which is not quite where the words are counted.
-                mean: (word_cycles as f64 / passed.max(1) as f64).min(info.capacity.0 as f64),
+                mean: (word_cycles as f64 / passed.max(1) as f64)
+                    .min(info.capacity.map_or(f64::INFINITY, |words| words.0 as f64)),
                 full: share(Cycles(stats.full.0.saturating_sub(full)), Cycles(passed)),
             }
         })
@@ -228,7 +250,7 @@ mod tests {
             group: name[..1].to_owned(),
             from: Actor::Host,
             to: Actor::Host,
-            capacity: Words(512),
+            capacity: Some(Words(512)),
         };
         Arc::new(Topology { stations: cells, fifos: fifos.iter().map(info).collect(), states, ..Topology::default() })
     }

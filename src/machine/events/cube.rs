@@ -1,7 +1,7 @@
 //! The links of a hypercube, by which a message has a circuit all the way to its receiver.
 
 use super::network::Passage;
-use crate::measure::{Actor, LinkStats};
+use crate::measure::{Actor, LinkMessages, LinkStats};
 use crate::quantities::Cycles;
 
 /// What the way of a message takes, in cycles.
@@ -30,9 +30,18 @@ pub struct Cube {
     /// Bits of a node's number.
     bits: usize,
     times: WireTimes,
-    /// For each link, when it is free and how long it was busy: those out of node 0 by bit, those out of node 1, ..., then the
-    /// one from the host, then the one to it.
-    links: Vec<(u64, u64)>,
+    /// Those out of node 0 by bit, those out of node 1, ..., then the one from the host, then the one to it.
+    links: Vec<Link>,
+}
+
+/// A link in one direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Link {
+    /// When it is free.
+    free: u64,
+    /// For how long messages had it.
+    busy: u64,
+    messages: LinkMessages,
 }
 
 impl Cube {
@@ -40,7 +49,7 @@ impl Cube {
     pub fn new(nodes: usize, times: WireTimes) -> Cube {
         let nodes = nodes.max(1);
         let bits = nodes.next_power_of_two().ilog2() as usize;
-        let links = vec![(0, 0); (bits << bits) + 2];
+        let links = vec![Link::default(); (bits << bits) + 2];
         Cube { nodes, bits, times, links }
     }
 
@@ -81,17 +90,37 @@ impl Cube {
     /// Takes a message that is ready to go.
     pub(super) fn carry(&mut self, (from, to): (usize, usize), ready: u64, bytes: u64) -> Passage {
         let (from, to) = (self.place(from), self.place(to));
-        let mut start = ready;
-        self.way(from, to).for_each(|link| start = start.max(self.links[link].0));
-        let holds = self.holds(bytes);
+        // It waits for the link that is free last, the first of several.
+        let (mut starts, mut last) = (ready, None);
         for link in self.way(from, to) {
-            self.links[link].0 = start + holds;
-            self.links[link].1 += holds;
+            if self.links[link].free > starts {
+                (starts, last) = (self.links[link].free, Some(link));
+            }
         }
+        if let Some(link) = last {
+            self.links[link].messages.waited += Cycles(starts - ready);
+        }
+        let holds = self.holds(bytes);
+        let free = starts + holds;
+        for link in self.way(from, to) {
+            let link = &mut self.links[link];
+            link.free = free;
+            link.busy += holds;
+            link.messages.sent += 1;
+            link.messages.bytes += bytes;
+        }
+        Passage { bus: 0, starts, free, arrives: free + self.way_after(from, to, bytes) }
+    }
+
+    /// How long a message is under way from node to node if nothing is in its way.
+    pub fn least_time(&self, from: usize, to: usize, bytes: u64) -> Cycles {
+        Cycles(self.holds(bytes) + self.way_after(from, to, bytes))
+    }
+
+    /// How long a message is still under way when its links are free for others.
+    fn way_after(&self, from: usize, to: usize, bytes: u64) -> u64 {
         let set_up = if bytes > self.times.short_bytes { 0 } else { self.times.short.0 };
-        let free = start + holds;
-        let arrives = free + set_up + self.times.hop.0 * self.hops(from, to).saturating_sub(1);
-        Passage { bus: 0, starts: start, free, arrives }
+        set_up + self.times.hop.0 * self.hops(from, to).saturating_sub(1)
     }
 
     /// The links of a message's way, from task to task: those out of node 0 by bit, those out of node 1, ..., then the one from the
@@ -118,17 +147,21 @@ impl Cube {
         from_host.into_iter().chain(between).chain(to_host)
     }
 
-    /// How long each link was busy.
+    /// How long each link was busy, and with what.
     pub(super) fn stats(&self) -> Vec<LinkStats> {
         let between = self.links.len() - 2;
-        let into = |link: usize| match link {
-            link if link < between => Actor::Station((link / self.bits) ^ (1 << (link % self.bits))),
-            link if link == between => Actor::Station(0),
-            _ => Actor::Host,
+        let ends = |link: usize| match link {
+            link if link < between => {
+                let (node, bit) = (link / self.bits, link % self.bits);
+                (Actor::Station(node), Actor::Station(node ^ 1 << bit))
+            }
+            link if link == between => (Actor::Host, Actor::Station(0)),
+            _ => (Actor::Station(0), Actor::Host),
         };
-        let links = self.links.iter().enumerate();
-        links
-            .map(|(link, &(_, busy))| LinkStats { into: Some(into(link)), busy: Cycles(busy), read: Cycles(busy) })
-            .collect()
+        let stats = |(number, link): (usize, &Link)| {
+            let ((from, into), busy) = (ends(number), Cycles(link.busy));
+            LinkStats { from: Some(from), into: Some(into), busy, read: busy, messages: Some(link.messages) }
+        };
+        self.links.iter().enumerate().map(stats).collect()
     }
 }

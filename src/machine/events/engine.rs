@@ -8,7 +8,7 @@ use super::causes::Causes;
 use super::lanes::Lanes;
 use super::mailbox::{Mail, Mailbox, Sender};
 use super::network::Network;
-use crate::measure::{Measured, Observed, PathUnit, StateId, Topology};
+use crate::measure::{Measured, MessageSpan, Observed, PathUnit, SoFar, StateId, Topology};
 use crate::quantities::Cycles;
 use crate::seam::Unit;
 
@@ -345,6 +345,7 @@ impl<M: Copy> Events<M> {
     /// Lets the network carry a message, and tells when it arrives.
     fn carry(&mut self, task: usize, to: usize, is_held: bool, message: &Message<M>) -> u64 {
         let (at, cause) = self.pass(task, to, message.bytes);
+        self.set_out(task, to, at);
         self.deliver(to, Mail { at, cause, from: task, is_held, content: message.content });
         at
     }
@@ -359,7 +360,17 @@ impl<M: Copy> Events<M> {
         }
         let (at, cause) = self.pass(task, task, message.bytes);
         let mail = Mail { at, cause, from: task, is_held: false, content: message.content };
-        others.for_each(|other| self.deliver(other, mail.clone()));
+        others.for_each(|other| {
+            self.set_out(task, other, at);
+            self.deliver(other, mail.clone());
+        });
+    }
+
+    /// A message sets out, and arrives at that time.
+    fn set_out(&mut self, task: usize, to: usize, at: u64) {
+        let Events { lanes, network, now, .. } = self;
+        let [from, to] = [task, to].map(|task| network.place(task));
+        lanes.message(|| MessageSpan { from, to, sent: Cycles(*now), arrived: Cycles(at) });
     }
 
     /// When a message that is ready to go arrives, and by what chain of causes.
@@ -402,6 +413,11 @@ impl<M: Copy> Events<M> {
             self.agenda.wake(mail.from, self.now);
         }
         mail.content
+    }
+
+    /// What the tasks have done so far. Each has come to a cycle of its own.
+    pub fn so_far(&self) -> SoFar {
+        self.lanes.so_far(self.now)
     }
 
     /// What was measured and seen up to now. `rests` tells since when each task waits for what does not come any more: from then on it

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use super::recorder::Recorder;
 use crate::machine::timeline::{Count, Timeline, bins_for};
-use crate::measure::{Latency, LinkStats, Measured, Observed, Profile, StateId, StateTimes, Topology};
+use crate::measure::{
+    Latency, LinkStats, Measured, MessageSpan, Observed, Profile, SoFar, StateId, StateTimes, Topology,
+};
 use crate::quantities::Cycles;
 
 /// The time of all tasks, and what watches it.
@@ -91,6 +93,24 @@ impl Lanes {
         }
         if let Some(recorder) = &mut self.recorder {
             recorder.done(task, job, since..now);
+        }
+    }
+
+    /// A message sets out.
+    pub fn message(&mut self, message: impl FnOnce() -> MessageSpan) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.message(message());
+        }
+    }
+
+    /// What is known when it is `now`.
+    pub fn so_far(&self, now: u64) -> SoFar {
+        SoFar {
+            topology: Arc::clone(&self.topology),
+            cycles: Cycles(now),
+            returned: self.jobs,
+            stations: self.lanes.iter().map(|lane| lane.times).collect(),
+            fifos: Vec::new(),
         }
     }
 

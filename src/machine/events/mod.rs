@@ -21,6 +21,7 @@ mod engine;
 mod lanes;
 mod mailbox;
 mod network;
+mod queues;
 mod recorder;
 
 pub use buses::Buses;
@@ -28,3 +29,4 @@ pub use cube::{Cube, WireTimes};
 pub use engine::{Act, Delivery, Events, Explanation, MOST_SPELLS, Message, PIECE_UNITS, Standstill, Waits, Work};
 pub use mailbox::Sender;
 pub use network::Network;
+pub use queues::Queues;

@@ -64,6 +64,14 @@ impl Network {
         }
     }
 
+    /// The station that a task is at: helpers of a hypercube's nodes are at these.
+    pub(super) fn place(&self, task: usize) -> usize {
+        match self {
+            Network::Buses(_) => task,
+            Network::Cube(cube) => cube.place(task),
+        }
+    }
+
     /// Whether one message can be for all.
     pub(super) fn broadcasts(&self) -> bool {
         matches!(self, Network::Buses(_))

@@ -6,7 +6,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::measure::{JobSpan, Recording, StateId, StationRecord, Stretch, Topology};
+use crate::measure::{JobSpan, MessageSpan, Recording, StateId, StationRecord, Stretch, Topology};
 use crate::quantities::Cycles;
 
 /// Records all tasks.
@@ -16,6 +16,7 @@ pub struct Recorder {
     /// Whether the window has been made shorter.
     cut: bool,
     tracks: Vec<Track>,
+    messages: Vec<MessageSpan>,
     /// How many events are held.
     events: usize,
     most_events: usize,
@@ -31,7 +32,8 @@ struct Track {
 
 impl Recorder {
     pub fn new(tasks: usize, window: Range<u64>, most_events: usize) -> Recorder {
-        Recorder { window, cut: false, tracks: vec![Track::default(); tasks], events: 0, most_events }
+        let tracks = vec![Track::default(); tasks];
+        Recorder { window, cut: false, tracks, messages: Vec::new(), events: 0, most_events }
     }
 
     /// The part of some time that lies in the window.
@@ -72,6 +74,14 @@ impl Recorder {
         }
     }
 
+    /// A message sets out.
+    pub fn message(&mut self, message: MessageSpan) {
+        if self.window.contains(&message.sent.0) {
+            self.messages.push(message);
+            self.count();
+        }
+    }
+
     fn count(&mut self) {
         self.events += 1;
         if self.events >= 2 * self.most_events {
@@ -85,15 +95,22 @@ impl Recorder {
             let states = record.states.iter().map(|stretch| stretch.from.0);
             states.chain(record.jobs.iter().map(|span| span.from.0)).collect::<Vec<_>>()
         };
-        let mut starts: Vec<u64> = self.tracks.iter().flat_map(|track| starts(&track.record)).collect();
+        let sent = self.messages.iter().map(|message| message.sent.0);
+        let mut starts: Vec<u64> = self.tracks.iter().flat_map(|track| starts(&track.record)).chain(sent).collect();
         if starts.len() <= self.most_events {
             return;
         }
         let (_, &mut end, _) = starts.select_nth_unstable(self.most_events);
+        self.end_at(end);
+        self.events = starts.iter().filter(|&&start| start < end).count();
+    }
+
+    /// Drops all that lies at a time or later.
+    fn end_at(&mut self, end: u64) {
         self.window.end = end;
         self.cut = true;
-        self.tracks.iter_mut().for_each(|track| track.end_at(end));
-        self.events = starts.iter().filter(|&&start| start < end).count();
+        self.tracks.iter_mut().for_each(|track| track.record.end_at(Cycles(end)));
+        self.messages.truncate(self.messages.partition_point(|message| message.sent.0 < end));
     }
 
     /// All that was recorded of a run.
@@ -111,17 +128,7 @@ impl Recorder {
             answers: Vec::new(),
             stations: self.tracks.into_iter().map(|track| track.record).collect(),
             fifos: Vec::new(),
+            messages: self.messages,
         }
-    }
-}
-
-impl Track {
-    /// Drops all that lies at a time or later.
-    fn end_at(&mut self, end: u64) {
-        let StationRecord { states, jobs, .. } = &mut self.record;
-        states.truncate(states.partition_point(|stretch| stretch.from.0 < end));
-        jobs.truncate(jobs.partition_point(|span| span.from.0 < end));
-        states.last_mut().into_iter().for_each(|last| last.until = last.until.min(Cycles(end)));
-        jobs.last_mut().into_iter().for_each(|last| last.until = last.until.min(Cycles(end)));
     }
 }

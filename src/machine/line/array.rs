@@ -465,11 +465,14 @@ impl Array {
             enough: enough.as_ref().and_then(|enough| enough.get(index).copied()),
             ..self.links[link].fifo(channel).stats(cycles)
         };
-        let links = self.links.iter().zip((0..self.cells.len()).map(Actor::Station).chain([Actor::Host]));
-        let carried = |(link, into): (&Link, Actor)| LinkStats {
+        let cells = || (0..self.cells.len()).map(Actor::Station);
+        let ends = [Actor::Host].into_iter().chain(cells()).zip(cells().chain([Actor::Host]));
+        let carried = |(link, (from, into)): (&Link, (Actor, Actor))| LinkStats {
+            from: Some(from),
             into: Some(into),
             busy: Cycles(link.busy(cycles)),
             read: Cycles(link.read(cycles)),
+            messages: None,
         };
         Measured {
             topology: Arc::new(self.topology()),
@@ -477,7 +480,7 @@ impl Array {
             jobs: self.jobs,
             stations: self.cells.iter().map(|at| at.cell.times(cycles)).collect(),
             fifos: self.fifos().enumerate().map(fifo).collect(),
-            links: links.map(carried).collect(),
+            links: self.links.iter().zip(ends).map(carried).collect(),
         }
     }
 
@@ -496,7 +499,7 @@ impl Array {
         let fifos = self.fifos().map(|(link, channel)| {
             let (from, to) = ends(link, self.cells.len(), channel);
             let name = FifoName { channel, reader: to }.to_string();
-            let capacity = Words(self.links[link].fifo(channel).capacity());
+            let capacity = Some(Words(self.links[link].fifo(channel).capacity()));
             FifoInfo { name, group: channel.to_string(), from, to, capacity }
         });
         let at_z = |times: &StateTimes| times.of(waiting(Channel::Z)) + times.of(blocked(Channel::Z)) > Cycles(0);

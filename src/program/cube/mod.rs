@@ -24,7 +24,9 @@ mod walker;
 pub use graph::{Leg, PageUses, RayTask, TaskGraph, WorkTimes};
 pub use mapping::{gray_order, swapped};
 pub use memory::{Dealt, MemoryNodes, PageNote};
-pub use messages::{BLOCK_BYTES, MessageCounts, MessageKind, Messages, Sent};
+pub use messages::{
+    BLOCK_BYTES, MessageCounts, MessageKind, Messages, PACKET_PIXELS, RAY_BYTES, RESULT_BYTES, Sent, packet_bytes,
+};
 pub use phases::{Part, Phases, Preparation};
 pub use pool::Flow;
 pub use regions::{Ends, Note, RegionNodes, Rules, Visit, highest_rank};

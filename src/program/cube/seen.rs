@@ -47,12 +47,6 @@ pub struct NodeSeen {
     pub pixels: usize,
     /// Legs that it has worked on.
     pub legs: u64,
-    /// The most rays that waited there.
-    pub longest_queue: usize,
-    /// The rays that waited there in each cycle, summed up.
-    pub queue_cycles: u64,
-    /// For how long it had no slot for a ray of rank 0, if there are slots.
-    pub full: Cycles,
     /// The most slots that were taken at once, if there are slots.
     pub most_slots: u32,
     /// Pages that it has fetched, if it fetches any.

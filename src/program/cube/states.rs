@@ -58,6 +58,8 @@ pub fn topology(nodes: usize, job: &str) -> Topology {
         machine: "hypercube".to_owned(),
         station: "node".to_owned(),
         stations: (0..nodes).map(|node| format!("node {node}")).chain(["host".to_owned()]).collect(),
+        fifo: "queue".to_owned(),
+        word: "ray".to_owned(),
         job: job.to_owned(),
         job_time: "from when a node begins them until they are done".to_owned(),
     };

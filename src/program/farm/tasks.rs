@@ -189,6 +189,8 @@ impl<'a> Farm<'a> {
             machine: "farm".to_owned(),
             station: "task".to_owned(),
             stations: ["Station".to_owned(), "Maitre".to_owned()].into_iter().chain(workers).collect(),
+            fifo: "queue".to_owned(),
+            word: "message".to_owned(),
             job: self.items.noun.to_owned(),
             job_time: "from when a worker begins them until they are done".to_owned(),
         };

@@ -174,7 +174,7 @@ fn processes(setup: &CubeSetup, outcome: &CubeOutcome) -> Graph {
         let mut attributes = vec![text("label", stats.topology.station(place)), text("kind", "node")];
         attributes.extend(states_of(stats, &stats.stations[place]));
         attributes.extend([
-            whole("queue_max_rays", seen.longest_queue as u64),
+            whole("queue_max_rays", stats.fifos.get(place).map_or(0, |queue| queue.max.0)),
             whole("pixels", seen.pixels as u64),
             whole("legs", seen.legs),
             whole("bytes_held", part.holds),

@@ -1,6 +1,6 @@
 "use strict";
 {% if is_line %}// Draws the array as it is: the host, the cells, the FIFOs between them. A click on a cell shows or hides its charts.
-{% else %}// Draws the {{ station }}s{% if has_buses %}, and the buses that join them{% endif %}. A click on a {{ station }} shows or hides its chart.
+{% else %}// Draws the {{ station }}s{% if has_buses %}, and the buses that join them{% elif is_cube %}, and the links between them{% endif %}. A click on a {{ station }} shows or hides its chart.
 {% endif %}
 const svg = (name, attributes, text) => {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -92,6 +92,85 @@ function drawArray() {
   markSelected();
 }
 
+{% else %}// A station's box.
+function stationBox(index, left, top, size) {
+  const cell = run.cells[index];
+  const group = svg("g", { class: "station", "data-station": index, tabindex: 0, role: "button", "aria-label": `${cell.name} works ${cell.works.toFixed(1)} % of the time` });
+  group.append(svg("title", {}, `${cell.name} works ${cell.works.toFixed(1)} % of the time`));
+  const box = { width: size.box, height: size.height, rx: 5, fill: shade(cell.works), stroke: ground("line") };
+  group.append(svg("rect", { x: left, y: top, ...box }));
+  const lines = size.font === LARGE.font ? [cell.name, `${cell.works.toFixed(1)} %`] : [shortName(index)];
+  const middle = top + size.height / 2 + size.font / 3, ink = inkOn(cell.works);
+  lines.forEach((line, row) => group.append(svg("text", { x: left + size.box / 2, "text-anchor": "middle", fill: ink,
+    y: middle + (size.font + 6) * (row - (lines.length - 1) / 2) }, line)));
+  group.addEventListener("click", () => toggle(index));
+  group.addEventListener("keydown", (event) => { onPress(event, () => toggle(index)); });
+  group.addEventListener("mouseenter", () => point(index));
+  group.addEventListener("mouseleave", () => point(null));
+  return group;
+}
+
+{% if is_cube %}// Places of nodes, in units of a node: of its bits each second one leads to the right, the others down, each twice as far as the one
+// before and a gap more. The host is to the left of node 0.
+const GAP = 0.6;
+// How far links are drawn aside, as a part of their length; they get half as far.
+const BEND = 0.24;
+const PLACE_OF_HOST = [-1.4, 0];
+function placeOf(node) {
+  const along = (first) => {
+    let sum = 0;
+    for (let bit = first, step = 0; node >> bit > 0; bit += 2, step++) if (node >> bit & 1) sum += 2 ** step + GAP * step;
+    return sum;
+  };
+  return [along(0), along(1)];
+}
+
+// The nodes as nested squares, and their links, the stronger the more of the time they are busy, by the root.
+function drawArray() {
+  const place = document.getElementById("array");
+  const nodes = count - 1, isLarge = nodes <= 16;
+  const size = isLarge ? LARGE : { ...SMALL, box: 30, height: 30 };
+  const unit = (isLarge ? 1.55 : 1.7) * size.box;
+  const ends = Array.from({ length: nodes }, (_, node) => placeOf(node));
+  // Places without a node pass messages on.
+  const routers = [...new Set(run.links.flatMap(({ from, to }) => [from, to]).filter((end) => end >= nodes))];
+  const far = [0, 1].map((axis) => Math.max(...ends.concat(routers.map(placeOf)).map((end) => end[axis])));
+  // Room for the links that bend out farthest.
+  const longest = Math.max(0, ...run.links.filter(({ from, to }) => from !== null && to !== null).map(({ from, to }) => {
+    const [[x, y], [toX, toY]] = [placeOf(from), placeOf(to)];
+    return Math.hypot(toX - x, toY - y);
+  }));
+  const edge = Math.max(0.2, BEND / 2 * longest - 0.2) * unit;
+  const left = ([x]) => (x - PLACE_OF_HOST[0]) * unit + 4, top = ([, y]) => y * unit + edge;
+  const middle = (end) => {
+    const corner = end === null ? PLACE_OF_HOST : placeOf(end);
+    return [left(corner) + size.box / 2, top(corner) + size.height / 2];
+  };
+  const drawing = svg("svg", { width: left([far[0]]) + size.box + edge, height: top([0, far[1]]) + size.height + edge });
+  const most = Math.max(...run.links.map(({ busy }) => busy), 1e-9);
+  const nameOfEnd = (end) => end === null ? "the host" : end < nodes ? `node ${end}` : `place ${end}`;
+  for (const { from, to, busy, messages, bytes, waited } of [...run.links].sort((a, b) => a.busy - b.busy)) {
+    const [[x, y], [toX, toY]] = [middle(from), middle(to)];
+    // Bent to the left, so that both directions lie side by side.
+    const bent = [(x + toX) / 2 + BEND * (toY - y), (y + toY) / 2 - BEND * (toX - x)];
+    const line = svg("path", { class: "link", d: `M ${x} ${y} Q ${bent[0]} ${bent[1]} ${toX} ${toY}`, fill: "none",
+      stroke: mixed(ground("ground"), seen(run.colors.answer), Math.sqrt(busy / most)), "stroke-width": isLarge ? 3 : 2 });
+    line.append(svg("title", {}, `${nameOfEnd(from)} to ${nameOfEnd(to)}: ${grouped(messages)} messages, ${grouped(bytes)} bytes, ` +
+      `busy ${busy.toPrecision(3)} % of the time, waited for ${figure(waited)} ${run.unit}`));
+    drawing.append(line);
+  }
+  for (const router of routers) {
+    const [x, y] = middle(router);
+    drawing.append(svg("circle", { cx: x, cy: y, r: 4, fill: ground("ground"), stroke: ground("line") }));
+  }
+  run.cells.forEach((_, index) => {
+    const corner = index === nodes ? PLACE_OF_HOST : ends[index];
+    drawing.append(stationBox(index, left(corner), top(corner), size));
+  });
+  place.replaceChildren(drawing);
+  markSelected();
+}
+
 {% else %}// The {{ station }}s in rows{% if has_buses %}, each on the buses below it{% endif %}.
 function drawArray() {
   const place = document.getElementById("array");
@@ -103,18 +182,7 @@ function drawArray() {
   const drawing = svg("svg", { width: across * step + 4, height: Math.ceil(count / across) * height + 4 });
   run.cells.forEach((cell, index) => {
     const left = (index % across) * step + 2, top = Math.floor(index / across) * height + 2;
-    const group = svg("g", { class: "station", "data-station": index, tabindex: 0, role: "button", "aria-label": `${cell.name} works ${cell.works.toFixed(1)} % of the time` });
-    group.append(svg("title", {}, `${cell.name} works ${cell.works.toFixed(1)} % of the time`));
-    const box = { width: size.box, height: size.height, rx: 5, fill: shade(cell.works), stroke: ground("line") };
-    group.append(svg("rect", { x: left, y: top, ...box }));
-    const lines = size === LARGE ? [cell.name, `${cell.works.toFixed(1)} %`] : [shortName(index)];
-    const middle = top + size.height / 2 + size.font / 3, ink = inkOn(cell.works);
-    lines.forEach((line, row) => group.append(svg("text", { x: left + size.box / 2, "text-anchor": "middle", fill: ink,
-      y: middle + (size.font + 6) * (row - (lines.length - 1) / 2) }, line)));
-    group.addEventListener("click", () => toggle(index));
-    group.addEventListener("keydown", (event) => { onPress(event, () => toggle(index)); });
-    group.addEventListener("mouseenter", () => point(index));
-    group.addEventListener("mouseleave", () => point(null));
+    const group = stationBox(index, left, top, size);
 {% if has_buses %}    const stem = left + size.box / 2, foot = top + size.height;
     drawing.append(svg("line", { x1: stem, x2: stem, y1: foot, y2: foot + 4 + buses, stroke: ground("line") }), group);
     run.buses.forEach((busy, bus) => {
@@ -129,7 +197,7 @@ function drawArray() {
   markSelected();
 }
 
-{% endif %}function markSelected() {
+{% endif %}{% endif %}function markSelected() {
   for (const group of document.querySelectorAll(".station")) {
     const isSelected = selected.has(Number(group.dataset.station));
     group.classList.toggle("selected", isSelected);

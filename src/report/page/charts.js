@@ -37,7 +37,7 @@ function loadCharts() {
     }));
   });
   path = run.path?.map((place) => memo(() => place.map(shares)));
-  deepest = Math.max(1, ...run.fifos.map(({ capacity }) => capacity));
+  deepest = Math.max(1, ...run.fifos.map(({ capacity, most }) => capacity ?? most));
 }
 
 // How far the axis of time goes: to the end of the run, or beyond, beside one that takes longer.
@@ -231,7 +231,7 @@ const describeCell = (cell, bin) => run.states.map((state, at) => [state.name, c
 
 function describeFifo(fifo, bin) {
   const { min, mean, max, full } = fifo.levels();
-  return `${min[bin]} to ${max[bin]} words, mean ${figure(mean[bin])}, full ${full[bin].toFixed(1)} %`;
+  return `${min[bin]} to ${max[bin]} {{ word }}s, mean ${figure(mean[bin])}, full ${full[bin].toFixed(1)} %`;
 }
 
 // For each cell, and the host behind them, the critical path's share of each bin by state.
@@ -269,7 +269,7 @@ function addCell(cell, index) {
     (bin) => [describeCell(cell, bin), path && describePath(index, bin)].filter(Boolean).join("; "));
 }
 
-// All FIFOs have one scale, so that they compare: from 0 to what the deepest holds.
+// All FIFOs have one scale, so that they compare: from 0 to what the deepest holds, or held if it takes all.
 let deepest = 1;
 
 function addFifo(fifo, station, reader) {
@@ -280,6 +280,7 @@ function addFifo(fifo, station, reader) {
     { stroke: amount, width: 1.5, paths: stepped }];
   const draw = (chart) => {
     mark(chart, seen(run.colors.full), (bin) => full[bin] > 0 ? 1 : 0);
+    if (fifo.capacity === null) return;
     const { ctx, bbox } = chart;
     ctx.save();
     const capacity = chart.valToPos(fifo.capacity, "y", true);
@@ -291,8 +292,8 @@ function addFifo(fifo, station, reader) {
     ctx.stroke();
     ctx.restore();
   };
-  addChart(`FIFO ${fifo.name} into ${reader}, holds ${fifo.capacity}`, station, [held(max), held(min), held(mean)], series,
-    { height: 132, scale: { range: [0, deepest * 1.12] }, label: "words", draw,
+  addChart({% if is_line %}`FIFO ${fifo.name} into ${reader}, holds ${fifo.capacity}`{% else %}`${fifo.name}${fifo.capacity === null ? "" : `, holds ${fifo.capacity}`}`{% endif %}, station, [held(max), held(min), held(mean)], series,
+    { height: 132, scale: { range: [0, deepest * 1.12] }, label: "{{ word }}s", draw,
       bands: [{ series: [1, 2], fill: range }] }, (bin) => describeFifo(fifo, bin));
 }
 

@@ -7,7 +7,9 @@ use serde::Serialize;
 use super::Page;
 use super::looks::Looks;
 use super::window::Window;
-use crate::measure::{CriticalPath, FifoInfo, FifoProfile, FifoStats, State as CellState, StateTimes};
+use crate::measure::{
+    Actor, CriticalPath, FifoInfo, FifoProfile, FifoStats, LinkStats, Measured, State as CellState, StateTimes,
+};
 use crate::quantities::Cycles;
 use crate::report::palette;
 use crate::report::time_unit::TimeUnit;
@@ -31,6 +33,9 @@ pub struct Data<'a> {
     /// For each bus the share of the run in which it carries messages, in percent.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     buses: Vec<f64>,
+    /// The links of a hypercube that carried anything.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    links: Vec<Link>,
     /// For each cell, and the host behind them, the critical path's share of each bin by state.
     path: Option<Vec<Vec<Shares>>>,
     /// Rays done in each bin, per unit of time.
@@ -79,9 +84,23 @@ struct Cell<'a> {
 }
 
 #[derive(Serialize)]
+struct Link {
+    /// The places at its ends, by their numbers; none is the host's.
+    from: Option<usize>,
+    to: Option<usize>,
+    /// Share of the run in which messages had it, in percent.
+    busy: f64,
+    messages: u64,
+    bytes: u64,
+    /// For how long messages waited for it, in the unit of time.
+    waited: f64,
+}
+
+#[derive(Serialize)]
 struct Fifo<'a> {
     name: &'a str,
-    capacity: u64,
+    /// None if it takes all.
+    capacity: Option<u64>,
     most: u64,
     /// Over the whole run.
     average: f64,
@@ -133,6 +152,7 @@ impl<'a> Data<'a> {
             cells: cells.collect(),
             fifos: fifos.map(|(info, (fifo, whole))| Fifo::new(info, fifo, (whole, stats.cycles), &lengths)).collect(),
             buses: buses.map(|bus| percent(bus.busy, stats.cycles)).collect(),
+            links: stats.links.iter().filter_map(|link| Link::new(link, stats, cycle)).collect(),
             path: places.as_ref().map(|places| places.iter().map(by_state).collect()),
             rays: Numbers::new(profile.jobs.iter().zip(&lengths).map(rate)),
             colors: Colors {
@@ -151,12 +171,31 @@ impl<'a> Data<'a> {
     }
 }
 
+impl Link {
+    /// `None` for what is no link of a hypercube, and for one that nothing passed. `cycle` is a cycle's length in the unit of time.
+    fn new(link: &LinkStats, stats: &Measured, cycle: f64) -> Option<Link> {
+        let place = |actor: Actor| match actor {
+            Actor::Station(place) => Some(place),
+            Actor::Host => None,
+        };
+        let messages = link.messages.filter(|messages| messages.sent > 0)?;
+        Some(Link {
+            from: place(link.from?),
+            to: place(link.into?),
+            busy: percent(link.busy, stats.cycles),
+            messages: messages.sent,
+            bytes: messages.bytes,
+            waited: messages.waited.0 as f64 * cycle,
+        })
+    }
+}
+
 impl<'a> Fifo<'a> {
     fn new(info: &'a FifoInfo, fifo: &FifoProfile, (whole, cycles): (&FifoStats, Cycles), lengths: &[u64]) -> Fifo<'a> {
         let bins = || fifo.bins.iter();
         Fifo {
             name: &info.name,
-            capacity: info.capacity.0,
+            capacity: info.capacity.map(|words| words.0),
             most: whole.max.0,
             average: whole.mean(cycles),
             full_share: percent(whole.full, cycles),

@@ -10,6 +10,7 @@ use base64::Engine;
 use minijinja::{Environment, Value, context};
 
 use super::bottleneck;
+use super::links;
 use super::losses::Losses;
 use super::palette;
 use super::plot::Caption;
@@ -185,8 +186,11 @@ fn names(topology: &Topology) -> Value {
     context! {
         is_line => topology.shape == Shape::Line,
         has_buses => topology.shape == Shape::Farm,
+        is_cube => topology.shape == Shape::Cube,
         machine_name => topology.names.machine.as_str(),
         station => topology.names.station.as_str(),
+        fifo => topology.names.fifo.as_str(),
+        word => topology.names.word.as_str(),
         job => topology.names.job.as_str(),
     }
 }
@@ -209,6 +213,7 @@ fn run_context(page: &Page<'_>, names: &Value) -> Value {
         losses => page.losses.map(|losses| losses.sentence(page.stats, page.clock)).unwrap_or_default(),
         cells => value(summary::cell_rows(page.stats, page.cell_names)),
         fifos => value(summary::fifo_rows(page.stats)),
+        links => (page.stats.topology.shape == Shape::Cube).then(|| value(links::rows(page.stats, page.clock))),
         state_colors => state_colors(page.stats),
         has_window => page.recording.is_some(),
         why => page.path.map(|path| context! {

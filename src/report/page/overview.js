@@ -125,22 +125,29 @@ function addOverviews() {
     station: (row) => row,
     describe: (row, bin) => `${fullName(row)}: ${describeCell(run.cells[row], bin)}`,
   });
-{% if is_line %}  const inRgb = (color) => color.match(/\d+/g).map(Number);
-  for (const [channel, fifos, first] of [["X", run.fifos.slice(0, count), 0], ["Y", run.fifos.slice(count, 2 * count), 1]]) {
-    addOverview(`all FIFOs on ${channel}, each from 0 to ${deepest} words`, count, (row, from, until, isThin) => {
-      const [amount, range, full] = [run.colors.amount, run.colors.range, run.colors.full].map((color) => rgb(seen(color)));
-      const levels = fifos[row].levels();
-      const held = mean(levels.mean, from, until) / deepest, isFull = mean(levels.full, from, until) > 0;
-      if (isThin) return [[1, isFull ? full : inRgb(shadeOf(SHADES.findIndex(([, most]) => held <= most + 1e-9)))]];
-      let most = 0;
-      for (let bin = from; bin < until; bin++) most = Math.max(most, levels.max[bin]);
-      if (isFull) return [[Math.min(held, 0.8), amount], [0.8 - Math.min(held, 0.8), range], [0.2, full]];
-      return [[held, amount], [Math.max(most / deepest - held, 0), range]];
-    }, {
-      thin: "each in the colour of its mean, or of one that was full",
-      name: (row) => first + row < count ? `${first + row}` : "host",
-      station: (row) => first + row < count ? first + row : null,
-      describe: (row, bin) => `${fifos[row].name}: ${describeFifo(fifos[row], bin)}`,
-    });
+{% if is_line %}  for (const [channel, fifos, first] of [["X", run.fifos.slice(0, count), 0], ["Y", run.fifos.slice(count, 2 * count), 1]]) {
+    const reader = (row) => first + row < count ? first + row : null;
+    addLevels(`all FIFOs on ${channel}`, fifos, (row) => `${reader(row) ?? "host"}`, reader);
   }
+{% else %}  if (run.fifos.length) addLevels("all {{ fifo }}s", run.fifos, shortName, (row) => row);
 {% endif %}}
+
+// What FIFOs hold, a row for each.
+function addLevels(title, fifos, name, station) {
+  const inRgb = (color) => color.match(/\d+/g).map(Number);
+  addOverview(`${title}, each from 0 to ${deepest} {{ word }}s`, fifos.length, (row, from, until, isThin) => {
+    const [amount, range, full] = [run.colors.amount, run.colors.range, run.colors.full].map((color) => rgb(seen(color)));
+    const levels = fifos[row].levels();
+    const held = mean(levels.mean, from, until) / deepest, isFull = mean(levels.full, from, until) > 0;
+    if (isThin) return [[1, isFull ? full : inRgb(shadeOf(SHADES.findIndex(([, most]) => held <= most + 1e-9)))]];
+    let most = 0;
+    for (let bin = from; bin < until; bin++) most = Math.max(most, levels.max[bin]);
+    if (isFull) return [[Math.min(held, 0.8), amount], [0.8 - Math.min(held, 0.8), range], [0.2, full]];
+    return [[held, amount], [Math.max(most / deepest - held, 0), range]];
+  }, {
+    thin: "each in the colour of its mean, or of one that was full",
+    name,
+    station,
+    describe: (row, bin) => `${fifos[row].name}: ${describeFifo(fifos[row], bin)}`,
+  });
+}

@@ -32,7 +32,8 @@ function showSelected() {
     const back = run.fifos.find(({ name }) => name === `Z${station}`);
     if (back) addFifo(back, station, reader);
 {% else %}    addCell(run.cells[station], station);
-{% endif %}  }
+{% if is_cube %}    if (run.fifos[station]) addFifo(run.fifos[station], station);
+{% endif %}{% endif %}  }
   const place = document.getElementById("charts");
   place.append(...[...place.children].sort((a, b) => a.dataset.station - b.dataset.station));
   markSelected();
@@ -56,15 +57,24 @@ function telling() {
 
 {% else %}const all = () => run.cells.map((_, task) => task);
 
-// The station, the master, and the first and the last worker.
+{% if is_cube %}// The nodes that work most and least, and the one with the longest queue.
+function telling() {
+  const nodes = run.cells.map((_, node) => node).slice(0, -1);
+  const first = (better) => nodes.reduce((best, node) => better(node, best) ? node : best, 0);
+  const works = (node) => run.cells[node].works, longest = (node) => run.fifos[node]?.most ?? 0;
+  return [...new Set([first((a, b) => works(a) > works(b)), first((a, b) => works(a) < works(b)), first((a, b) => longest(a) > longest(b))])];
+}
+{% else %}// The station, the master, and the first and the last worker.
 const telling = () => [...new Set([0, 1, 2, count - 1])];
+{% endif %}
 
 {% endif %}function drawLegend() {
   const entries = run.states.map((state) => [state.name, seen(state.color)]).concat([
     {% if is_line %}["mean, rays", seen(run.colors.amount)], ["lowest to highest", seen(run.colors.range)], ["FIFO full", seen(run.colors.full)]]);{% else %}["{{ job }}s done", seen(run.colors.amount)]]);{% endif %}
-{% if is_line %}  // Many FIFOs are drawn by how full they are.
-  if (count * LOWEST_BARS > 420) SHADES.forEach(([name], at) => entries.push([`FIFO ${name}`, shadeOf(at)]));
-{% endif %}  drawEntries("legend", entries);
+{% if is_cube %}  if (run.fifos.length) entries.push(["{{ fifo }}: mean", seen(run.colors.amount)], ["lowest to highest", seen(run.colors.range)], ["full", seen(run.colors.full)]);
+{% endif %}  // Many FIFOs are drawn by how full they are.
+  if (run.fifos.length && count * LOWEST_BARS > 420) SHADES.forEach(([name], at) => entries.push([`{{ fifo }} ${name}`, shadeOf(at)]));
+  drawEntries("legend", entries);
 {% if is_line %}  drawEntries("ways", [["ray on X", seen(run.colors.amount)], ["its words on Y", seen(run.colors.answer)], ["works on a ray", seen(run.colors.range)],
     ["waits for words", seen(run.colors.waits)], ["blocked", seen(run.colors.full)]]);
 {% endif %}  document.getElementById("scale").style.background = `linear-gradient(to right, ${shade(0)}, ${shade(100)})`;

@@ -158,7 +158,7 @@ impl<'a> Fifo<'a> {
         });
         Fifo {
             name: &info.name,
-            capacity: info.capacity.0,
+            capacity: info.capacity.unwrap_or_default().0,
             from: place(info.from),
             to: place(info.to),
             group: info.group.clone(),

@@ -6,8 +6,8 @@ use plotters::prelude::*;
 use super::Caption;
 use super::chart::{self, TimeScale, rgb};
 use super::render::{Drawn, Figure};
-use crate::measure::{FifoBin, FifoInfo, FifoProfile};
-use crate::quantities::Cycles;
+use crate::measure::{FifoBin, FifoInfo, FifoProfile, Names};
+use crate::quantities::{Cycles, Words};
 use crate::report::palette::{self, Rgb};
 use crate::report::summary::{percent, plural};
 
@@ -15,6 +15,7 @@ use crate::report::summary::{percent, plural};
 pub struct Levels<'a> {
     pub caption: &'a Caption,
     pub scale: TimeScale,
+    pub called: &'a Names,
     pub fifos: &'a [(&'a FifoInfo, &'a FifoProfile)],
 }
 
@@ -24,7 +25,7 @@ impl Figure for Levels<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let panels = chart::panels(area, self.caption, LEVELS, &LEVELS_LEGEND, self.fifos.len())?;
+        let panels = chart::panels(area, self.caption, &levels(self.called), &LEVELS_LEGEND, self.fifos.len())?;
         let deepest = deepest(self.fifos);
         for (index, (&(info, fifo), panel)) in self.fifos.iter().zip(&panels).enumerate() {
             self.draw_fifo((info, fifo), panel, deepest, index + 1 == self.fifos.len())?;
@@ -41,27 +42,23 @@ impl Levels<'_> {
         deepest: u64,
         is_last: bool,
     ) -> Drawn<DB> {
-        let highest = highest(fifo);
-        let capacity = info.capacity.0;
         let top = deepest as f64 * 1.12;
-        let name = format!(
-            "{}: at most {highest} of {}, full {} of the time",
-            info.name,
-            plural(capacity, "word"),
-            full(fifo)
-        );
+        let name = format!("{}, full {} of the time", most(info, fifo, self.called), full(fifo));
         let across = 0.0..self.scale.end();
         let mut chart = chart::builder(panel, &name, is_last, &across).build_cartesian_2d(across, 0.0..top)?;
         let across = self.scale.label();
         let values = if deepest < 4 { deepest as usize + 1 } else { 4 };
-        chart::axes(&mut chart, (is_last.then_some(&across), "words"), values, &chart::whole_number)?;
+        let words = format!("{}s", self.called.word);
+        chart::axes(&mut chart, (is_last.then_some(&across), &words), values, &chart::whole_number)?;
         let grain = chart::grain(top);
         let mut outline = self.scale.steps(fifo.bins.iter().map(|bin| bin.max.0 as f64), grain);
         let lowest = self.scale.steps(fifo.bins.iter().map(|bin| bin.min.0 as f64), grain);
         outline.extend(lowest.into_iter().rev());
         chart.draw_series([Polygon::new(outline, rgb(palette::RANGE).filled())])?;
-        let line = [(0.0, capacity as f64), (self.scale.end(), capacity as f64)];
-        chart.draw_series(DashedLineSeries::new(line, 6, 4, BLACK.into()))?;
+        if let Some(capacity) = info.capacity {
+            let line = [(0.0, capacity.0 as f64), (self.scale.end(), capacity.0 as f64)];
+            chart.draw_series(DashedLineSeries::new(line, 6, 4, BLACK.into()))?;
+        }
         let means = self.scale.steps(means(&fifo.bins, self.scale), grain);
         chart.draw_series(LineSeries::new(means, rgb(palette::AMOUNT).stroke_width(2)))?;
         let marks = full_times(&fifo.bins, self.scale)
@@ -71,15 +68,39 @@ impl Levels<'_> {
     }
 }
 
-/// What the picture of the levels is called, and its colours.
-pub const LEVELS: &str = "Words in the FIFOs over time";
+/// What the picture of the levels is called.
+pub fn levels(called: &Names) -> String {
+    let words = capitalized(&called.word);
+    format!("{words}s in the {}s over time", called.fifo)
+}
+
+/// A word that begins a sentence.
+fn capitalized(word: &str) -> String {
+    let (first, rest) = word.split_at(word.len().min(1));
+    first.to_uppercase() + rest
+}
+
+/// Its colours.
 pub const LEVELS_LEGEND: [(&str, Rgb); 3] = [
     ("mean", palette::AMOUNT),
     ("lowest to highest in each interval", palette::RANGE),
     ("full at some time in the interval", palette::FULL),
 ];
+
 /// What the picture of the histograms is called.
-pub const HISTOGRAMS: &str = "How full the FIFOs are";
+pub fn histograms(called: &Names) -> String {
+    format!("How full the {}s are", called.fifo)
+}
+
+/// A FIFO, and the most that it held.
+fn most(info: &FifoInfo, fifo: &FifoProfile, called: &Names) -> String {
+    let highest = highest(fifo);
+    let words = match info.capacity {
+        Some(capacity) => format!("{highest} of {}", plural(capacity.0, &called.word)),
+        None => plural(highest, &called.word),
+    };
+    format!("{}: at most {words}", info.name)
+}
 
 /// The mean of each bin, in words.
 pub fn means(bins: &[FifoBin], scale: TimeScale) -> impl Iterator<Item = f64> {
@@ -97,9 +118,10 @@ pub fn full_times(bins: &[FifoBin], scale: TimeScale) -> impl Iterator<Item = (f
     })
 }
 
-/// What the deepest of some FIFOs holds: the end of the one scale of a figure, so that its FIFOs compare.
+/// What the deepest of some FIFOs holds, or held if it takes all: the end of the one scale of a figure, so that its FIFOs compare.
 pub fn deepest(fifos: &[(&FifoInfo, &FifoProfile)]) -> u64 {
-    fifos.iter().map(|(info, _)| info.capacity.0).max().unwrap_or(0).max(1)
+    let depth = |(info, fifo): &(&FifoInfo, &FifoProfile)| info.capacity.map_or_else(|| highest(fifo), |words| words.0);
+    fifos.iter().map(depth).max().unwrap_or(0).max(1)
 }
 
 /// The highest level of all.
@@ -114,6 +136,7 @@ fn full(fifo: &FifoProfile) -> String {
 /// How long each FIFO held how many words.
 pub struct Histograms<'a> {
     pub caption: &'a Caption,
+    pub called: &'a Names,
     pub fifos: &'a [(&'a FifoInfo, &'a FifoProfile)],
     pub cycles: Cycles,
 }
@@ -127,8 +150,9 @@ impl Figure for Histograms<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let legend = [("share of the time with so many words inside", palette::AMOUNT), ("full", palette::FULL)];
-        let panels = chart::panels(area, self.caption, HISTOGRAMS, &legend, self.fifos.len())?;
+        let inside = format!("share of the time with so many {}s inside", self.called.word);
+        let legend = [(inside.as_str(), palette::AMOUNT), ("full", palette::FULL)];
+        let panels = chart::panels(area, self.caption, &histograms(self.called), &legend, self.fifos.len())?;
         let widest = deepest(self.fifos);
         for (index, (&(info, fifo), panel)) in self.fifos.iter().zip(&panels).enumerate() {
             self.draw_fifo((info, fifo), panel, widest, index + 1 == self.fifos.len())?;
@@ -145,17 +169,17 @@ impl Histograms<'_> {
         widest: u64,
         is_last: bool,
     ) -> Drawn<DB> {
-        let name = format!("{}: at most {} of {}", info.name, highest(fifo), plural(info.capacity.0, "word"));
+        let name = most(info, fifo, self.called);
         let across = -0.5..widest as f64 + 0.5;
         let mut chart = chart::builder(panel, &name, is_last, &across)
             .build_cartesian_2d(across, (SMALLEST_SHARE..100.0).log_scale())?;
-        let across = is_last.then_some("words in the FIFO");
-        chart::axes(&mut chart, (across, "% of the time"), 4, &chart::number)?;
+        let inside = format!("{}s in the {}", self.called.word, self.called.fifo);
+        chart::axes(&mut chart, (is_last.then_some(&inside), "% of the time"), 4, &chart::number)?;
         let step = fifo.step.0 as f64;
         let bars = fifo.histogram.iter().enumerate().filter(|(_, cycles)| cycles.0 > 0).map(|(index, cycles)| {
             let share = 100.0 * cycles.0 as f64 / self.cycles.0.max(1) as f64;
             let start = index as f64 * step - 0.5;
-            let is_full = (index as u64 + 1) * fifo.step.0 > info.capacity.0;
+            let is_full = info.is_full(Words((index as u64 + 1) * fifo.step.0 - 1));
             let color = rgb(if is_full { palette::FULL } else { palette::AMOUNT });
             Rectangle::new([(start, SMALLEST_SHARE), (start + step, share.max(SMALLEST_SHARE))], color.filled())
         });

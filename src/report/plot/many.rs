@@ -9,7 +9,7 @@ use super::Caption;
 use super::chart::{self, FOOT, HEAD, LEFT, SMALL, TimeScale, WIDTH, font, rgb};
 use super::render::{Drawn, Figure};
 use super::{cells, fifos};
-use crate::measure::{FifoBin, FifoInfo, FifoProfile, State, StateTimes, Topology};
+use crate::measure::{FifoBin, FifoInfo, FifoProfile, Names, State, StateTimes, Topology};
 use crate::quantities::Cycles;
 use crate::report::palette::{self, Rgb};
 
@@ -173,6 +173,7 @@ impl Figure for Bands<'_> {
 pub struct Levels<'a> {
     caption: &'a Caption,
     scale: TimeScale,
+    called: &'a Names,
     rows: Vec<Row<FifoBin>>,
     /// The level that fills a row.
     top: u64,
@@ -180,10 +181,15 @@ pub struct Levels<'a> {
 }
 
 impl<'a> Levels<'a> {
-    pub fn new(caption: &'a Caption, scale: TimeScale, all: &'a [(&'a FifoInfo, &'a FifoProfile)]) -> Levels<'a> {
+    pub fn new(
+        (caption, called): (&'a Caption, &'a Names),
+        scale: TimeScale,
+        all: &'a [(&'a FifoInfo, &'a FifoProfile)],
+    ) -> Levels<'a> {
         Levels {
             caption,
             scale,
+            called,
             rows: rows(all, |index| all[index].0.name.clone(), |(_, fifo)| &fifo.bins, FifoBin::of_all),
             top: fifos::deepest(all),
             together: all.len().div_ceil(MOST_ROWS).max(1),
@@ -197,7 +203,8 @@ impl Figure for Levels<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let what = format!("{}: each row from 0 to {}", together(fifos::LEVELS, "FIFOs", self.together), self.top);
+        let what = together(&fifos::levels(self.called), &format!("{}s", self.called.fifo), self.together);
+        let what = format!("{what}: each row from 0 to {}", self.top);
         chart::head(area, self.caption, &what, &fifos::LEVELS_LEGEND)?;
         let names = self.rows.iter().map(|row| row.name.as_str());
         let mut chart = frame(area, names, 0.0..self.scale.end(), &self.scale.label())?;
@@ -226,6 +233,7 @@ impl Figure for Levels<'_> {
 /// For how long each FIFO held how many words, as shades.
 pub struct Histograms<'a> {
     caption: &'a Caption,
+    called: &'a Names,
     rows: Vec<Row<Cycles>>,
     /// What the deepest holds.
     deepest: u64,
@@ -250,7 +258,11 @@ fn shared(fifo: &FifoProfile, step: u64, sum: impl Fn(&[Cycles]) -> Cycles) -> V
 }
 
 impl<'a> Histograms<'a> {
-    pub fn new(caption: &'a Caption, all: &'a [(&'a FifoInfo, &'a FifoProfile)], cycles: Cycles) -> Histograms<'a> {
+    pub fn new(
+        (caption, called): (&'a Caption, &'a Names),
+        all: &'a [(&'a FifoInfo, &'a FifoProfile)],
+        cycles: Cycles,
+    ) -> Histograms<'a> {
         let together = all.len().div_ceil(MOST_ROWS).max(1);
         let sum = |entries: &[Cycles]| entries.iter().copied().sum();
         // FIFOs of several depths: as the deepest have them.
@@ -260,6 +272,7 @@ impl<'a> Histograms<'a> {
         histograms.iter_mut().for_each(|histogram| histogram.resize(longest, Cycles(0)));
         Histograms {
             caption,
+            called,
             rows: rows(&histograms, |index| all[index].0.name.clone(), |histogram| histogram, sum),
             deepest: fifos::deepest(all),
             cycles: cycles.0.max(1) as f64,
@@ -281,11 +294,12 @@ impl Figure for Histograms<'_> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-        let what = together(fifos::HISTOGRAMS, "FIFOs", self.together);
+        let what = together(&fifos::histograms(self.called), &format!("{}s", self.called.fifo), self.together);
         chart::head(area, self.caption, &what, &SHADES.map(|(name, _, shade)| (name, shade)))?;
         let widest = self.deepest as f64 + 1.0;
         let names = self.rows.iter().map(|row| row.name.as_str());
-        let mut chart = frame(area, names, -0.5..widest - 0.5, "words in the FIFO")?;
+        let inside = format!("{}s in the {}", self.called.word, self.called.fifo);
+        let mut chart = frame(area, names, -0.5..widest - 0.5, &inside)?;
         let count = self.rows.len();
         for (index, row) in self.rows.iter().enumerate() {
             let ground = (count - index) as f64 - FILLED;

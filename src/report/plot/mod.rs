@@ -79,27 +79,29 @@ type Draw<'a> = Box<dyn Fn() -> Result<Rendered, PlotError> + Send + Sync + 'a>;
 
 /// Draws all that a profile shows: the FIFOs' levels, their histograms, the cells' states, the rays done, and how long rays
 /// took; the rays on their way, of a line that was recorded; and the critical path, if it is known. There are nine
-/// pictures at the most (eleven with words on Z), however many cells there are. A machine without FIFOs has three, and three more of its regions, if it has any.
+/// pictures at the most (eleven with words on Z), however many cells there are. A machine without FIFOs has three; one whose nodes have
+/// regions has two of their queues and three of the regions, too.
 pub fn pictures(run: &Run<'_>) -> Result<Vec<Picture>, PlotError> {
     let Run { caption, clock, profile, recording, path, cell_names: names, regions } = *run;
     let scale = chart::TimeScale::new(profile.cycles, profile.bin, clock);
     let fifos: Vec<Fifo<'_>> = profile.topology.fifos.iter().zip(&profile.fifos).collect();
-    let cycles = profile.cycles;
+    let (topology, cells, cycles) = (&*profile.topology, &profile.stations, profile.cycles);
+    let called = &topology.names;
     let mut pictures: Vec<(String, Draw<'_>)> = Vec::new();
     for (ending, fifos) in fifo_pictures(&fifos) {
-        let (levels, histograms) = (format!("fifos{ending}"), format!("fifo-histograms{ending}"));
+        let fifo = called.fifo.to_lowercase();
+        let (levels, histograms) = (format!("{fifo}s{ending}"), format!("{fifo}-histograms{ending}"));
         if fifos.len() <= MOST_PANELS {
-            pictures.push((levels, Box::new(move || render::render(&fifos::Levels { caption, scale, fifos }))));
-            let draw = move || render::render(&fifos::Histograms { caption, fifos, cycles });
+            pictures.push((levels, Box::new(move || render::render(&fifos::Levels { caption, scale, called, fifos }))));
+            let draw = move || render::render(&fifos::Histograms { caption, called, fifos, cycles });
             pictures.push((histograms, Box::new(draw)));
         } else {
-            pictures.push((levels, Box::new(move || render::render(&many::Levels::new(caption, scale, fifos)))));
-            let draw = move || render::render(&many::Histograms::new(caption, fifos, cycles));
+            let words = (caption, called);
+            pictures.push((levels, Box::new(move || render::render(&many::Levels::new(words, scale, fifos)))));
+            let draw = move || render::render(&many::Histograms::new(words, fifos, cycles));
             pictures.push((histograms, Box::new(draw)));
         }
     }
-    let (topology, cells) = (&*profile.topology, &profile.stations);
-    let called = &topology.names;
     let draw: Draw<'_> = if cells.len() <= MOST_PANELS {
         Box::new(move || render::render(&cells::Bands { caption, scale, topology, cells, names }))
     } else {
@@ -131,7 +133,7 @@ pub fn pictures(run: &Run<'_>) -> Result<Vec<Picture>, PlotError> {
     pictures.into_par_iter().map(|(name, draw)| Ok(Picture { name, rendered: draw()? })).collect()
 }
 
-/// The FIFOs of each picture: all in one, or those of each channel by themselves.
+/// The FIFOs of each picture: all in one, or those of each channel by themselves, if there are several.
 fn fifo_pictures<'a, 'p>(fifos: &'a [Fifo<'p>]) -> Vec<(String, &'a [Fifo<'p>])> {
     if fifos.is_empty() {
         return Vec::new();
@@ -140,5 +142,6 @@ fn fifo_pictures<'a, 'p>(fifos: &'a [Fifo<'p>]) -> Vec<(String, &'a [Fifo<'p>])>
         return vec![(String::new(), fifos)];
     }
     let groups = fifos.chunk_by(|a, b| a.0.group == b.0.group);
-    groups.map(|fifos| (format!("-{}", fifos[0].0.group.to_lowercase()), fifos)).collect()
+    let pictures: Vec<_> = groups.map(|fifos| (format!("-{}", fifos[0].0.group.to_lowercase()), fifos)).collect();
+    if let [(_, fifos)] = pictures[..] { vec![(String::new(), fifos)] } else { pictures }
 }

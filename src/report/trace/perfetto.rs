@@ -5,7 +5,8 @@
 //! has in its arguments who waits for whom in its middle, down to one that works. Flows lead from where the host
 //! begins to send a ray over where the cells begin it to where the host begins to read its HIT. Perfetto draws an arrow from the end of
 //! what it leads from, and a cell begins a ray before the one before it has done with it: so they join marks without length, at the
-//! starts of the slices, and none points back in time.
+//! starts of the slices, and none points back in time. Stations that send each other whole messages have such flows from
+//! where each sets out to where it arrives.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -13,7 +14,8 @@ use std::io::Write;
 use super::Trace;
 use super::time_scale::TimeScale;
 use crate::measure::{
-    Actor, FifoInfo, FifoLevels, JobSpan, Shape, State, StateId, StateKind, StationRecord, Stretch, Topology, Waits,
+    Actor, FifoInfo, FifoLevels, JobSpan, MessageSpan, Names, Recording, Shape, State, StateId, StateKind,
+    StationRecord, Stretch, Topology, Waits,
 };
 use crate::quantities::{Cycles, Words};
 use crate::report::moment;
@@ -147,20 +149,47 @@ pub fn write(trace: &Trace<'_>, scale: TimeScale, out: &mut impl Write) -> std::
     let waits = Waits::new(recording);
     let mut writer = Writer { out, scale, topology, waits, buffer: Vec::new(), tracks: ARRAY };
     writer.describe(&trace.caption.title)?;
-    let mut host = recording.host.iter();
-    host.try_for_each(|host| writer.activity("host sends".to_owned(), (Actor::Host, host)))?;
+    if let Some(host) = &recording.host {
+        writer.activity("host sends".to_owned(), (Actor::Host, host), Vec::new())?;
+    }
+    let mut marks = marks(recording);
     for (index, cell) in recording.stations.iter().enumerate() {
         let mut fifos = topology.inputs_of(Actor::Station(index));
         fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
-        writer.activity(trace.station_name(index), (Actor::Station(index), cell))?;
+        let marks = std::mem::take(&mut marks[index]);
+        writer.activity(trace.station_name(index), (Actor::Station(index), cell), marks)?;
     }
     let mut fifos = topology.inputs_of(Actor::Host);
     fifos.try_for_each(|fifo| writer.levels(&topology.fifos[fifo], &recording.fifos[fifo]))?;
     if recording.host.is_some() {
         writer.hits(&recording.answers)?;
     }
-    let capacities: BTreeSet<Words> = topology.fifos.iter().map(|info| info.capacity).collect();
+    let capacities: BTreeSet<Words> = topology.fifos.iter().filter_map(|info| info.capacity).collect();
     capacities.into_iter().try_for_each(|capacity| writer.scale(capacity, recording.window.start))
+}
+
+/// For each station the marks of its messages, in the order of time: where one sets out, from which a flow leads to where it arrives.
+fn marks(recording: &Recording) -> Vec<Vec<(Cycles, Event)>> {
+    let mut marks = vec![Vec::new(); recording.stations.len()];
+    // Behind the states' names are those of the ways of messages.
+    let named = |way: usize, other: usize| Some((1 + recording.topology.states.all().len() + 2 * other + way) as u64);
+    for (&MessageSpan { from, to, sent, arrived }, flow) in recording.messages.iter().zip(1..) {
+        let is_held = recording.window.contains(&arrived);
+        let flows = if is_held { vec![flow] } else { Vec::new() };
+        let sets_out = Event { kind: Some(MARK), name_id: named(0, to), flows, ..Event::default() };
+        let comes = Event { kind: Some(MARK), name_id: named(1, from), ending_flows: vec![flow], ..Event::default() };
+        marks[from].push((sent, sets_out));
+        if is_held {
+            marks[to].push((arrived, comes));
+        }
+    }
+    marks.iter_mut().for_each(|of_station: &mut Vec<(Cycles, Event)>| of_station.sort_by_key(|(at, _)| *at));
+    marks
+}
+
+/// What messages to a station and from it are called.
+fn ways(topology: &Topology, station: usize) -> [String; 2] {
+    ["to", "from"].map(|way| format!("{way} {}", topology.station(station)))
 }
 
 struct Writer<'a, W> {
@@ -183,14 +212,16 @@ impl<W: Write> Writer<'_, W> {
 
     /// The names that events refer to, and the array.
     fn describe(&mut self, title: &str) -> std::io::Result<()> {
-        let states: Vec<&str> = self.topology.states.all().iter().map(|state| state.name.as_str()).collect();
+        let ways: Vec<String> = (0..self.topology.stations).flat_map(|station| ways(self.topology, station)).collect();
+        let states = self.topology.states.all().iter().map(|state| state.name.as_str());
+        let events: Vec<&str> = states.chain(ways.iter().map(String::as_str)).collect();
         let names = |names: &[&str]| {
             let named = names.iter().zip(1..);
             named.map(|(&name, id)| Name { id: Some(id), name: Some(name.to_owned()) }).collect()
         };
         let arguments = [&[self.topology.names.job.as_str(), "cycle", "cycles", "in cycle"], &CHAIN[..]].concat();
         let interned =
-            Interned { categories: names(&CATEGORIES), events: names(&states), arguments: names(&arguments) };
+            Interned { categories: names(&CATEGORIES), events: names(&events), arguments: names(&arguments) };
         let flags = Some(RESETS_NAMES | NEEDS_NAMES);
         self.packet(Packet { interned: Some(interned), sequence_flags: flags, ..Packet::default() })?;
         let name = Some(title.to_owned());
@@ -212,9 +243,15 @@ impl<W: Write> Writer<'_, W> {
         self.packet(Packet { timestamp, event: Some(event), sequence_flags: Some(NEEDS_NAMES), ..Packet::default() })
     }
 
-    /// The states, and around those on a ray a slice for it.
-    fn activity(&mut self, name: String, (actor, record): (Actor, &StationRecord)) -> std::io::Result<()> {
+    /// The states, around those on a ray a slice for it, and in them marks of messages, which are in the order of time.
+    fn activity(
+        &mut self,
+        name: String,
+        (actor, record): (Actor, &StationRecord),
+        marks: Vec<(Cycles, Event)>,
+    ) -> std::io::Result<()> {
         let track = self.track(name, None)?;
+        let mut marks = marks.into_iter().peekable();
         let mut jobs = record.jobs.iter().peekable();
         for stretch in &record.states {
             let span = jobs.peek().copied().filter(|span| span.from <= stretch.from);
@@ -234,6 +271,9 @@ impl<W: Write> Writer<'_, W> {
                 ..Event::default()
             };
             self.event(stretch.from, event)?;
+            while let Some((at, mark)) = marks.next_if(|(at, _)| *at <= stretch.until) {
+                self.event(at, Event { track: Some(track), ..mark })?;
+            }
             self.end(track, stretch.until)?;
             if span.is_some_and(|span| span.until <= stretch.until) {
                 self.end(track, stretch.until)?;
@@ -307,14 +347,16 @@ impl<W: Write> Writer<'_, W> {
 
     /// A counter that stands at a capacity, so that the scale of the FIFOs with it goes from empty to full.
     fn scale(&mut self, capacity: Words, at: Cycles) -> std::io::Result<()> {
-        let track = self.track(format!("the scale of FIFOs of {capacity}"), Some(Counter::new(capacity)))?;
+        let counter = Counter::new(Some(capacity), &self.topology.names);
+        let track = self.track(format!("the scale of {}s of {capacity}", self.topology.names.fifo), Some(counter))?;
         let count = Some(capacity.0 as i64);
         self.event(at, Event { kind: Some(COUNT), track: Some(track), count, ..Event::default() })
     }
 
     fn levels(&mut self, info: &FifoInfo, fifo: &FifoLevels) -> std::io::Result<()> {
-        let counter = Counter::new(info.capacity);
-        let track = self.track(format!("{} (of {})", info.name, info.capacity), Some(counter))?;
+        let counter = Counter::new(info.capacity, &self.topology.names);
+        let room = info.capacity.map_or(String::new(), |capacity| format!(" (of {capacity})"));
+        let track = self.track(format!("{}{room}", info.name), Some(counter))?;
         fifo.levels.iter().try_for_each(|&(cycle, words)| {
             let count = Some(words.0 as i64);
             self.event(cycle, Event { kind: Some(COUNT), track: Some(track), count, ..Event::default() })
@@ -323,9 +365,10 @@ impl<W: Write> Writer<'_, W> {
 }
 
 impl Counter {
-    /// Of a FIFO.
-    fn new(capacity: Words) -> Counter {
-        Counter { unit_name: Some("words".to_owned()), scale: Some(capacity.to_string()) }
+    /// Of a FIFO. Those that take all have one scale.
+    fn new(capacity: Option<Words>, names: &Names) -> Counter {
+        let scale = capacity.map_or("all".to_owned(), |words| words.to_string());
+        Counter { unit_name: Some(format!("{}s", names.word)), scale: Some(scale) }
     }
 }
 

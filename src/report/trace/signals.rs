@@ -123,7 +123,10 @@ impl<'a> Signals<'a> {
     }
 
     fn levels(&mut self, info: &FifoInfo, fifo: &FifoLevels) {
-        let signal = self.signal(&info.name, Kind::Number(u64::BITS - info.capacity.0.leading_zeros()));
+        // What takes all has as many bits as it needs.
+        let highest = || fifo.levels.iter().map(|(_, level)| *level).max().unwrap_or_default().max(Words(1));
+        let most = info.capacity.unwrap_or_else(highest);
+        let signal = self.signal(&info.name, Kind::Number(u64::BITS - most.0.leading_zeros()));
         let change = |&(at, Words(level))| Change { at, signal, value: Value::Number(level) };
         self.changes.extend(fifo.levels.iter().map(change));
     }

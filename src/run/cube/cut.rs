@@ -121,7 +121,7 @@ impl Cut {
 }
 
 /// The middles of a lattice of pixels that has about that share of them.
-fn lattice(size: ImageSize, Percent(share): Percent) -> Vec<(f64, f64)> {
+pub(super) fn lattice(size: ImageSize, Percent(share): Percent) -> Vec<(f64, f64)> {
     let step = ((100.0 / share).sqrt().round() as u32).max(1);
     let along = |side: u32| (step.min(side) / 2..side).step_by(step as usize);
     let middle = |at: u32| f64::from(at) + 0.5;

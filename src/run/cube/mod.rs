@@ -1,33 +1,33 @@
 //! An image on a hypercube, described as a value ([`CubeSpec`]), laid out, and run.
 
+mod bounds;
 mod calibrate;
 mod cut;
+mod forecast;
 mod options;
+mod shares;
 mod spec;
 mod tasks_file;
 mod trees;
 
 use std::convert::Infallible;
-use std::ops::Range;
 use std::path::Path;
 
 use glam::Vec3;
 
 use super::{RunError, Watching, Workers};
-use crate::cancel::Cancel;
+use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::{CellPlane, Eye, Hit, Pyramids, Regions};
-use crate::host::camera::ImageSize;
 use crate::host::order::Order;
 use crate::host::rules::Rules;
 use crate::host::sampling::Pass;
-use crate::machine::events::{Act, Events};
+use crate::machine::events::{Act, Events, Queues};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
-use crate::measure::{Measured, Observed, Recording, Topology};
+use crate::measure::{Measured, Observed, Recording, SoFar, Topology};
 use crate::program::Workload;
 use crate::program::cube::{
-    Dealt, MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, Space, TaskGraph, gray_order,
-    highest_rank, swapped, topology,
+    MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, Space, TaskGraph, highest_rank, topology,
 };
 use crate::run::one_cell::Whole;
 use crate::run::render::Picture;
@@ -36,10 +36,12 @@ use crate::scene::Scene;
 
 pub use calibrate::{Calibrated, Known, KnownTime};
 pub use cut::Cut;
+pub use forecast::CubeForecast;
 pub use options::{
     CellCuts, CubeMode, CubeOptions, CubeRunOptions, Distribution, First, FlowKind, Grant, Grids, Mapping, Percent,
     PixelOrder, PixelsOf, QueueRays, Termination,
 };
+use shares::order;
 pub use spec::{CubeSpec, RegionSpec};
 use trees::{Traced, Tracing};
 
@@ -117,12 +119,6 @@ const STEPS: usize = 1 << 16;
 /// All times of a run together stay below, so that no clock leaves 64 bits.
 const LONGEST_RUN: u128 = 1 << 61;
 
-/// Bytes of what is in a slot of a queue.
-const SLOT_BYTES: u64 = 52;
-
-/// Pixels along the side of a tile.
-const TILE: u32 = 8;
-
 impl CubeSetup {
     /// Lays an image out. `observe` sees how many of its samples are traced, of all.
     ///
@@ -174,6 +170,20 @@ impl CubeSetup {
     pub fn run(&self, watching: &Watching, cancel: &Cancel) -> Result<CubeOutcome, RunError<Infallible>> {
         self.spec.run(&self.scene, &self.machine, watching, cancel)
     }
+
+    /// The same. `show` is called now and then; it can ask what has been done so far.
+    ///
+    /// # Errors
+    ///
+    /// As [`CubeSpec::run`].
+    pub fn run_shown(
+        &self,
+        watching: &Watching,
+        cancel: &Cancel,
+        show: impl FnMut(&dyn Fn() -> SoFar),
+    ) -> Result<CubeOutcome, RunError<Infallible>> {
+        self.spec.run_shown(&self.scene, &self.machine, watching, cancel, show)
+    }
 }
 
 impl CubeSpec {
@@ -192,6 +202,17 @@ impl CubeSpec {
         keeps_hits: bool,
         workers: &Workers,
         observe: impl FnMut(usize) -> Result<(), E>,
+    ) -> Result<CubeScene, RunError<E>> {
+        let pass = Pass::first(self.size, self.sampling(), Order::Raster);
+        self.lay_out_by(keeps_hits, workers, |tracing| tracing.pass(&pass, workers, observe))
+    }
+
+    /// The same of the samples that `trace` traces.
+    fn lay_out_by<E>(
+        &self,
+        keeps_hits: bool,
+        workers: &Workers,
+        trace: impl FnOnce(&Tracing<'_>) -> Result<Traced, RunError<E>>,
     ) -> Result<CubeScene, RunError<E>> {
         let machine = self.machine.build()?;
         let CubeSpec { size_factor, resolution, size, .. } = *self;
@@ -218,11 +239,10 @@ impl CubeSpec {
             let grid = workload.grids().next()?;
             Some((PageMap::new(grid, workload.polygons(), bytes), bytes))
         });
-        let pass = Pass::first(self.size, sampling, Order::Raster);
         let space = Space { regions: &cut.regions, own: &own, pyramids: pyramids.as_ref() };
         let tracing = Tracing { picture, space, pages, hits: keeps_hits };
-        let traced = tracing.pass(&pass, workers, observe)?;
-        let pixels = traced.pixels(pass.per_pixel());
+        let traced = trace(&tracing)?;
+        let pixels = traced.pixels((self.rays.samples as usize).pow(2));
         let polygons = workload.polygons().len();
         let Traced { graph, hits, kinds, .. } = traced;
         let (name, notes) = (scene.name.clone(), scene.notes.clone());
@@ -275,6 +295,17 @@ impl CubeSpec {
         watching: &Watching,
         cancel: &Cancel,
     ) -> Result<CubeOutcome, RunError<Infallible>> {
+        self.run_shown(scene, machine, watching, cancel, |_| {})
+    }
+
+    fn run_shown(
+        &self,
+        scene: &CubeScene,
+        machine: &Ipsc2,
+        watching: &Watching,
+        cancel: &Cancel,
+        mut show: impl FnMut(&dyn Fn() -> SoFar),
+    ) -> Result<CubeOutcome, RunError<Infallible>> {
         let one_node = one_node(&scene.graph, machine)?;
         let node_of = self.node_of(&scene.cut, machine);
         let parts = self.parts(scene, machine, &node_of);
@@ -288,15 +319,22 @@ impl CubeSpec {
                 let rules = spec.rules(slots.unwrap_or(0));
                 let order = order(spec, scene.graph.trees.len());
                 let mut nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), rules);
+                nodes.queues = watched_queues(nodes.queues, machine, watching);
                 let mut events = watched(nodes.topology(), 0, machine, watching);
                 if watching.path {
                     events = events.explained(nodes.explain(), RegionNodes::sending);
                 }
-                let events = drive(&mut nodes, events, (RegionNodes::next, RegionNodes::is_over), cancel)?;
+                let mut show = |nodes: &RegionNodes<'_>, events: &Events<_>| {
+                    cancel.check()?;
+                    show(&|| SoFar { fifos: nodes.queues.so_far(), ..events.so_far() });
+                    Ok(())
+                };
+                let events = drive(&mut nodes, events, (RegionNodes::next, RegionNodes::is_over), &mut show)?;
                 if !nodes.is_over() {
                     return Err(nodes.stuck().into());
                 }
-                let (stats, observed) = events.stop(|task| nodes.rests(task));
+                let (mut stats, mut observed) = events.stop(|task| nodes.rests(task));
+                nodes.queues.tell(&mut stats, &mut observed);
                 (stats, observed, nodes.seen)
             }
             None => {
@@ -308,7 +346,12 @@ impl CubeSpec {
                 if watching.path {
                     events = events.explained(nodes.explain(), MemoryNodes::sending);
                 }
-                let events = drive(&mut nodes, events, (MemoryNodes::next, MemoryNodes::is_over), cancel)?;
+                let mut show = |_: &MemoryNodes<'_>, events: &Events<_>| {
+                    cancel.check()?;
+                    show(&|| events.so_far());
+                    Ok(())
+                };
+                let events = drive(&mut nodes, events, (MemoryNodes::next, MemoryNodes::is_over), &mut show)?;
                 let (stats, mut observed) = events.stop(|task| nodes.rests(task));
                 observed.path.iter_mut().for_each(|path| nodes.told_of_nodes(path));
                 (stats, observed, nodes.seen)
@@ -326,114 +369,6 @@ impl CubeSpec {
             slots,
             highest_rank,
         })
-    }
-
-    /// Each region's node.
-    fn node_of(&self, cut: &Cut, machine: &Ipsc2) -> Vec<u16> {
-        let gray = gray_order(machine.nodes);
-        match self.regions.map(|regions| regions.mapping) {
-            None => vec![0],
-            Some(Mapping::Gray) => gray,
-            Some(Mapping::Swapped) => swapped(gray, &cut.between),
-        }
-    }
-
-    /// Each node's part of the scene.
-    fn parts(&self, scene: &CubeScene, machine: &Ipsc2, node_of: &[u16]) -> Vec<Part> {
-        let mut parts = vec![Part::default(); machine.nodes];
-        match &scene.graph.pages {
-            None => scene.cut.parts.iter().zip(node_of).for_each(|(part, &node)| parts[usize::from(node)] = *part),
-            Some(uses) => {
-                let pages = u64::from(uses.pages).div_ceil(machine.nodes as u64);
-                let bytes = pages * u64::from(uses.page_bytes);
-                parts.fill(Part { bytes, holds: bytes, ..Part::default() });
-            }
-        }
-        parts
-    }
-
-    /// How many slots each node has, if these are limited.
-    ///
-    /// Fails if the scene and they do not fit into a node's memory.
-    fn slots(&self, parts: &[Part], machine: &Ipsc2) -> Result<Option<u32>, InputError> {
-        let asked = self.regions.and_then(|regions| regions.queue_rays);
-        let fullest = parts.iter().enumerate().max_by_key(|(node, part)| (part.holds, std::cmp::Reverse(*node)));
-        let Some((node, part)) = fullest else { return Ok(None) };
-        let room = machine.memory_bytes.checked_sub(part.holds);
-        let fits = room.map(|bytes| u32::try_from(bytes / SLOT_BYTES).unwrap_or(u32::MAX - 1));
-        let slots = match asked {
-            Some(QueueRays::Count(count)) => count,
-            Some(QueueRays::Memory) => fits.unwrap_or(0).max(1),
-            None => 0,
-        };
-        if fits.is_some_and(|most| slots <= most) {
-            return Ok(asked.is_some().then_some(slots));
-        }
-        let message = format!(
-            "the scene does not fit: node {node} needs {} bytes for it and {} for {slots} rays, and has {}",
-            part.holds,
-            SLOT_BYTES * u64::from(slots),
-            machine.memory_bytes
-        );
-        Err(InputError::new(message)
-            .help("take more nodes, a smaller --grid-coefficient, fewer --queue-rays or more --node-kbyte"))
-    }
-
-    /// Fails if there are too few slots for classes.
-    fn check_slots(&self, slots: Option<u32>, highest_rank: u32) -> Result<(), InputError> {
-        let is_pool = self.regions.is_some_and(|regions| regions.flow == FlowKind::Classes);
-        let Some(slots) = slots.filter(|&slots| is_pool && slots <= highest_rank) else { return Ok(()) };
-        let message =
-            format!("classes need a slot for each rank: {} of them, and a node has {slots}", highest_rank + 1);
-        Err(InputError::new(message).help("ask for more --queue-rays, or for another --flow"))
-    }
-
-    /// The node that each tree belongs to, of nodes that have regions.
-    fn owners(&self, spec: &RegionSpec, graph: &TaskGraph, node_of: &[u16]) -> Vec<u16> {
-        let per_pixel = (self.rays.samples as usize).pow(2);
-        let owner = |tree: usize| match spec.pixels {
-            PixelsOf::Owner => node_of[usize::from(graph.start_of(graph.trees[tree]))],
-            PixelsOf::Shared => (tree / per_pixel % node_of.len()) as u16,
-        };
-        (0..graph.trees.len()).map(owner).collect()
-    }
-
-    /// The owners of pixels, of those of their samples: the first one's.
-    fn of_pixels(&self, owners: Vec<u16>) -> Vec<u16> {
-        owners.into_iter().step_by((self.rays.samples as usize).pow(2).max(1)).collect()
-    }
-
-    /// The trees of nodes that share a memory.
-    fn dealt(&self, nodes: usize) -> Dealt {
-        let ImageSize { width, height } = self.size;
-        let per_pixel = self.rays.samples.pow(2);
-        let trees = |y: u32, across: Range<u32>| {
-            let line = y * width;
-            (line + across.start) * per_pixel..(line + across.end) * per_pixel
-        };
-        match self.distribution {
-            Distribution::Lines => {
-                let lines = |node: usize| (node as u32..height).step_by(nodes);
-                Dealt::Before((0..nodes).map(|node| lines(node).flat_map(|y| trees(y, 0..width)).collect()).collect())
-            }
-            Distribution::Tiles => {
-                let tiles = self.size.tiles(TILE);
-                let trees = |pixel: usize| (0..per_pixel).map(move |sample| pixel as u32 * per_pixel + sample);
-                Dealt::AsAsked(tiles.map(|tile| tile.flat_map(trees).collect()).collect())
-            }
-        }
-    }
-}
-
-/// Trees in the order in which each node begins its own.
-fn order(spec: &RegionSpec, trees: usize) -> Vec<u32> {
-    let bits = trees.next_power_of_two().ilog2();
-    match spec.pixel_order {
-        PixelOrder::Strided if bits > 0 => {
-            let all = (0..1u64 << bits).map(|number| number.reverse_bits() >> (64 - bits));
-            all.filter(|&tree| tree < trees as u64).map(|tree| tree as u32).collect()
-        }
-        _ => (0..trees as u32).collect(),
     }
 }
 
@@ -465,12 +400,22 @@ fn watched<M: Copy>(topology: Topology, helpers: usize, machine: &Ipsc2, watchin
     }
 }
 
-/// Lets nodes run until all is over, or none can go on. Of them is known what a task does next, and whether all is over.
+fn watched_queues(queues: Queues, machine: &Ipsc2, watching: &Watching) -> Queues {
+    // The host is a station, too.
+    let queues = if watching.profile { queues.probed(machine.nodes + 1) } else { queues };
+    match &watching.recording {
+        Some(window) => queues.recorded(window.clone(), Recording::MOST_EVENTS),
+        None => queues,
+    }
+}
+
+/// Lets nodes run until all is over, or none can go on. Of them is known what a task does next, and whether all is over; `look` sees them now
+/// and then.
 fn drive<P, M: Copy>(
     nodes: &mut P,
     mut events: Events<M>,
     (next, is_over): (impl Fn(&mut P, usize, Cycles, Option<M>) -> Act<M>, impl Fn(&P) -> bool),
-    cancel: &Cancel,
+    look: &mut impl FnMut(&P, &Events<M>) -> Result<(), Cancelled>,
 ) -> Result<Events<M>, RunError<Infallible>> {
     loop {
         for _ in 0..STEPS {
@@ -478,6 +423,6 @@ fn drive<P, M: Copy>(
                 return Ok(events);
             }
         }
-        cancel.check()?;
+        look(nodes, &events)?;
     }
 }

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use pcs_sim::machine::Ipsc2;
 
-/// What came out: when all was over, what each task did in each cycle, for each link the cycles that it was taken.
+/// What came out: when all was over, what each task did in each cycle, what each link did.
 #[derive(Debug, Default, PartialEq)]
 pub struct Ticked {
     pub cycles: u64,
     /// For each task, its states one after the other, and until when it is in each.
     pub tasks: Vec<Vec<(String, u64)>>,
-    pub links: Vec<u64>,
+    pub links: Vec<[u64; 4]>,
     /// Messages of each kind: sent, taken, bytes, links passed, cycles of processors.
     pub messages: [[u64; 5]; 4],
     pub true_end: u64,
@@ -21,10 +21,10 @@ pub struct Ticked {
     pub queues: Vec<(u64, u64)>,
 }
 
-/// The links, each by its two ends: until when it is taken, and for how long it was. The host is the number behind the nodes.
+/// The links, each by its two ends: until when it is taken, and what it has done. The host is the number behind the nodes.
 pub struct Wires<'a> {
     machine: &'a Ipsc2,
-    links: BTreeMap<(usize, usize), (u64, u64)>,
+    links: BTreeMap<(usize, usize), (u64, [u64; 4])>,
 }
 
 impl<'a> Wires<'a> {
@@ -69,19 +69,24 @@ impl<'a> Wires<'a> {
         let way = self.way(from, to);
         let free = |link: &(usize, usize)| self.links.get(link).map_or(0, |link| link.0);
         let start = way.iter().map(free).max().unwrap_or(0).max(now);
+        // Who waits, waits for the first of those that are taken longest.
+        if let Some(link) = way.iter().find(|link| start > now && free(link) == start).copied() {
+            self.links.entry(link).or_default().1[3] += start - now;
+        }
         for link in &way {
-            let known = self.links.entry(*link).or_default();
-            *known = (start + holds, known.1 + holds);
+            let (until, done) = self.links.entry(*link).or_default();
+            *until = start + holds;
+            [holds, 1, bytes].iter().zip(done).for_each(|(more, done)| *done += more);
         }
         let set_up = if is_long { wires.long.0 } else { wires.short.0 };
         start + set_up + long + wires.hop.0 * (way.len() as u64).saturating_sub(1)
     }
 
-    /// For how long each link was taken.
-    pub fn taken(&self) -> Vec<u64> {
+    /// For how long each link was taken, its messages, their bytes, and for how long they waited for it.
+    pub fn taken(&self) -> Vec<[u64; 4]> {
         let host = self.machine.nodes;
         let bits = host.next_power_of_two().ilog2() as usize;
         let between = (0..1usize << bits).flat_map(|node| (0..bits).map(move |bit| (node, node ^ (1 << bit))));
-        between.chain([(host, 0), (0, host)]).map(|link| self.links.get(&link).map_or(0, |link| link.1)).collect()
+        between.chain([(host, 0), (0, host)]).map(|link| self.links.get(&link).map_or([0; 4], |link| link.1)).collect()
     }
 }

@@ -33,7 +33,7 @@ struct Task<M> {
 pub struct Ended {
     pub cycles: u64,
     pub spent: Vec<BTreeMap<u8, u64>>,
-    pub links: Vec<u64>,
+    pub links: Vec<[u64; 4]>,
 }
 
 /// Lets tasks act until `is_over`, or nothing is left to happen. `tasks` are the nodes, the host, and helpers; `rests` tells since when one has

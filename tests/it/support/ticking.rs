@@ -26,7 +26,7 @@ impl From<&Measured> for Ticked {
             cycles: run.cycles,
             jobs: run.jobs,
             stations: run.stations.clone(),
-            fifos: infos.zip(&run.fifos).map(|((name, capacity), fifo)| (name, capacity, *fifo)).collect(),
+            fifos: infos.zip(&run.fifos).map(|((name, capacity), fifo)| (name, capacity.unwrap(), *fifo)).collect(),
             links: run.links.clone(),
         }
     }
@@ -391,15 +391,17 @@ impl<'a> Ticking<'a> {
     fn stats(&self, batches: &[OpBatch]) -> Ticked {
         let used = |queue: &&Queue| queue.words > 0;
         let fifos = self.x.iter().chain(&self.y).chain(self.z.iter().filter(used));
-        let ends = (0..self.cells.len()).map(measure::Actor::Station).chain([measure::Actor::Host]);
+        let cells = || (0..self.cells.len()).map(measure::Actor::Station);
+        let ends = [measure::Actor::Host].into_iter().chain(cells()).zip(cells().chain([measure::Actor::Host]));
         let read = |queue: Option<&Queue>| queue.map_or(0, |queue| queue.words - queue.written_in.len() as u64);
         let rate = self.spec.link_rate();
-        let links = ends.zip(&self.wire_busy).enumerate().map(|(link, (into, [x, y]))| {
+        let links = ends.zip(&self.wire_busy).enumerate().map(|(link, ((from, into), [x, y]))| {
             let [x_read, y_read] =
                 [read(self.x.get(link)), read(link.checked_sub(1).and_then(|link| self.y.get(link)))];
             let words = if rate.counts == RateCounts::Link { x_read + y_read } else { x_read.max(y_read) };
             let busy = *x.max(y);
-            LinkStats { into: Some(into), busy: Cycles(busy), read: Cycles((words * rate.cycles_per_word).min(busy)) }
+            let read = Cycles((words * rate.cycles_per_word).min(busy));
+            LinkStats { from: Some(from), into: Some(into), busy: Cycles(busy), read, messages: None }
         });
         Ticked {
             cycles: Cycles(self.now),

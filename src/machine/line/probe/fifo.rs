@@ -1,12 +1,9 @@
 //! What a FIFO held over time: the merge of the two rising sequences of its write and read times.
 
 use crate::machine::line::fifo::Fifo;
-use crate::machine::timeline::{Bin, Timeline};
+use crate::machine::timeline::{Timeline, histogram};
 use crate::measure::{FifoBin, FifoProfile};
 use crate::quantities::{Cycles, Words};
-
-/// A histogram has about as many entries at the most; deeper FIFOs let occupancies share them.
-const MOST_ENTRIES: u64 = 1024;
 
 /// Follows one FIFO.
 #[derive(Debug)]
@@ -38,15 +35,6 @@ struct FifoCursor {
     reads: u64,
     /// The first cycle that has not been entered yet; the FIFO holds `writes - reads` words from it on.
     since: u64,
-}
-
-impl Bin for FifoBin {
-    fn absorb(&mut self, later: &FifoBin) {
-        self.min = self.min.min(later.min);
-        self.max = self.max.max(later.max);
-        self.word_cycles += later.word_cycles;
-        self.full += later.full;
-    }
 }
 
 impl FifoLane {
@@ -195,14 +183,13 @@ impl FifoCursor {
 impl Tally {
     /// Cycles by occupancy, and how many occupancies share an entry.
     fn histogram(&self) -> (Vec<Cycles>, Words) {
-        let step = (self.capacity / MOST_ENTRIES + 1).next_power_of_two();
         let mut passing = 0u64;
         let cycles = self.held.iter().zip(&self.passed).map(|(held, passed)| {
             passing = passing.wrapping_add(*passed);
             held + passing
         });
         let cycles: Vec<u64> = cycles.collect();
-        (cycles.chunks(step as usize).map(|shared| Cycles(shared.iter().sum())).collect(), Words(step))
+        histogram(&cycles)
     }
 
     /// One occupancy in the cycles `from..until`.
@@ -256,15 +243,6 @@ impl Tally {
 }
 
 impl FifoBin {
-    /// The FIFO holds so many words for some cycles.
-    #[inline(always)]
-    fn hold(&mut self, occupancy: u64, cycles: u64, full: bool) {
-        self.min = self.min.min(Words(occupancy));
-        self.max = self.max.max(Words(occupancy));
-        self.word_cycles += occupancy as u128 * cycles as u128;
-        self.full += Cycles(if full { cycles } else { 0 });
-    }
-
     /// What the FIFO holds goes from one level to another, by one a cycle, both included.
     #[inline(always)]
     fn pass(&mut self, from: u64, to: u64, cycles: u64) {

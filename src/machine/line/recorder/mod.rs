@@ -229,6 +229,7 @@ impl Recorder {
             answers: self.answers.into_spans(window),
             stations: self.cells.into_iter().map(|track| track.into_record(window)).collect(),
             fifos: fifos.into_iter().flatten().collect(),
+            messages: Vec::new(),
         }
     }
 }

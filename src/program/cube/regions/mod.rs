@@ -20,9 +20,9 @@ use super::seen::{NodeSeen, Seen};
 use super::states::{BLOCKED, GRID, IDLE, INTERSECTION, PIXELS, RECEIVING, SENDING, SHADING, SLABS, WAITING, topology};
 use super::token::{Account, Token};
 use crate::host::shading::RayKind;
-use crate::machine::events::{Act, Cube, Delivery, Explanation, Message, Sender, Work};
+use crate::machine::events::{Act, Cube, Delivery, Explanation, Message, Queues, Sender, Work};
 use crate::machine::{Cycles, Ipsc2};
-use crate::measure::{StateId, Topology};
+use crate::measure::{Actor, FifoInfo, StateId, Topology};
 use crate::seam::Unit;
 
 /// How it is found out that all is done.
@@ -111,6 +111,9 @@ pub struct RegionNodes<'a> {
     explains: bool,
     /// What is counted.
     pub seen: Seen,
+    /// The rays that wait on each node, its own children too; full is one without a slot for a new ray: of a pixel by rank, of another
+    /// node under blocking.
+    pub queues: Queues,
 }
 
 #[derive(Clone, Debug)]
@@ -132,9 +135,6 @@ struct Node {
     /// Pixels that are done and not sent to the host.
     packet: u32,
     slots: Slots,
-    /// How many rays wait, and since when there are so many; since when no slot is free for a pixel.
-    queue: (usize, u64),
-    full_since: Option<u64>,
     account: Account,
     has_stopped: bool,
     /// Since when it has nothing to do.
@@ -214,12 +214,21 @@ impl<'a> RegionNodes<'a> {
             over: graph.trees.is_empty(),
             explains: false,
             seen,
+            queues: Queues::new(count),
         }
     }
 
-    /// The nodes, the host and their states.
+    /// The nodes, the host, their states and their queues.
     pub fn topology(&self) -> Topology {
-        topology(self.nodes.len(), "leg")
+        let queue = |node: usize| FifoInfo {
+            name: format!("queue {node}"),
+            group: "queue".to_owned(),
+            from: Actor::Station(node),
+            to: Actor::Station(node),
+            // Where there are slots, rays have them that do not wait, too.
+            capacity: None,
+        };
+        Topology { fifos: (0..self.nodes.len()).map(queue).collect(), ..topology(self.nodes.len(), "leg") }
     }
 
     /// The states of a node that sends, and of one that has nothing left to do.
@@ -324,12 +333,9 @@ impl<'a> RegionNodes<'a> {
     }
 
     fn note_queue(&mut self, task: usize) {
-        let node = &mut self.nodes[task];
+        let node = &self.nodes[task];
         let waiting = node.own.len() + node.received.len();
-        let (before, since) = std::mem::replace(&mut node.queue, (waiting, self.now));
-        let seen = &mut self.seen.nodes[task];
-        seen.longest_queue = seen.longest_queue.max(waiting);
-        seen.queue_cycles += before as u64 * (self.now - since);
+        self.queues.hold(task, waiting as u64, Cycles(self.now));
     }
 
     /// Some slots of a node are taken or free.
@@ -339,15 +345,7 @@ impl<'a> RegionNodes<'a> {
             Flow::Classes(_) => self.free[task] <= self.ranks.1,
             Flow::Unlimited | Flow::Window(_) => return,
         };
-        let full_since = &mut self.nodes[task].full_since;
-        match (*full_since, is_full) {
-            (None, true) => *full_since = Some(self.now),
-            (Some(since), false) => {
-                self.seen.nodes[task].full += Cycles(self.now - since);
-                *full_since = None;
-            }
-            _ => {}
-        }
+        self.queues.fill(task, is_full, Cycles(self.now));
     }
 
     /// Looks at what has come, then chooses.
@@ -510,8 +508,6 @@ impl Node {
             done: 0,
             packet: 0,
             slots,
-            queue: (0, 0),
-            full_since: None,
             account: Account::default(),
             has_stopped: false,
             rests: None,

@@ -1,0 +1,170 @@
+//! The queues of tasks: how much waits in each, as the tasks tell that have them.
+
+use std::ops::Range;
+
+use crate::machine::timeline::{Timeline, bins_for, histogram};
+use crate::measure::{FifoBin, FifoLevels, FifoProfile, FifoStats, Measured, Observed};
+use crate::quantities::{Cycles, Words};
+
+/// A queue for each of some tasks, which tell in the order of time what is in it.
+#[derive(Clone, Debug)]
+pub struct Queues {
+    queues: Vec<Queue>,
+    probe: Option<Vec<Lane>>,
+    recorder: Option<Recorder>,
+}
+
+/// A queue, which has been told of up to a time.
+#[derive(Clone, Copy, Debug, Default)]
+struct Queue {
+    holds: u64,
+    is_full: bool,
+    since: u64,
+    /// The most that it has held at that time.
+    peak: u64,
+    stats: FifoStats,
+}
+
+/// A queue over time.
+#[derive(Clone, Debug)]
+struct Lane {
+    timeline: Timeline<FifoBin>,
+    /// For each level the cycles for which it was held, up to the highest.
+    held: Vec<u64>,
+}
+
+/// A window of all queues, cycle by cycle.
+#[derive(Clone, Debug)]
+struct Recorder {
+    window: Range<u64>,
+    /// For each queue the first cycle of the window, and each one in which the level changes, with the level at its end.
+    levels: Vec<Vec<(Cycles, Words)>>,
+    /// How many more of them may be held.
+    room: usize,
+}
+
+impl Queues {
+    /// So many queues, all empty.
+    pub fn new(count: usize) -> Queues {
+        Queues { queues: vec![Queue::default(); count], probe: None, recorder: None }
+    }
+
+    /// The same with a probe, which sees them over time: in bins like those of a machine with so many stations.
+    pub fn probed(mut self, stations: usize) -> Queues {
+        let lane = Lane { timeline: Timeline::new(bins_for(stations)), held: Vec::new() };
+        self.probe = Some(vec![lane; self.queues.len()]);
+        self
+    }
+
+    /// The same with a recorder of a window of time, which holds so many changes at the most.
+    pub fn recorded(mut self, window: Range<Cycles>, most_changes: usize) -> Queues {
+        let levels = vec![vec![(window.start, Words(0))]; self.queues.len()];
+        self.recorder = Some(Recorder { window: window.start.0..window.end.0, levels, room: most_changes });
+        self
+    }
+
+    /// From now on so much waits in a queue.
+    #[inline]
+    pub fn hold(&mut self, queue: usize, holds: u64, now: Cycles) {
+        self.go_on(queue, now.0);
+        let at = &mut self.queues[queue];
+        at.stats.words += Words(holds.saturating_sub(at.holds));
+        at.stats.max = at.stats.max.max(Words(holds));
+        (at.holds, at.peak) = (holds, at.peak.max(holds));
+        if let Some(recorder) = &mut self.recorder {
+            recorder.hold(queue, holds, now);
+        }
+    }
+
+    /// From now on a queue has no room for what comes, or has again.
+    #[inline]
+    pub fn fill(&mut self, queue: usize, is_full: bool, now: Cycles) {
+        if self.queues[queue].is_full != is_full {
+            self.go_on(queue, now.0);
+            self.queues[queue].is_full = is_full;
+        }
+    }
+
+    /// All stays as it is in a queue up to a time.
+    #[inline]
+    fn go_on(&mut self, queue: usize, now: u64) {
+        let at = &mut self.queues[queue];
+        let cycles = now - at.since;
+        if cycles == 0 {
+            return;
+        }
+        at.stats.word_cycles += u128::from(at.holds) * u128::from(cycles);
+        at.stats.full += Cycles(if at.is_full { cycles } else { 0 });
+        at.stats.empty += Cycles(if at.holds == 0 { cycles } else { 0 });
+        if let Some(lanes) = &mut self.probe {
+            lanes[queue].go_on(at, now);
+        }
+        (at.since, at.peak) = (now, at.holds);
+    }
+
+    /// What each has held so far, and up to which cycle that goes.
+    pub fn so_far(&self) -> Vec<(FifoStats, Cycles)> {
+        self.queues.iter().map(|queue| (queue.stats, Cycles(queue.since))).collect()
+    }
+
+    /// Adds what was seen of the queues to what was seen of their tasks.
+    pub fn tell(mut self, measured: &mut Measured, observed: &mut Observed) {
+        let cycles = measured.cycles;
+        (0..self.queues.len()).for_each(|queue| self.go_on(queue, cycles.0));
+        measured.fifos = self.queues.iter().map(|queue| queue.stats).collect();
+        if let (Some(profile), Some(lanes)) = (&mut observed.profile, self.probe) {
+            profile.fifos = lanes.into_iter().map(|lane| lane.finish(cycles.0)).collect();
+        }
+        if let (Some(recording), Some(recorder)) = (&mut observed.recording, self.recorder) {
+            recording.end_at(Cycles(recorder.window.end));
+            recording.fifos = recorder.finish(recording.window.end);
+        }
+    }
+}
+
+impl Lane {
+    fn go_on(&mut self, queue: &Queue, now: u64) {
+        let (holds, since) = (queue.holds, queue.since);
+        if self.held.len() <= holds as usize {
+            self.held.resize(holds as usize + 1, 0);
+        }
+        self.held[holds as usize] += now - since;
+        let first = self.timeline.at(since);
+        first.max = first.max.max(Words(queue.peak));
+        match self.timeline.within(now) {
+            Some(bin) => bin.hold(holds, now - since, queue.is_full),
+            None => self.timeline.cut(since, now, |bin, from, to| bin.hold(holds, to - from, queue.is_full)),
+        }
+    }
+
+    fn finish(self, cycles: u64) -> FifoProfile {
+        let (histogram, step) = histogram(&self.held);
+        FifoProfile { bins: self.timeline.finish(cycles).0, histogram, step }
+    }
+}
+
+impl Recorder {
+    fn hold(&mut self, queue: usize, holds: u64, now: Cycles) {
+        if now.0 >= self.window.end {
+            return;
+        }
+        let at = now.max(Cycles(self.window.start));
+        let levels = &mut self.levels[queue];
+        match levels.last_mut() {
+            Some(last) if last.0 == at => last.1 = Words(holds),
+            _ if self.room == 0 => self.window.end = now.0,
+            _ => {
+                levels.push((at, Words(holds)));
+                self.room -= 1;
+            }
+        }
+    }
+
+    fn finish(self, end: Cycles) -> Vec<FifoLevels> {
+        let levels = |mut levels: Vec<(Cycles, Words)>| {
+            levels.truncate(levels.partition_point(|(at, _)| *at < end));
+            FifoLevels { levels, ..FifoLevels::default() }
+        };
+        self.levels.into_iter().map(levels).collect()
+    }
+}
