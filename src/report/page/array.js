@@ -110,17 +110,21 @@ function stationBox(index, left, top, size) {
   return group;
 }
 
-{% if is_cube %}// Places of nodes, in units of a node: of its bits each second one leads to the right, the others down, each twice as far as the one
-// before and a gap more. The host is to the left of node 0.
+{% if is_cube %}// Places of nodes, in units of a node: of its bits each second one leads to the right, the others down, each past all that those
+// before it span, and a gap more. The host is to the left of node 0.
 const GAP = 0.6;
 // How far links are drawn aside, as a part of their length; they get half as far.
 const BEND = 0.24;
 const PLACE_OF_HOST = [-1.4, 0];
 function placeOf(node) {
   const along = (first) => {
-    let sum = 0;
-    for (let bit = first, step = 0; node >> bit > 0; bit += 2, step++) if (node >> bit & 1) sum += 2 ** step + GAP * step;
-    return sum;
+    let at = 0, span = 1;
+    for (let bit = first, step = 0; node >> bit > 0; bit += 2, step++) {
+      const over = span + GAP * step;
+      if (node >> bit & 1) at += over;
+      span += over;
+    }
+    return at;
   };
   return [along(0), along(1)];
 }

@@ -75,13 +75,17 @@ impl Figure for Links<'_> {
     }
 }
 
-/// Where a node is: of its bits each second one leads to the right, the others down, each twice as far as the one before and a little
-/// more.
+/// Where a node is: of its bits each second one leads to the right, the others down, each past all that those before it span, and a
+/// little more.
 fn place(node: usize) -> (f64, f64) {
     let along = |first: usize| {
-        let steps = (first..usize::BITS as usize).step_by(2).enumerate();
-        let set = steps.filter(|(_, bit)| node >> bit & 1 == 1);
-        set.map(|(step, _)| f64::from(1u32 << step) + GAP * step as f64).sum()
+        let (mut at, mut span) = (0.0, 1.0);
+        for (step, bit) in (first..usize::BITS as usize).step_by(2).enumerate() {
+            let over = span + GAP * step as f64;
+            at += if node >> bit & 1 == 1 { over } else { 0.0 };
+            span += over;
+        }
+        at
     };
     (along(0), along(1))
 }
