@@ -340,12 +340,16 @@ proptest! {
                 let states = station.states.iter().map(|stretch| stretch.from);
                 states.chain(station.jobs.iter().map(|job| job.from)).collect::<Vec<_>>()
             };
-            let mut starts: Vec<Cycles> = recording.stations.iter().flat_map(events).collect();
+            let sent = recording.messages.iter().map(|message| message.sent);
+            let mut starts: Vec<Cycles> = recording.stations.iter().flat_map(events).chain(sent).collect();
             starts.sort();
             starts
         };
+        prop_assert!(whole.messages.is_sorted_by_key(|message| message.sent));
         let end = starts(&whole).get(most).copied();
         prop_assert_eq!((part.window.end, part.cut), (end.unwrap_or(whole.window.end), end.is_some()));
+        let sent = whole.messages.iter().filter(|message| message.sent < part.window.end);
+        prop_assert!(part.messages.iter().eq(sent));
         for (task, (part_of, whole_of)) in part.stations.iter().zip(&whole.stations).enumerate() {
             let states = whole_of.states.iter().filter(|stretch| stretch.from < part.window.end);
             let states: Vec<_> =
