@@ -116,30 +116,60 @@ fn arrays() -> [(&'static str, ArrayProgram); 5] {
     ]
 }
 
-/// The table of docs/cost-model.md: by how much the time that the model expects is off, over all built-in scenes.
-#[test]
-fn the_documented_errors_of_the_time_are_these() {
-    let mut ranges: BTreeMap<(usize, usize, usize), (f64, f64)> = BTreeMap::new();
-    for (name, size) in SCENES {
-        let (scene, rays) = scene(name, size, WIDTH);
-        for (array, (what, program)) in arrays().into_iter().enumerate() {
-            let workload = workload(&scene.mesh, &program, &rays);
-            for (place, order) in ORDERS.into_iter().enumerate() {
-                let sequence = order.parse::<Order>().unwrap().of_pixels(ImageSize { width: WIDTH, height: WIDTH });
-                let rays: Vec<Ray> = sequence.arrange(rays.clone());
-                let batches: Vec<Arc<OpBatch>> = traced(&workload, &rays);
-                let few = run::few(&workload, &rays, &Cancel::default()).unwrap();
-                for (column, words) in DEPTHS.into_iter().enumerate() {
-                    let spec = MachineSpec { fifo_words: Words(words), ..machine().spec };
-                    let measured = cycles(&spec, workload.costs(), &batches).unwrap() as f64 / rays.len() as f64;
-                    let expected = few.expect(&run::fifos(&spec, workload.cells())).unwrap();
-                    let error = 100.0 * (expected.cycles_per_ray / measured - 1.0);
-                    eprintln!("{name} {what} {order} {words}: {error:.2} lost {:.1}", 100.0 * expected.loss());
-                    let range = ranges.entry((array, place, column)).or_insert((error, error));
-                    *range = (range.0.min(error), range.1.max(error));
-                }
+/// What an error is of: an array, an order of rays and a depth, by their places.
+type Place = (usize, usize, usize);
+
+/// By how much percent the time that the model expects is off, on one scene.
+fn errors((name, size): (&str, u32)) -> Vec<(Place, f64)> {
+    let mut errors = Vec::new();
+    let (scene, rays) = scene(name, size, WIDTH);
+    for (array, (_, program)) in arrays().into_iter().enumerate() {
+        let workload = workload(&scene.mesh, &program, &rays);
+        for (place, order) in ORDERS.into_iter().enumerate() {
+            let sequence = order.parse::<Order>().unwrap().of_pixels(ImageSize { width: WIDTH, height: WIDTH });
+            let rays: Vec<Ray> = sequence.arrange(rays.clone());
+            let batches: Vec<Arc<OpBatch>> = traced(&workload, &rays);
+            let few = run::few(&workload, &rays, &Cancel::default()).unwrap();
+            for (column, words) in DEPTHS.into_iter().enumerate() {
+                let spec = MachineSpec { fifo_words: Words(words), ..machine().spec };
+                let measured = cycles(&spec, workload.costs(), &batches).unwrap() as f64 / rays.len() as f64;
+                let expected = few.expect(&run::fifos(&spec, workload.cells())).unwrap();
+                errors.push(((array, place, column), 100.0 * (expected.cycles_per_ray / measured - 1.0)));
             }
         }
+    }
+    errors
+}
+
+const DOCUMENT: &str = include_str!("../../docs/cost-model.md");
+
+/// Of a few scenes all errors lie between those of the table in docs/cost-model.md.
+#[test]
+fn the_documented_errors_of_the_time_hold() {
+    let arrays = arrays();
+    let range = |(array, place, column): Place| -> (f64, f64) {
+        let row = format!("| {} | {} | ", arrays[array].0, ORDERS[place]);
+        let cells = DOCUMENT.split_once(&row).expect("a row of the table").1;
+        let (least, most) = cells.split(" | ").nth(column).and_then(|cell| cell.split_once(" to ")).expect("a range");
+        let most = most.split(' ').next().unwrap_or_default();
+        (least.parse().expect("a number"), most.parse().expect("a number"))
+    };
+    for scene in [("room", 1), ("sombrero", 1), ("teapot", 8)] {
+        for (place, error) in errors(scene) {
+            let ((least, most), rounded) = (range(place), (10.0 * error).round() / 10.0);
+            assert!((least..=most).contains(&rounded), "{scene:?} {place:?}: {error} is not in {least} to {most}");
+        }
+    }
+}
+
+/// The table itself, over all built-in scenes.
+#[test]
+#[ignore = "it takes minutes: run it when the model or the array has changed"]
+fn the_documented_errors_of_the_time_are_these() {
+    let mut ranges: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
+    for (place, error) in SCENES.into_iter().flat_map(errors) {
+        let range = ranges.entry(place).or_insert((error, error));
+        *range = (range.0.min(error), range.1.max(error));
     }
     let mut table = String::from(
         "| array | order | 16 words | 128 words | 512 words | 1 048 576 words |\n| --- | --- | ---: | ---: | ---: | ---: |\n",
@@ -155,7 +185,7 @@ fn the_documented_errors_of_the_time_are_these() {
         }
     }
     insta::assert_snapshot!("errors_of_the_time", table);
-    assert!(include_str!("../../docs/cost-model.md").contains(&table), "docs/cost-model.md has another table");
+    assert!(DOCUMENT.contains(&table), "docs/cost-model.md has another table");
 }
 
 fn traced(workload: &pcs_sim::program::Workload, rays: &[Ray]) -> Vec<Arc<OpBatch>> {
