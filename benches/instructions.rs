@@ -7,7 +7,7 @@ use std::time::Instant;
 use pcs_sim::host::camera::{ImageSize, primary_rays};
 use pcs_sim::isa::Processor;
 use pcs_sim::machine::MachineFile;
-use pcs_sim::program::cells::CellOptions;
+use pcs_sim::program::cells::{Annex, CellOptions};
 use pcs_sim::program::{ArrayProgram, Tracer, Workload};
 use pcs_sim::scene::builtin;
 use pcs_sim::seam::OpBatch;
@@ -22,7 +22,8 @@ fn main() {
     let machine = MachineFile::standard().and_then(|file| file.build()).expect("the standard machine");
     let rays = primary_rays(&scene.camera, ImageSize { width, height: width });
     let cycles = machine.instructions.expect("the standard machine has them");
-    let options = CellOptions { cycles, folder: None, instruction_limit: Processor::INSTRUCTION_LIMIT };
+    let options =
+        CellOptions { cycles, folder: None, instruction_limit: Processor::INSTRUCTION_LIMIT, annex: Annex::default() };
     println!("{}, {} rays; the best of {REPEATS} runs", scene.name, rays.len());
     println!("{:<12} {:>14} {:>10} {:>24}", "program", "instructions", "seconds", "million instructions/s");
     for name in ["pipeline", "broadcast", "hybrid"] {

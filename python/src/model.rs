@@ -80,14 +80,13 @@ fn predict(run: &PlannedRun, mut layers: Layers, predict_only: bool, task: &Task
         counts: &outcome.counts,
         stats: &outcome.stats,
     });
-    let rows = prediction::rows(&forecast.predicted, &forecast.array, measured);
+    let rows = prediction::rows(&forecast, measured);
     let mut text = account::model_text((&scene, &run.spec, &run.machine), &forecast, &rows);
     if let Some((_, outcome, losses)) = &outcome {
         let verdict = account::verdict(&outcome.stats, losses.as_ref(), run.machine.spec.clock());
         text.push_str(&prose(&format!("Measured: {verdict}\n")));
     }
-    let (predicted, best, array) = (&forecast.predicted, &forecast.best, &forecast.array);
-    let json = prediction::to_json((&scene.name, &run.spec), &rows, predicted, best, array).map_err(output)?;
+    let json = prediction::to_json((&scene.name, &run.spec), &rows, &forecast).map_err(output)?;
     let notes = run.machine.notes.iter().chain(&scene.notes).cloned().collect();
     Ok(Model { rows, text, json, notes })
 }

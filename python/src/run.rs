@@ -163,7 +163,7 @@ impl Run {
             text("from", infos().map(|info| info.from.to_string())),
             text("to", infos().map(|info| info.to.to_string())),
         ];
-        columns.extend(capacities.map(|words| whole("capacity", words.into_iter())));
+        columns.extend(capacities.map(|words| whole("capacity", words)));
         columns.extend([
             whole("words", fifos().map(|fifo| fifo.words.0)),
             whole("max", fifos().map(|fifo| fifo.max.0)),

@@ -153,7 +153,7 @@ def test_every_flag_is_a_parameter(folder: Path) -> None:
     known = pcs_sim.parameters().to_dict()
     results = set(
         "json quiet config stats force watch plot plot-format page trace trace-window why enough image hits ops "
-        "ops-form threads colors palette against refined show-rectangles graphs "
+        "ops-form threads colors palette against refined show-rectangles check-rules graphs "
         "graph-format graph-of graph-pixels".split()
     )
     # The module works where it is, and on no cluster.

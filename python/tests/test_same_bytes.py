@@ -27,7 +27,7 @@ RUNS: list[dict[str, Any]] = [
         "bounded_walk": True,
     },
     {"scene": "room", "size": "24x18", "mode": "broadcast", "cells": 8, "order": "shuffle:5"},
-    {"scene": "room", "size": "6x4", "cells_run": "programs", "instruction_limit": 100000},
+    {"scene": "room", "size": "6x4", "cells_run": "programs", "instruction_limit": 100000, "early_slabs": True},
     {"scene": "tree", "size_factor": 2, "size": "16x12", "screen_rectangles": "objects", "host_filter_us": 2.5},
     {"scene": "room", "size": "12x9", "mode": "broadcast", "cells": 8, "masks": "rectangles", "host_mask_us": 1.0},
     {"scene": "balls", "size_factor": 1, "resolution": 8, "size": "16x16", "clock_ns": 25.0, "stop_words": 4},

@@ -108,7 +108,7 @@ ELSEWHERE: list[tuple[Callable[[], object], str]] = [
     (lambda: pcs_sim.farm(config="image.json"), "describes no farm"),
     (lambda: pcs_sim.model("room", mailbox=True), "the cost model knows no mailbox"),  # type: ignore[call-arg]
     (lambda: pcs_sim.model("room", predict_only=True, threads=2), "--threads is about the simulation"),
-    (lambda: pcs_sim.model("room", predict_only=True, fifo_words=2), "--fifo-words is about the simulation"),
+    (lambda: pcs_sim.model("room", predict_only=True, memory_words=2), "--memory-words is about the simulation"),
     (lambda: pcs_sim.model(config="image.json"), "that of a whole image"),
     (lambda: pcs_sim.run("room", fifo_wrods=8), r"did you mean `fifo_words`\?"),  # type: ignore[call-arg]
     (lambda: pcs_sim.run("room", samples=2), "unknown parameter `samples`"),  # type: ignore[call-arg]

@@ -166,6 +166,9 @@ pub struct ImageArgs {
     /// Draw the rectangles of --screen-rectangles on the image.
     #[arg(long, help_heading = "Results")]
     pub show_rectangles: bool,
+    /// First trace all rays with and without --rules, and make no image if a bit of any hit differs.
+    #[arg(long, help_heading = "Results")]
+    pub check_rules: bool,
     #[command(flatten)]
     pub shape: ShapeOptions,
     #[command(flatten)]

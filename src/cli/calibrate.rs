@@ -5,7 +5,7 @@ use std::path::Path;
 
 use pcs_sim::isa::Processor;
 use pcs_sim::machine::MachineFile;
-use pcs_sim::program::cells::CellOptions;
+use pcs_sim::program::cells::{Annex, CellOptions};
 use pcs_sim::program::figure7::calibrate::calibrate as fit;
 use pcs_sim::program::figure7::{machine_text, numbers};
 use pcs_sim::run::read_text;
@@ -25,8 +25,12 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     };
     let machine = MachineFile::parse(path, &text)?.build()?;
     let cycles = outputs::reading(&named, || fit(&machine.spec, args.cell_programs.clone()))?;
-    let options =
-        CellOptions { cycles, folder: args.cell_programs.clone(), instruction_limit: Processor::INSTRUCTION_LIMIT };
+    let options = CellOptions {
+        cycles,
+        folder: args.cell_programs.clone(),
+        instruction_limit: Processor::INSTRUCTION_LIMIT,
+        annex: Annex::default(),
+    };
     let numbers = numbers(&machine.times, Some(&options))?;
     let text = machine_text(path, &text, &machine.spec, &cycles, &numbers)?;
     if output.is_none() {

@@ -61,6 +61,9 @@ pub struct Figure7Args {
     /// A folder of programs for the cells in place of the standard ones.
     #[arg(long, value_name = "DIR")]
     pub cell_programs: Option<PathBuf>,
+    /// Tell what a recorded run of cells that run programs takes on the machines that fit: one that was written with --ops.
+    #[arg(long, value_name = "FILE")]
+    pub ops: Option<PathBuf>,
     /// Write a table of all machines that come within 10 %, with what their instructions cost: FILE.csv, and the same as
     /// FILE.parquet.
     #[arg(short = 'o', long, value_name = "FILE")]

@@ -2,15 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
+use pcs_sim::cancel::Cancel;
 use pcs_sim::isa::{Class, Processor};
 use pcs_sim::machine::{Machine, MachineFile, MachineSpec};
-use pcs_sim::program::cells::CellOptions;
+use pcs_sim::program::cells::{Annex, CellOptions};
 use pcs_sim::program::figure7::fits::{Fit, fits};
 use pcs_sim::program::figure7::{NUMBERS, numbers, us};
-use pcs_sim::report::figure7::within;
+use pcs_sim::program::work;
+use pcs_sim::report::figure7::{run_times, within};
 use pcs_sim::report::summary::{aligned, table};
 use pcs_sim::report::table::{self, Column, Kind, Table};
-use pcs_sim::run::OutputFile;
+use pcs_sim::run::{Fitting, OutputFile};
+use pcs_sim::seam::activity_trace::ActivityTrace;
 
 use super::cell_args::Figure7Args;
 use super::{Failure, outputs, print};
@@ -19,6 +22,8 @@ use super::{Failure, outputs, print};
 pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
     let files = args.fits.as_ref().map(|path| Files::open(path, args.force)).transpose()?;
     let machine = args.machine.as_deref().map_or_else(MachineFile::standard, MachineFile::read)?.build()?;
+    let mut trace = args.ops.as_deref().map(|ops| ActivityTrace::open(ops, &work::cycles_vocabulary())).transpose()?;
+    let fitting = trace.as_mut().map(|trace| Fitting::new(trace, &machine)).transpose()?;
     let timings = numbers(&machine.times, None)?;
     let programs = match machine.instructions {
         Some(cycles) => {
@@ -26,6 +31,7 @@ pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
                 cycles,
                 folder: args.cell_programs.clone(),
                 instruction_limit: Processor::INSTRUCTION_LIMIT,
+                annex: Annex::default(),
             };
             Some(numbers(&machine.times, Some(&options))?)
         }
@@ -35,16 +41,21 @@ pub fn figure7(args: &Figure7Args) -> Result<(), Failure> {
         }
     };
     print(&rows(&machine.spec, &timings, programs.as_ref()))?;
-    if programs.is_none() && files.is_none() {
+    if programs.is_none() && files.is_none() && fitting.is_none() {
         return Ok(());
     }
-    print_fits(args, &machine, files)
+    print_fits(args, &machine, (fitting, files))
 }
 
-/// The machines that fit: how many, and all of them as a table if that is asked for.
-fn print_fits(args: &Figure7Args, machine: &Machine, files: Option<Files>) -> Result<(), Failure> {
+/// The machines that fit: how many, what a run takes on them, and all of them as a table if that is asked for.
+fn print_fits(
+    args: &Figure7Args,
+    machine: &Machine,
+    (mut fitting, files): (Option<Fitting<'_>>, Option<Files>),
+) -> Result<(), Failure> {
     let mut all: Vec<Vec<String>> = Vec::new();
     let visit = |fit: Fit| {
+        fitting.iter_mut().for_each(|fitting| fitting.take(&fit));
         if files.is_some() {
             let costs = Class::ALL.iter().map(|&class| fit.cycles.of(class).to_string());
             all.push(std::iter::once(format!("{:.6}", 100.0 * fit.off)).chain(costs).collect());
@@ -52,6 +63,10 @@ fn print_fits(args: &Figure7Args, machine: &Machine, files: Option<Files>) -> Re
     };
     let counted = fits(&machine.spec, args.cell_programs.clone(), visit)?;
     print(&format!("\n{}", within(&counted, &machine.spec)))?;
+    if let Some(fitting) = fitting {
+        let (here, ranges) = fitting.times(&Cancel::default())?;
+        print(&format!("\n{}", run_times(here, &ranges, machine.spec.clock())))?;
+    }
     let Some(files) = files else { return Ok(()) };
     let costs = Class::ALL.map(|class| Column::new(class.name(), Kind::Whole, class.name()));
     let off = Column::new("off_percent", Kind::Number, "how far the worst of the six numbers is off (%)");

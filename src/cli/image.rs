@@ -1,5 +1,6 @@
 //! `pcs-sim image SCENE -o FILE`: a whole image, with the host and the array in a closed loop.
 
+use std::convert::Infallible;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -10,12 +11,14 @@ use pcs_sim::geometry::Hit;
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::host::color_table::{Color, ColorError, ColorTable, Palette};
 use pcs_sim::host::image;
+use pcs_sim::host::rules::Rules;
 use pcs_sim::host::screen::{self, ScreenRectangles};
 use pcs_sim::measure::Shape;
 use pcs_sim::report::account::{self, cell_names};
 use pcs_sim::report::graphs::{self as told, Gathered, Graphs};
 use pcs_sim::report::losses::Losses;
 use pcs_sim::report::stats::Configuration;
+use pcs_sim::report::summary::plural;
 use pcs_sim::report::{bottleneck, hits};
 use pcs_sim::run::{
     self, Layers, OutputFile, PlannedRun, Rendered, RunSpec, Seen, Setup, Shuffled, Switch, Timed, Timing, moot, noting,
@@ -70,6 +73,9 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let setup = setup?;
     spinner.finish_and_clear();
     notes(&setup);
+    if args.check_rules {
+        check_rules(args, &setup)?;
+    }
     let mut found = Vec::new();
     let mut gathered = files.graphs.is_some().then(|| Gathered::new(&setup));
     let (rendered, losses) = match engine {
@@ -96,6 +102,22 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     let traced = (&found[..], graphs);
     let written = write_outputs((format, args.show_rectangles), &setup, made, traced, files)?;
     print(&outputs::list(&written))
+}
+
+/// Holds the image's rays against themselves without rules, and fails if anything differs.
+fn check_rules(args: &ImageArgs, setup: &Setup) -> Result<(), Failure> {
+    let bar = progress::samples();
+    let checked = run::check_rules(&setup.picture(), &workers(args.tracing.threads), |seen| {
+        if let Seen::Samples { done, of, .. } = seen {
+            bar.set_length(*of as u64);
+            bar.set_position(*done as u64);
+        }
+        Ok::<_, Infallible>(())
+    });
+    bar.finish_and_clear();
+    let rays = checked?.map_err(|broken| Failure::Output(broken.to_string()))?;
+    let rules = setup.image().rules;
+    print(&format!("rules {rules}: all {} hit as they do without, to the bit\n\n", plural(rays as u64, "ray")))
 }
 
 /// The pixels that the image is held against, as a screen has them.
@@ -170,7 +192,12 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
         ("--enough", args.views.enough),
     ];
     let image = spec.image.clone().unwrap_or_default();
+    if args.check_rules && image.rules == Rules::default() {
+        let error = InputError::new("--check-rules has no rules to check");
+        return Err(error.help("leave it out, or ask for --rules"));
+    }
     let whole = [
+        ("--check-rules", args.check_rules),
         ("--refined", args.refined.is_some()),
         ("--against", args.against.is_some()),
         ("--show-rectangles", args.show_rectangles),

@@ -40,7 +40,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
         counts: &outcome.counts,
         stats: &outcome.stats,
     });
-    let rows = prediction::rows(&forecast.predicted, &forecast.array, run);
+    let rows = prediction::rows(&forecast, run);
     print(&account::model_text((&scene, spec, machine), &forecast, &rows))?;
     if let Some((_, outcome, losses)) = &outcome {
         let verdict = account::verdict(&outcome.stats, losses.as_ref(), machine.spec.clock());
@@ -48,8 +48,7 @@ pub fn model(args: &ModelArgs, typed: &Typed) -> Result<(), Failure> {
     }
     let mut written = Vec::new();
     outputs::finish(stats, &mut written, |file| {
-        let json =
-            prediction::to_json((&scene.name, spec), &rows, &forecast.predicted, &forecast.best, &forecast.array)?;
+        let json = prediction::to_json((&scene.name, spec), &rows, &forecast)?;
         file.write_all(json.as_bytes())
     })?;
     print(&outputs::list(&written))

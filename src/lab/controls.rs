@@ -221,7 +221,7 @@ fn default_of(name: &str, machine: &Value) -> String {
         "cells_run" => "timings",
         "instruction_limit" => "200000000",
         "on" => "pcs",
-        "mailbox" | "bounded_walk" => "false",
+        "mailbox" | "bounded_walk" | "early_slabs" | "stepped_walk" => "false",
         "screen_rectangles" | "masks" => "off",
         "numbering" => "cut",
         "host_filter_us" | "host_mask_us" | "message_us" => "0",

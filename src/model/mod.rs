@@ -13,6 +13,7 @@
 //! | (6), memory of the slabs | [`slabs::memory_words`] |
 //! | §4.2, what each cell and link has to do, and the bounds that follow | [`throughput`] |
 //! | §4.1, what each node of a hypercube has to do, and the bounds that follow | [`cube`] |
+//! | §4.2, when messages pass, and what is lost while cells wait | [`passage`]; of a run, by a few of its rays: [`Expectation`] |
 //!
 //! The paper leaves open how large a scene's polygons are and how its rays run ("must be measured in pre-processing").
 //! A [`Survey`] measures both, on a few of the rays and a coarse grid, and turns them into a [`Prediction`].
@@ -21,17 +22,22 @@
 
 pub mod cost;
 pub mod cube;
+mod expectation;
 mod footprint;
 pub mod grid;
+pub mod passage;
 mod prediction;
 mod sketch;
 pub mod slabs;
+mod stretches;
 mod survey;
 pub mod throughput;
 
 pub use cube::Bounds;
+pub use expectation::{Depth, Expectation, Few};
 pub use footprint::Footprint;
 pub use prediction::{PaperFormulas, Prediction, Sizes};
 pub use sketch::RayWork;
+pub use stretches::Stretches;
 pub use survey::Survey;
 pub use throughput::{ArrayModel, Bound, CellLoad, Limit, LinkLoad, Links, Stage, Times};

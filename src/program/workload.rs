@@ -109,6 +109,13 @@ impl Workload {
         Workload { tested: Some(tested), ..self }.priced()
     }
 
+    /// The same for some of the rays of the run, those in these places.
+    pub fn of_some(&self, places: &[usize]) -> Workload {
+        let tested =
+            |all: &Arc<Vec<u32>>| Arc::new(places.iter().filter_map(|&place| all.get(place).copied()).collect());
+        Workload { tested: self.tested.as_ref().map(tested), ..self.clone() }
+    }
+
     /// The same whose rays name, in a word more, the polygon that they start on and do not hit.
     pub fn naming_own(self) -> Workload {
         Workload { names_own: true, ..self }

@@ -243,7 +243,7 @@ pub fn replay_head(replay: &Replay, stats: &Measured) -> String {
 
 /// What people read of a prediction: `rows` are its quantities, with those of the run or without.
 pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast: &Forecast, rows: &[Row]) -> String {
-    let Forecast { array, predicted, best, polygons, rays } = forecast;
+    let (polygons, rays) = (forecast.polygons, forecast.rays);
     let program = &spec.program;
     let title = format!(
         "{} on {} in {} of {}, grid coefficient {}: scene {} ({}), {}{}",
@@ -253,16 +253,13 @@ pub fn model_text((scene, spec, machine): (&Scene, &RunSpec, &Machine), forecast
         program.stages.len(),
         program.grid_coefficient,
         scene.name,
-        plural(*polygons as u64, "polygon"),
-        plural(*rays as u64, "ray"),
+        plural(polygons as u64, "polygon"),
+        plural(rays as u64, "ray"),
         in_order(spec.order),
     );
     let head = format!("{title}\n{}", machine_line(&machine.spec));
-    let mut sentences = prediction::sentences(predicted, best, array);
-    if spec.order != Order::Raster {
-        sentences += "The model knows no order of the rays: what it expects bounds them all.\n";
-    }
-    format!("{}\n\n{}\n{}", summary::prose(&head), prediction::to_table(rows), summary::prose(&sentences))
+    let sentences = summary::prose(&prediction::sentences(forecast));
+    format!("{}\n\n{}\n{sentences}", summary::prose(&head), prediction::to_table(rows))
 }
 
 /// The statistics of a run of primary rays, as JSON.

@@ -2,10 +2,13 @@
 
 use crate::isa::Class;
 use crate::machine::MachineSpec;
+use crate::measure::Clock;
 use crate::program::figure7::NUMBERS;
 use crate::program::figure7::calibrate::{BOUNDS, whole_cycles};
 use crate::program::figure7::fits::Within;
-use crate::report::summary::{WIDTH, aligned, grouped, plural, table, wrapped};
+use crate::quantities::Cycles;
+use crate::report::summary::{WIDTH, aligned, grouped, plural, table, time, wrapped};
+use crate::run::Range;
 
 /// How many machines come near Figure 7, and what each class of instructions costs in them, in cycles.
 pub fn within(all: &[Within], spec: &MachineSpec) -> String {
@@ -20,6 +23,25 @@ pub fn within(all: &[Within], spec: &MachineSpec) -> String {
         rows.add_row([format!("{}, cycles", class.name()), plausible(class, spec)].into_iter().chain(ranges));
     }
     format!("{}\n{}", aligned(rows), sentence(all))
+}
+
+/// What a recorded run takes on the machine as it is, if that has costs of instructions, and on those that come near Figure 7.
+pub fn run_times(here: Option<Cycles>, ranges: &[Range], clock: Clock) -> String {
+    let seconds = |cycles: Cycles| time(clock.seconds(cycles));
+    let against = |cycles: Cycles| match here {
+        Some(here) => format!(" ({:+.1} %)", 100.0 * (cycles.0 as f64 / here.0.max(1) as f64 - 1.0)),
+        None => String::new(),
+    };
+    let cell = |cycles: Option<Cycles>| cycles.map_or("-".to_owned(), |cycles| seconds(cycles) + &against(cycles));
+    let mut rows = table(&["the run, on machines within", "at the least", "at the most"]);
+    for range in ranges {
+        let (least, most) = (range.cycles.map(|cycles| cycles.0), range.cycles.map(|cycles| cycles.1));
+        rows.add_row([format!("{} %", range.percent), cell(least), cell(most)]);
+    }
+    let told = here.map_or(String::new(), |here| format!(" On this machine it takes {}.", seconds(here)));
+    let text =
+        format!("The least and the most are timed on those on which the busiest cell works least and most.{told}");
+    format!("{}\n{}\n", aligned(rows), wrapped(&text, WIDTH))
 }
 
 /// From the least to the most cycles that a class can have cost in 1988.

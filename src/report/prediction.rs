@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::summary::{aligned, grouped, table, wrapped};
 use crate::measure::Measured;
-use crate::model::{ArrayModel, CellLoad, Limit, LinkLoad, Prediction, Stage};
+use crate::model::{ArrayModel, CellLoad, Depth, Expectation, Limit, LinkLoad, Prediction, Stage};
 use crate::program::{ArrayProgram, CellMemory, Counts, Workload};
-use crate::run::{CountedLoads, RunSpec};
+use crate::run::{CountedLoads, Forecast, RunSpec};
 
 /// A run, for the model to be held against.
 #[derive(Clone, Copy, Debug)]
@@ -59,12 +59,13 @@ impl Row {
 }
 
 /// All quantities, of a prediction alone or with the run that it was made for.
-pub fn rows(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>) -> Vec<Row> {
+pub fn rows(forecast: &Forecast, run: Option<Run<'_>>) -> Vec<Row> {
+    let (prediction, array) = (&forecast.predicted, &forecast.array);
     let loads = run.map(|run| CountedLoads::new(run.stats, array, &prediction.cells));
     let mut rows = counts(prediction, array, run);
     rows.extend(memory(prediction, array, run));
     rows.extend(cells(prediction, array, loads.as_ref()));
-    rows.extend(speed(prediction, array, run, loads.as_ref()));
+    rows.extend(speed(forecast, run, loads.as_ref()));
     rows
 }
 
@@ -127,20 +128,29 @@ fn cells(prediction: &Prediction, array: &ArrayModel, loads: Option<&CountedLoad
     (0..stages).map(row).collect()
 }
 
-fn speed(prediction: &Prediction, array: &ArrayModel, run: Option<Run<'_>>, loads: Option<&CountedLoads>) -> Vec<Row> {
+fn speed(forecast: &Forecast, run: Option<Run<'_>>, loads: Option<&CountedLoads>) -> Vec<Row> {
+    let Forecast { predicted: prediction, array, expected, .. } = forecast;
     let bound = prediction.bound.cycles_per_ray;
     let counted = loads.map(|loads| loads.bound.cycles_per_ray);
     let measured = run.map(|run| run.stats.cycles.0 as f64 / run.stats.jobs.max(1) as f64);
     let rate = |cycles: f64| array.cycles_per_second / cycles;
+    let mut rows = vec![
+        Row::new("cycles a ray, at least", bound).counted(counted),
+        Row::new("rays a second, at most", rate(bound)).counted(counted.map(rate)),
+    ];
+    if let Some(expected) = expected {
+        let lost = counted.zip(measured).map(|(counted, cycles)| 100.0 * (1.0 - counted / cycles));
+        rows.push(Row::new("cycles a ray", expected.cycles_per_ray).measured(measured));
+        rows.push(Row::new("rays a second", rate(expected.cycles_per_ray)).measured(measured.map(rate)));
+        rows.push(Row::new("lost to waiting, %", 100.0 * expected.loss()).measured(lost));
+    }
+    let cycles = expected.as_ref().map_or(bound, |expected| expected.cycles_per_ray);
     let busiest = |links: &[LinkLoad]| links.iter().map(|link| link.cycles(array.links)).fold(0.0, f64::max);
     let link = loads.zip(measured).map(|(loads, cycles)| 100.0 * busiest(&loads.links) / cycles);
-    vec![
-        Row::new("cycles a ray, at least", bound).counted(counted).measured(measured),
-        Row::new("rays a second, at most", rate(bound)).counted(counted.map(rate)).measured(measured.map(rate)),
-        Row::new("busiest link used, %", 100.0 * busiest(&prediction.links) / bound).measured(link),
-        Row::new("host used, %", 100.0 * prediction.host / bound)
-            .measured(measured.map(|cycles| 100.0 * prediction.host / cycles)),
-    ]
+    rows.push(Row::new("busiest link used, %", 100.0 * busiest(&prediction.links) / cycles).measured(link));
+    let host = Row::new("host used, %", 100.0 * prediction.host / cycles);
+    rows.push(host.measured(measured.map(|cycles| 100.0 * prediction.host / cycles)));
+    rows
 }
 
 fn stage_name(stage: Stage) -> String {
@@ -180,19 +190,54 @@ fn number(value: f64) -> String {
     if value >= 1000.0 { grouped(value.round() as u64) } else { format!("{value:.2}") }
 }
 
-/// What the model expects to limit the array, and the coefficient that it would take instead.
-pub fn sentences(prediction: &Prediction, best: &(f64, Prediction), array: &ArrayModel) -> String {
-    let rate =
-        |prediction: &Prediction| grouped((array.cycles_per_second / prediction.bound.cycles_per_ray).round() as u64);
-    let (coefficient, other) = best;
+/// What the model expects to limit the array, the coefficient that it would take instead, what is lost to waiting, and how deep FIFOs
+/// must be for less.
+pub fn sentences(forecast: &Forecast) -> String {
+    let Forecast { predicted, best: (coefficient, other), array, expected, .. } = forecast;
+    let rate = |cycles: f64| grouped((array.cycles_per_second / cycles).round() as u64);
+    let limit = |prediction: &Prediction| rate(prediction.bound.cycles_per_ray);
+    let waiting = match expected {
+        Some(expected) => waiting(forecast, expected, &rate(expected.cycles_per_ray)),
+        None => "With these FIFOs it expects the cells to come to a stop.\n".to_owned(),
+    };
     format!(
         "The model expects {} to limit the array to {} rays/s.\n\
-         Of the grid coefficients from 0.5 to 500 it takes {coefficient} for the best: {} would limit it to {} rays/s.\n",
-        limit_name(prediction, array),
-        rate(prediction),
+         Of the grid coefficients from 0.5 to 500 it takes {coefficient} for the best: {} would limit it to {} rays/s.\n\
+         {waiting}",
+        limit_name(predicted, array),
+        limit(predicted),
         limit_name(other, array),
-        rate(other),
+        limit(other),
     )
+}
+
+/// What is lost to waiting, and how deep FIFOs must be for less.
+fn waiting(forecast: &Forecast, expected: &Expectation, rate: &str) -> String {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let mut text = format!(
+        "In this order of rays it expects {rate} rays/s (from {} of them): {} of the time is lost to waiting; with FIFOs that are never \
+         full it would be {}.\n",
+        grouped(forecast.traced as u64),
+        percent(expected.loss()),
+        percent(expected.least_loss()),
+    );
+    let depths: Vec<String> = forecast
+        .depths
+        .iter()
+        .map(|depth| {
+            let words = |words: u64| grouped(words);
+            format!(
+                "{} % are lost with {} words on X and {} on Y",
+                (100.0 * depth.loss).round(),
+                words(depth.x),
+                words(depth.y)
+            )
+        })
+        .collect();
+    if !depths.is_empty() {
+        text += &format!("At most {}.\n", depths.join("; "));
+    }
+    text
 }
 
 /// The bottleneck, by name.
@@ -213,24 +258,47 @@ struct Report<'a> {
     quantities: &'a [Row],
     best_grid_coefficient: f64,
     best_rays_per_second: f64,
+    waiting: Option<Waiting>,
     configuration: &'a RunSpec,
 }
 
+#[derive(Serialize)]
+struct Waiting {
+    rays_traced: usize,
+    cycles_per_ray: f64,
+    rays_per_second: f64,
+    lost: f64,
+    lost_with_deep_fifos: f64,
+    depths: Vec<Words>,
+}
+
+#[derive(Serialize)]
+struct Words {
+    lost: f64,
+    x_fifo_words: u64,
+    y_fifo_words: u64,
+}
+
 /// All of it as indented JSON.
-pub fn to_json(
-    (scene, spec): (&str, &RunSpec),
-    rows: &[Row],
-    prediction: &Prediction,
-    best: &(f64, Prediction),
-    array: &ArrayModel,
-) -> serde_json::Result<String> {
+pub fn to_json((scene, spec): (&str, &RunSpec), rows: &[Row], forecast: &Forecast) -> serde_json::Result<String> {
+    let Forecast { predicted, best, array, expected, depths, traced, .. } = forecast;
+    let words = |depth: &Depth| Words { lost: depth.loss, x_fifo_words: depth.x, y_fifo_words: depth.y };
+    let waiting = expected.as_ref().map(|expected| Waiting {
+        rays_traced: *traced,
+        cycles_per_ray: expected.cycles_per_ray,
+        rays_per_second: array.cycles_per_second / expected.cycles_per_ray,
+        lost: expected.loss(),
+        lost_with_deep_fifos: expected.least_loss(),
+        depths: depths.iter().map(words).collect(),
+    });
     let report = Report {
         scene,
         program: &spec.program,
-        limit: limit_name(prediction, array),
+        limit: limit_name(predicted, array),
         quantities: rows,
         best_grid_coefficient: best.0,
         best_rays_per_second: array.cycles_per_second / best.1.bound.cycles_per_ray,
+        waiting,
         configuration: spec,
     };
     serde_json::to_string_pretty(&report).map(|json| json + "\n")

@@ -58,7 +58,9 @@ impl Keys {
     fn new(spec: &RunSpec, machine: &Machine) -> Keys {
         // All fields by name, so that a new one cannot be forgotten here.
         let RunSpec { version: _, scene, size_factor, resolution, size, rays, order, image, program, .. } = spec;
-        let RunSpec { edges, cells_run, cell_programs, instruction_limit, screen_rectangles, machine: _, .. } = spec;
+        let RunSpec {
+            edges, cells_run, cell_programs, instruction_limit, annex, screen_rectangles, machine: _, ..
+        } = spec;
         let ArrayProgram { name: _, stages, groups, partition, numbering, grid_coefficient, .. } = program;
         let ArrayProgram { mailbox, stop_words, forward_ahead, rays_per_message, bounded_walk, masks, .. } = program;
         let Machine { spec: array, times, instructions, notes: _ } = machine;
@@ -77,8 +79,12 @@ impl Keys {
         let cut = (*groups > 1).then(|| (cut(), numbering, light));
         let laid_out = Key::of((&prepared, groups, cut, grid_coefficient));
         // A machine that does not say what instructions cost runs no programs, whatever others would make of their ops.
-        let programs =
-            (*cells_run == CellsRun::Programs).then_some((cell_programs, instruction_limit, instructions.is_some()));
+        let programs = (*cells_run == CellsRun::Programs).then_some((
+            cell_programs,
+            instruction_limit,
+            annex,
+            instructions.is_some(),
+        ));
         // The host of an image sends what it sends next by what it has read until then.
         let clock = |timing| (timing == Switch::On).then_some((array, times, instructions));
         let image = image.as_ref().map(|image| (image, clock(image.timing)));

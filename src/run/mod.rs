@@ -7,6 +7,7 @@ mod ahead;
 mod closed_loop;
 mod cube;
 mod farm;
+mod fitting;
 mod in_step;
 mod kept;
 mod layers;
@@ -18,6 +19,7 @@ mod outputs;
 mod recording_memory;
 mod render;
 mod replayed;
+mod ruled;
 mod setup;
 mod shown;
 mod shuffled;
@@ -34,10 +36,11 @@ pub use cube::{
     PixelsOf, QueueRays, RegionSpec, Termination,
 };
 pub use farm::{FarmOptions, FarmOutcome, FarmRays, FarmRunOptions, FarmScene, FarmSetup, FarmSpec, TaskRange};
+pub use fitting::{Fitting, Range};
 pub use in_step::InStep;
 pub use kept::KeptOps;
 pub use layers::{Key, Keys, Layers, PlannedRun, Prepared, Traced};
-pub use modelled::{CountedLoads, Forecast, array_model};
+pub use modelled::{CountedLoads, Forecast, array_model, few, fifos};
 pub use options::{
     CellsOptions, CellsRun, HostOptions, LightOptions, MachineFileOptions, Mode, On, ProgramOptions, RayOptions,
     RunOptions, SceneOptions, SendingOptions, ShapeOptions, Switch,
@@ -48,6 +51,7 @@ pub use outputs::{OutputFile, OutputFolder, Outputs};
 pub use recording_memory::RecordingMemory;
 pub use render::{KindLatencies, Picture, Rendered, Seen, Timed, Timing, render, render_lines};
 pub use replayed::Replay;
+pub use ruled::{Broken, check_rules};
 pub use setup::Setup;
 pub use shuffled::{Reordered, Shuffled};
 pub use sizing::{Depths, Fewer, Front, Point, Recorded, SLOWER, Searching, SizingError, size_fifos, slower};

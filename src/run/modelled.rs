@@ -1,13 +1,20 @@
 //! A run as the cost model sees it.
 
 use super::layers::{Layers, PlannedRun};
-use crate::cancel::Cancel;
+use super::{Workers, trace};
+use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
-use crate::machine::{Machine, RateCounts};
+use crate::geometry::partition::SubVolume;
+use crate::geometry::{Bounds, Ray};
+use crate::machine::{FifoName, Machine, MachineSpec, RateCounts};
 use crate::measure::{Actor, Measured, StateKind, StateTimes};
 use crate::model::cost::KernelTime;
-use crate::model::{ArrayModel, Bound, CellLoad, LinkLoad, Links, Prediction, Stage, Survey, Times};
-use crate::program::{ArrayProgram, Kernel, Masks, NotLaidOut, sub_sample};
+use crate::model::passage::{Fifos, Passage};
+use crate::model::{
+    ArrayModel, Bound, CellLoad, Depth, Expectation, Few, LinkLoad, Links, Prediction, Stage, Stretches, Survey, Times,
+};
+use crate::program::{ArrayProgram, Kernel, Masks, NotLaidOut, Workload};
+use crate::seam::Channel;
 
 /// An array program on a machine, as the model sees it.
 pub fn array_model(program: &ArrayProgram, machine: &Machine) -> ArrayModel {
@@ -41,6 +48,12 @@ pub struct Forecast {
     pub predicted: Prediction,
     /// The grid coefficient that the model takes for the best, and what to expect of it.
     pub best: (f64, Prediction),
+    /// How long it will take, by the passage of a few of its rays; `None` if they do not come to an end.
+    pub expected: Option<Expectation>,
+    /// How deep its FIFOs must be for less to be lost to waiting.
+    pub depths: Vec<Depth>,
+    /// How many rays were traced for that.
+    pub traced: usize,
     /// Polygons of the scene.
     pub polygons: usize,
     /// Rays of the run.
@@ -63,13 +76,53 @@ impl Layers {
         if program.masks != Masks::Off {
             array.times.host_ray += (host.mask.0 * program.groups as u64) as f64;
         }
-        let sub_volumes = surfaces.sub_volumes(program, run.machine.times, &sub_sample(rays), cancel)?;
+        let workload = self.workload(run, cancel)?;
+        let part = |(volume, members): (Bounds, &[u32])| SubVolume { volume, members: members.to_vec() };
+        let sub_volumes: Vec<SubVolume> = workload.sub_volumes().map(part).collect();
         let survey = Survey::new(surfaces.polygons(), &sub_volumes, rays).masked(program.masks, &scene.camera);
         let too_large = |error| InputError::new(format!("{error}"));
         let predicted = survey.predict(&array, program.grid_coefficient).map_err(too_large)?;
         let best = survey.best_coefficient(&array).map_err(too_large)?;
+        let (some, fifos) = (few(&workload, rays, cancel)?, fifos(&run.machine.spec, workload.cells()));
+        let (expected, depths, traced) = (some.expect(&fifos), some.depths(&fifos), some.passage.rays());
         let (polygons, rays) = (surfaces.polygons().len(), rays.len());
-        Ok(Forecast { array, predicted, best, polygons, rays })
+        Ok(Forecast { array, predicted, best, expected, depths, traced, polygons, rays })
+    }
+}
+
+/// A few of the rays of a run, in the order in which they are sent, traced to stand for all.
+///
+/// # Errors
+///
+/// If it is told to stop.
+pub fn few(workload: &Workload, rays: &[Ray], cancel: &Cancel) -> Result<Few, Cancelled> {
+    let stretches = Stretches::of(rays, workload.cells());
+    let some: Vec<Ray> = stretches.traced.iter().map(|&place| rays[place]).collect();
+    let mut passage = Passage::new(workload.cells());
+    let workers = Workers { cancel: cancel.clone(), ..Workers::on_all_cores() };
+    trace(&workload.of_some(&stretches.traced), &some, &workers, |batch| {
+        cancel.check()?;
+        passage.take(&batch.ops, workload.costs());
+        Ok::<_, Cancelled>(batch)
+    })?;
+    Ok(Few { passage, stretches })
+}
+
+/// The FIFOs and links of a row of so many cells, as the model sees them.
+pub fn fifos(spec: &MachineSpec, cells: usize) -> Fifos {
+    let words = |link: usize| {
+        Channel::ALL.map(|channel| {
+            // What goes to the left is taken by the cell before, which on the first link is none.
+            let reader = if channel == Channel::Z { link.saturating_sub(1) } else { link };
+            spec.fifo_words_of(FifoName { channel, reader: Actor::Station(reader) }).0
+        })
+    };
+    let rate = spec.link_rate();
+    Fifos {
+        words: (0..cells).map(words).collect(),
+        latency: spec.link_latency().0,
+        cycles_per_word: rate.cycles_per_word,
+        shared: rate.counts == RateCounts::Link,
     }
 }
 

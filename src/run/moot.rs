@@ -101,7 +101,7 @@ pub fn check_model(typed: &RunOptions, spec: &RunSpec, predict_only: bool) -> Re
     }
     if predict_only {
         let (why, help) = (WITHOUT_RUN, "leave out one of the two");
-        refuse(typed, &[&DEPTHS[..], &["latency_cycles", "memory_words"]].concat(), why, help)?;
+        refuse(typed, &["memory_words"], why, help)?;
     }
     check_rays(typed)?;
     check_shading(typed)?;
@@ -244,7 +244,7 @@ fn check_cells(typed: &RunOptions, spec: &RunSpec) -> Result<(), InputError> {
         let why = "is a time of Figure 7, which cells that run programs do not take";
         return refuse(typed, &KERNELS, why, "leave it out, or let the cells run timings");
     }
-    let names = ["cell_programs", "instruction_limit"];
+    let names = ["cell_programs", "instruction_limit", "early_slabs", "stepped_walk"];
     refuse(typed, &names, "is about programs of the cells, which run none", "ask for --cells-run programs")
 }
 

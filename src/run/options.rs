@@ -110,6 +110,12 @@ parameters! {
         cells_run: CellsRun, "WHAT", Text, "what the cells run";
         /// A folder of programs for the cells (grid.pcs, broadcast.pcs, ...) in place of the standard ones.
         cell_programs: PathBuf, "DIR", File, "programs of the cells";
+        /// Let the slabs' program stop at the first slab that rules the ray out, as annex A.2 does, and not work out all seven.
+        #[cfg_attr(feature = "cli", arg(action = clap::ArgAction::SetTrue))]
+        early_slabs: bool, "", Truth, "slabs' test ends early";
+        /// Let the grid's program add up where the ray crosses planes, as annex A.1 does: rounding adds up too, and hits may differ.
+        #[cfg_attr(feature = "cli", arg(action = clap::ArgAction::SetTrue))]
+        stepped_walk: bool, "", Truth, "walk adds up its steps";
         /// The most instructions that a program may execute for one ray [default: 200000000].
         #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u64).range(1..)))]
         instruction_limit: u64, "N", Whole, "most instructions for one ray";

@@ -21,7 +21,7 @@ use crate::input::STREAM;
 use crate::input::fields::{self, is_default};
 use crate::isa::Processor;
 use crate::machine::{Machine, MachineFile};
-use crate::program::cells::CellOptions;
+use crate::program::cells::{Annex, CellOptions};
 use crate::program::{ArrayProgram, Masks};
 use crate::scene::{ReadOptions, Scene, builtin};
 
@@ -69,6 +69,9 @@ pub struct RunSpec {
     /// The most cycles that a program may compute for one ray, if cells run any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instruction_limit: Option<u64>,
+    /// Where the cells' programs do as the annex does, and the standard ones otherwise.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub annex: Annex,
     /// The machine, as its file would have it.
     pub machine: MachineFile,
 }
@@ -235,6 +238,11 @@ impl RunSpec {
         let cell_programs = folder.or_else(|| base?.cell_programs.clone()).unwrap_or_else(|| STANDARD_PROGRAMS.into());
         let instruction_limit = cells.instruction_limit.or(base.and_then(|base| base.instruction_limit));
         let instruction_limit = instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
+        let before = base.map(|base| base.annex).unwrap_or_default();
+        let annex = Annex {
+            early_slabs: cells.early_slabs.unwrap_or(before.early_slabs),
+            stepped_walk: cells.stepped_walk.unwrap_or(before.stepped_walk),
+        };
         let rays = options.rays.rays.clone().or_else(|| base?.rays.clone().filter(|_| shape.size.is_none()));
         let edges = cells.edges.or(base.map(|base| base.edges)).unwrap_or_default();
         check_edges(edges, cells_run)?;
@@ -262,6 +270,7 @@ impl RunSpec {
             cells_run,
             cell_programs: runs_programs.then_some(cell_programs),
             instruction_limit: runs_programs.then_some(instruction_limit),
+            annex: if runs_programs { annex } else { Annex::default() },
             machine,
         })
     }
@@ -363,7 +372,7 @@ impl RunSpec {
     pub(super) fn cell_options(&self, machine: &Machine) -> Result<CellOptions, InputError> {
         let instruction_limit = self.instruction_limit.unwrap_or(Processor::INSTRUCTION_LIMIT);
         let folder = self.cell_programs.clone().filter(|folder| folder != Path::new(STANDARD_PROGRAMS));
-        Ok(CellOptions { cycles: machine.instruction_cycles()?, folder, instruction_limit })
+        Ok(CellOptions { cycles: machine.instruction_cycles()?, folder, instruction_limit, annex: self.annex })
     }
 }
 

@@ -188,7 +188,8 @@ fn help_leaves_out_what_is_always_refused() {
         let help = folder.run(&format!("{name} --help")).success();
         for flag in refused.iter().map(|parameter| format!("--{}", parameter.replace('_', "-"))) {
             let takes_value =
-                !["--adaptive", "--mailbox", "--why", "--enough", "--bounded-walk"].contains(&flag.as_str());
+                !["--adaptive", "--mailbox", "--why", "--enough", "--bounded-walk", "--early-slabs", "--stepped-walk"]
+                    .contains(&flag.as_str());
             let value = if takes_value { "2" } else { "" };
             let error = folder.run(&format!("{name} {input} {flag} {value}")).refused();
             let about = flag.trim_start_matches("--").split('-').next().unwrap();

@@ -93,7 +93,7 @@ fn each_parameter_changes_the_layers_that_read_it_and_no_other() {
     let changes: BTreeMap<&str, (&str, Layer)> =
         CHANGES.iter().map(|&(name, value, layer)| (name, (value, layer))).collect();
     // Of files, and of cells that run programs: below. Another machine than the array has layers of its own.
-    let elsewhere = ["program", "machine", "cell_programs", "instruction_limit", "on"];
+    let elsewhere = ["program", "machine", "cell_programs", "instruction_limit", "early_slabs", "stepped_walk", "on"];
     for parameter in RunOptions::parameters().filter(|parameter| !elsewhere.contains(&parameter.name)) {
         let &(value, layer) = changes.get(parameter.name).unwrap_or_else(|| panic!("no row for {}", parameter.name));
         let mut parameters = vec![("scene", "balls"), ("mode", "hybrid"), ("groups", "2")];
@@ -159,6 +159,8 @@ fn programs_read_the_costs_of_instructions() {
     let change =
         |name, value| first_change(&planned(&base).keys, &planned(&[&base[..], &[(name, value)]].concat()).keys);
     assert_eq!(change("instruction_limit", "1000"), Layer::Traced);
+    assert_eq!(change("early_slabs", "true"), Layer::Traced);
+    assert_eq!(change("stepped_walk", "true"), Layer::Traced);
     assert_eq!(change("cell_programs", "some-folder"), Layer::Traced);
     assert_eq!(change("grid_voxel", "1"), Layer::None);
     assert_eq!(change("host_ray_us", "1"), Layer::Timed);

@@ -76,6 +76,7 @@ mod timing_is_exact;
 mod traces;
 mod vertex_colors;
 mod views;
+mod waiting;
 mod watch;
 mod why;
 mod wild_files;

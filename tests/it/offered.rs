@@ -73,7 +73,11 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("--edges", "closed"),
     ("--cells-run", "programs"),
     ("--cell-programs", "cells --cells-run programs"),
+    ("--check-rules", "--rules own"),
+    ("--early-slabs", "--cells-run programs"),
+    ("--stepped-walk", "--cells-run programs"),
     ("figure7 --cell-programs", "cells"),
+    ("figure7 --ops", "programs.ops"),
     ("figure7 --fits", "fits.csv"),
     ("calibrate --cell-programs", "cells"),
     ("--instruction-limit", "100000000 --cells-run programs"),
@@ -303,6 +307,7 @@ fn prepared() -> Folder {
     copy(Path::new("pcs-programs/cells"), &folder.path("cells"));
     for args in [
         "--scene room --size 4x3 --ops run.ops --stats run.json",
+        "--scene room --size 4x3 --cells-run programs --ops programs.ops",
         "image room --size 4x3 -o i.png --stats image.json",
         "image room --size 4x3 -o ref.pfm",
         "farm room --size 4x3 --stats farm.json",

@@ -6,13 +6,17 @@ use std::path::Path;
 
 use crate::support::command::{Folder, run_in};
 use crate::support::{bits, cell_options, machine, program, scene, spent};
+use pcs_sim::cancel::Cancel;
 use pcs_sim::geometry::{Partition, Polygons, Ray, brute_force};
 use pcs_sim::isa::{Class, FaultKind};
-use pcs_sim::program::cells::CellOptions;
+use pcs_sim::machine::Machine;
+use pcs_sim::program::cells::{Annex, CellOptions};
+use pcs_sim::program::figure7::fits::fits;
 use pcs_sim::program::figure7::{NUMBERS, Number, numbers, us};
-use pcs_sim::program::{ArrayProgram, Counts, Workload};
-use pcs_sim::run::{self, Outcome, RunError, Workers};
-use pcs_sim::scene::{Mesh, builtin};
+use pcs_sim::program::{ArrayProgram, Counts, Workload, work};
+use pcs_sim::run::{self, Fitting, Outcome, RunError, Workers};
+use pcs_sim::scene::{Mesh, Scene, builtin};
+use pcs_sim::seam::activity_trace::ActivityTrace;
 
 fn run(workload: &Workload, rays: &[Ray], threads: usize) -> Outcome {
     run::run(workload, &machine().spec, rays, &Workers::new(threads), |_| Ok::<_, Infallible>(())).unwrap()
@@ -156,6 +160,115 @@ fn machines_that_fit_are_listed() {
     }
     assert!(folder.run("figure7 -o fits.csv").refused().contains("exists"));
     folder.run("figure7 -o fits.csv --force").success();
+}
+
+/// What a recorded run takes on machines that fit: those that are timed are the fastest and the slowest of those that are tried.
+#[test]
+fn run_times_over_the_machines_that_fit() {
+    let folder = Folder::new();
+    folder.run("--scene teapot --size-factor 2 --size 12x10 --cells-run programs --ops p.ops").success();
+    let told = folder.run("figure7 --ops p.ops").success();
+    insta::assert_snapshot!("run times", told);
+    let machine = machine();
+    let open = || ActivityTrace::open(&folder.path("p.ops"), &work::cycles_vocabulary()).unwrap();
+    let (mut trace, mut tried) = (open(), Vec::new());
+    let mut fitting = Fitting::new(&mut trace, &machine).unwrap();
+    fits(&machine.spec, None, |fit| {
+        fitting.take(&fit);
+        if fit.is_within(5) && fit.cycles.integer * 7 % 5 == 1 && fit.cycles.branch % 4 == 1 {
+            tried.push(fit.cycles);
+        }
+    })
+    .unwrap();
+    let (here, ranges) = fitting.times(&Cancel::default()).unwrap();
+    let within = |percent: u32| ranges.iter().find(|range| range.percent == percent).unwrap().cycles;
+    let (least, most) = within(5).unwrap();
+    assert!(within(1).is_none() && least < here.unwrap() && here.unwrap() < most, "{ranges:?}");
+    assert!(within(10).unwrap().0 <= least && most <= within(10).unwrap().1, "{ranges:?}");
+    assert!(tried.len() > 20, "{}", tried.len());
+    for costs in tried {
+        let alone = Machine { instructions: Some(costs), ..machine.clone() };
+        let mut trace = open();
+        let (cycles, _) = Fitting::new(&mut trace, &alone).unwrap().times(&Cancel::default()).unwrap();
+        assert!((least..=most).contains(&cycles.unwrap()), "{costs:?}: {cycles:?} {least:?} {most:?}");
+    }
+    folder.run("--scene room --size 4x3 --ops t.ops").success();
+    let refused = folder.run("figure7 --ops t.ops").refused();
+    assert!(refused.contains("execute no instructions") && refused.contains("--cells-run programs"), "{refused}");
+}
+
+/// The annex's early exit from the slabs' test changes no hit and nothing that is sent, only how long it takes.
+#[test]
+fn an_early_exit_changes_times_alone() {
+    for (name, size) in [("room", 1), ("teapot", 3), ("gears", 1), ("tree", 3)] {
+        let (scene, rays) = scene(name, size, 12);
+        for (mode, groups, mailbox) in [("pipeline", 1, false), ("broadcast", 3, true), ("hybrid", 2, false)] {
+            let program = ArrayProgram { mailbox, ..program(mode, groups) };
+            let early = Annex { early_slabs: true, ..Annex::default() };
+            let [standard, exiting] = [Annex::default(), early].map(|annex| run_annex(&scene, &program, &rays, annex));
+            let hits = |outcome: &Outcome| outcome.hits.iter().map(bits).collect::<Vec<_>>();
+            assert_eq!(hits(&standard), hits(&exiting), "{name} {mode}");
+            assert_eq!(standard.counts, exiting.counts, "{name} {mode}");
+            assert_ne!(standard.stats.cycles, exiting.stats.cycles, "{name} {mode}");
+        }
+    }
+}
+
+/// What both steps of the annex change, as docs/cell-programs.md tells.
+#[test]
+fn what_the_annex_changes_is_documented() {
+    let mut table = String::from(
+        "| scene | early exit, pipeline | 1 cell | stepped walk, pipeline | 1 cell | other hits | other voxels |\n\
+         | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n",
+    );
+    for (name, size) in ANNEX_SCENES {
+        let (scene, rays) = scene(name, size, 40);
+        let of = |mode: &str| {
+            let program = program(mode, 1);
+            let with = |annex: Annex| run_annex(&scene, &program, &rays, annex);
+            let standard = with(Annex::default());
+            let early = with(Annex { early_slabs: true, ..Annex::default() });
+            let stepped = with(Annex { stepped_walk: true, ..Annex::default() });
+            let change = |other: &Outcome| {
+                format!("{:+.1} %", 100.0 * (other.stats.cycles.0 as f64 / standard.stats.cycles.0 as f64 - 1.0))
+            };
+            let differ = standard.hits.iter().zip(&stepped.hits).filter(|(a, b)| bits(a) != bits(b)).count();
+            let voxels = stepped.counts.voxels as i64 - standard.counts.voxels as i64;
+            (change(&early), change(&stepped), differ, voxels)
+        };
+        let (pipeline, cell) = (of("pipeline"), of("broadcast"));
+        table += &format!(
+            "| {name} {size} | {} | {} | {} | {} | {} | {:+} |\n",
+            pipeline.0,
+            cell.0,
+            pipeline.1,
+            cell.1,
+            pipeline.2 + cell.2,
+            pipeline.3
+        );
+    }
+    insta::assert_snapshot!("annex", table);
+    assert!(include_str!("../../docs/cell-programs.md").contains(&table), "docs/cell-programs.md has another table");
+}
+
+const ANNEX_SCENES: [(&str, u32); 12] = [
+    ("balls", 2),
+    ("gears", 2),
+    ("lattice", 4),
+    ("mountain", 6),
+    ("rings", 3),
+    ("shells", 3),
+    ("sombrero", 1),
+    ("teapot", 8),
+    ("tetra", 6),
+    ("tree", 7),
+    ("room", 1),
+    ("reference", 10),
+];
+
+fn run_annex(scene: &Scene, program: &ArrayProgram, rays: &[Ray], annex: Annex) -> Outcome {
+    let workload = Workload::new(&scene.mesh, program, machine().times, rays).unwrap();
+    run(&workload.with_programs(&CellOptions { annex, ..cell_options() }).unwrap(), rays, 2)
 }
 
 /// The machine files are what `calibrate` makes of them.

@@ -119,6 +119,17 @@ fn no_rule_changes_a_bit_of_any_built_in_scene() {
     }
 }
 
+/// The command proves it of an image, too, before it makes it.
+#[test]
+fn rules_are_checked_where_that_is_asked_for() {
+    let folder = Folder::new();
+    let image = "image balls --size-factor 2 --size 24x18 -o i.png";
+    let told = folder.run(&format!("{image} --rules own+a4b+a4c --check-rules")).success();
+    assert!(told.contains("rules own+a4b+a4c: all ") && told.contains("hit as they do without, to the bit"), "{told}");
+    let refused = folder.run(&format!("{image} --check-rules --force")).refused();
+    assert!(refused.contains("--check-rules has no rules to check"), "{refused}");
+}
+
 #[test]
 fn nor_of_scenes_in_files_in_any_program() {
     let mut spared = 0;

@@ -152,6 +152,12 @@ class RunParameters(MachineParameters, total=False):
     cell_programs: str | PathLike[str] | None
     """Programs of the cells."""
 
+    early_slabs: bool | None
+    """Slabs' test ends early."""
+
+    stepped_walk: bool | None
+    """Walk adds up its steps."""
+
     instruction_limit: int | None
     """Most instructions for one ray."""
 
@@ -220,6 +226,12 @@ class ImageParameters(MachineParameters, total=False):
 
     cell_programs: str | PathLike[str] | None
     """Programs of the cells."""
+
+    early_slabs: bool | None
+    """Slabs' test ends early."""
+
+    stepped_walk: bool | None
+    """Walk adds up its steps."""
 
     instruction_limit: int | None
     """Most instructions for one ray."""

@@ -9,6 +9,8 @@ mod tracer;
 
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::InputError;
 use crate::isa::{Executable, InstructionCycles, Program, Register, assemble};
 use crate::quantities::Words;
@@ -28,6 +30,18 @@ pub struct CellOptions {
     pub folder: Option<PathBuf>,
     /// The most instructions that a cell may execute for one ray.
     pub instruction_limit: u64,
+    /// Where their programs do as the annex does, and the standard ones otherwise.
+    pub annex: Annex,
+}
+
+/// Two steps of annex A that the standard programs do otherwise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Annex {
+    /// A.2: the slabs' test ends at the first slab behind which no part of the ray is left, and does not work out the others.
+    pub early_slabs: bool,
+    /// A.1: the walk finds where the next plane of an axis is crossed by adding δt, which adds up rounding.
+    pub stepped_walk: bool,
 }
 
 /// An instruction that a cell has executed.
@@ -120,7 +134,13 @@ fn open(
 ) -> Result<Program, InputError> {
     let name = program_name(kernels);
     let bounded = if array.bounded_walk { earlier } else { 0 };
-    let set = [("EARLIER", earlier as i64), ("BOUNDED", bounded as i64), ("MAILBOX", array.mailbox as i64)];
+    let set = [
+        ("EARLIER", earlier as i64),
+        ("BOUNDED", bounded as i64),
+        ("MAILBOX", array.mailbox.into()),
+        ("EARLY", options.annex.early_slabs.into()),
+        ("STEPPED", options.annex.stepped_walk.into()),
+    ];
     match &options.folder {
         Some(folder) => assemble(&folder.join(name), crate::isa::Sources::Files, &set),
         None => assemble(Path::new(name), STANDARD, &set),

@@ -13,7 +13,7 @@ use crate::machine::MachineSpec;
 use crate::seam::{Activity, Unit, Vocabulary};
 
 use super::{MeasureError, NUMBERS, mix};
-use crate::program::cells::CellOptions;
+use crate::program::cells::{Annex, CellOptions};
 
 /// What a class of instructions can have cost in 1988, in ns.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,8 +130,12 @@ fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
 
 /// How many instructions of each class are behind each of the six numbers. All prices are open, so this is one run.
 pub(super) fn classes(folder: Option<PathBuf>) -> Result<Classes, MeasureError> {
-    let options =
-        CellOptions { cycles: InstructionCycles::default(), folder, instruction_limit: Processor::INSTRUCTION_LIMIT };
+    let options = CellOptions {
+        cycles: InstructionCycles::default(),
+        folder,
+        instruction_limit: Processor::INSTRUCTION_LIMIT,
+        annex: Annex::default(),
+    };
     let mix = mix(Some(&options))?;
     let count = |row: [f64; Vocabulary::MOST_UNITS], class: Class| {
         let units = (0..KERNELS.len()).map(|kernel| unit(Activity(kernel as u8), class));

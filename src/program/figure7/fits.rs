@@ -31,6 +31,13 @@ pub struct Fit {
     pub off: f64,
 }
 
+impl Fit {
+    /// Whether all of its numbers are as near as that.
+    pub fn is_within(&self, percent: u32) -> bool {
+        self.off <= f64::from(percent) / 100.0 + ROUNDING
+    }
+}
+
 /// Counts the machines that fit, for the programs of a folder or the standard ones: for each of [`WITHIN_PERCENT`] how many, and what their
 /// costs can be. `visit` sees each that is within the last of these.
 ///
@@ -46,8 +53,9 @@ pub fn fits(
     let none = |percent| Within { percent, machines: 0, ranges: [None; Class::ALL.len()] };
     let mut all = WITHIN_PERCENT.map(none);
     search.each(&mut |fit| {
-        let near = |within: &&mut Within| fit.off <= f64::from(within.percent) / 100.0 + ROUNDING;
-        all.iter_mut().filter(near).for_each(|within| within.take(&search, &fit.cycles));
+        all.iter_mut()
+            .filter(|within| fit.is_within(within.percent))
+            .for_each(|within| within.take(&search, &fit.cycles));
         visit(fit);
     });
     Ok(all.into())

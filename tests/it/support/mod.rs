@@ -24,7 +24,7 @@ use pcs_sim::host::camera::{ImageSize, primary_rays};
 use pcs_sim::isa::InstructionCycles;
 use pcs_sim::machine::{KernelTimes, Machine, MachineFile};
 use pcs_sim::measure::{FifoStats, Measured, Recording};
-use pcs_sim::program::cells::CellOptions;
+use pcs_sim::program::cells::{Annex, CellOptions};
 use pcs_sim::program::{ArrayProgram, Workload, work};
 use pcs_sim::quantities::Cycles;
 use pcs_sim::run::{self, Layers, PlannedRun, RunSpec, Setup, TracedBatch, Watching, Workers};
@@ -86,7 +86,8 @@ pub fn recorded(stats: serde_json::Value) -> (Setup, Recording) {
 
 /// Standard programs for the cells.
 pub fn cell_options() -> CellOptions {
-    CellOptions { cycles: machine().instructions.unwrap(), folder: None, instruction_limit: 1 << 36 }
+    let cycles = machine().instructions.unwrap();
+    CellOptions { cycles, folder: None, instruction_limit: 1 << 36, annex: Annex::default() }
 }
 
 /// The hits of a whole run of cells that run programs.
