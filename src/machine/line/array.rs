@@ -320,16 +320,13 @@ impl Array {
         let last = self.cells.len() + 1;
         self.stirred.fill(true);
         while self.stirred.contains(&true) {
-            let mut place = 0;
-            while place <= last {
-                let moved = std::mem::take(&mut self.stirred[place]) && self.go_on(place);
-                if moved {
+            for place in 0..=last {
+                if std::mem::take(&mut self.stirred[place]) && self.go_on(place) {
                     // Its neighbours may have waited for that; and for an answer, the host.
                     self.stirred[place.saturating_sub(1)] = true;
                     self.stirred[(place + 1).min(last)] = true;
                     self.stirred[0] |= place == last;
                 }
-                place = if moved && self.wants_more(place) { place - 1 } else { place + 1 };
             }
         }
         if self.causes().is_none() {
@@ -344,14 +341,6 @@ impl Array {
             _ if place > self.cells.len() => self.collect_returns(),
             _ => self.run_cell(place - 1),
         }
-    }
-
-    /// Whether a cell waits for words while the FIFOs behind it could take many more: it is better to go back for them than to let
-    /// all that follow have a few at a time. Behind the last cell there is only the host.
-    fn wants_more(&self, place: usize) -> bool {
-        let takes_more = |fifo: &Fifo| 2 * fifo.fill() < fifo.capacity();
-        let waits = (1..self.cells.len()).contains(&place) && self.cells[place - 1].halt == Halt::NoWord;
-        waits && takes_more(&self.links[place].x) && takes_more(&self.links[place].y)
     }
 
     fn run_host(&mut self) -> bool {

@@ -265,11 +265,16 @@ impl Fifo {
     /// reads and after every stretch of writes.
     #[inline]
     pub fn follow(&mut self) {
-        // As far as words can be written, and read, in the next stretch.
-        let next = self.read + self.capacity;
-        if next > self.peak.words + self.ready_at.len() as u64 {
+        if self.may_forget(self.peak.words) {
             self.peak = self.peak();
         }
+    }
+
+    /// Whether the times of a word may be lost in the next stretch of reads or of writes: as far as words can be written, and read,
+    /// in it.
+    #[inline]
+    pub fn may_forget(&self, word: u64) -> bool {
+        self.read + self.capacity > word + self.ready_at.len() as u64
     }
 
     /// The maximum among the words whose times are known, and once that is the capacity, how long it lasts.

@@ -53,9 +53,17 @@ impl FifoLane {
         }
     }
 
-    /// Goes on as far as both sequences are known. To be called after every stretch of reads and after every stretch of
-    /// writes, before the FIFO forgets their times.
+    /// Goes on if the FIFO may forget times before the next call. To be called after every stretch of reads and after every stretch
+    /// of writes.
+    #[inline]
     pub fn follow(&mut self, fifo: &Fifo) {
+        if fifo.may_forget(self.cursor.writes.min(self.cursor.reads)) {
+            self.go_on(fifo);
+        }
+    }
+
+    /// Goes on as far as both sequences are known.
+    fn go_on(&mut self, fifo: &Fifo) {
         let FifoLane { tally, write_run, read_run, both_run, .. } = self;
         let (written, read) = (fifo.words_written(), fifo.words_read());
         let mut cursor = self.cursor;
@@ -101,7 +109,7 @@ impl FifoLane {
 
     /// What the FIFO held in a run of `cycles` cycles.
     pub fn finish(mut self, fifo: &Fifo, cycles: u64) -> FifoProfile {
-        self.follow(fifo);
+        self.go_on(fifo);
         let FifoLane { mut tally, mut cursor, .. } = self;
         while cursor.writes < fifo.words_written() {
             cursor.rise(&mut tally, fifo.write_time(cursor.writes).min(cycles), 1);
@@ -208,14 +216,20 @@ impl Tally {
     fn swing(&mut self, (near, far): (u64, u64), since: u64, (start, apart): (u64, u64), turn: u64) -> bool {
         let there = start + apart - 1;
         let Some(bin) = self.timeline.within(turn + apart - 1) else { return false };
-        self.held[near as usize] += start - since;
-        self.held[far as usize] += turn - there;
-        bin.hold(near, start - since, near == self.capacity);
-        bin.hold(far, turn - there, far == self.capacity);
-        if apart > 1 {
-            // On the way and on the way back.
-            bin.word_cycles += u128::from((near + far) * (apart - 1));
-            self.pass(near.min(far) + 1, apart - 1, 2);
+        let (near_for, far_for) = (start - since, turn - there);
+        self.held[near as usize] += near_for;
+        self.held[far as usize] += far_for;
+        let ((low, _), (high, high_for)) =
+            if near < far { ((near, near_for), (far, far_for)) } else { ((far, far_for), (near, near_for)) };
+        bin.min = bin.min.min(Words(low));
+        bin.max = bin.max.max(Words(high));
+        bin.full += Cycles(if high == self.capacity { high_for } else { 0 });
+        // On the way and on the way back, each occupancy between them is passed once: on average, half of both.
+        let between = apart - 1;
+        bin.word_cycles +=
+            u128::from(near) * u128::from(near_for + between) + u128::from(far) * u128::from(far_for + between);
+        if between > 0 {
+            self.pass(near.min(far) + 1, between, 2);
         }
         true
     }
