@@ -7,6 +7,8 @@
 //!
 //! Only depths are tried at which some word would have had to wait: less than a FIFO holds if all are unlimited, and in each run that
 //! is fast enough, no more than it came to hold there.
+//!
+//! Of a long run a sample is sized first, each eighth batch of its ops. What is enough for that is where the search for the whole run begins.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
@@ -118,6 +120,12 @@ pub struct Searching {
 }
 
 impl Depths {
+    /// The cycles of a run that takes so many thousandths longer.
+    fn slowed(&self, thousandths: u64) -> Cycles {
+        let Cycles(cycles) = self.cycles;
+        Cycles(cycles + (u128::from(cycles) * u128::from(thousandths) / 1000) as u64)
+    }
+
     /// The words of all FIFOs together.
     pub fn total(&self) -> u64 {
         self.words.iter().map(|words| words.0).sum()
@@ -151,11 +159,24 @@ pub fn size_fifos(
     };
     let mut search = Search::new(recorded, cancel, &timed);
     let unlimited = search.unlimited()?;
+    let sampled: Vec<Arc<OpBatch>> = recorded.batches.iter().step_by(SAMPLED).cloned().collect();
+    let mut sample = Search::new(Recorded { batches: &sampled, ..recorded }, cancel, &|| ());
+    sample.starts = 1;
+    // Ops that go on from one batch to the next are none without those between, and make no sample.
+    let sample_unlimited = if search.is_long() { sample.unlimited().ok() } else { None };
     let points = || {
         let mut points: Vec<Point> = Vec::new();
         for slower in speeds.iter().copied().collect::<BTreeSet<u64>>() {
             let faster = points.last().map(|point| point.depths.words.clone());
-            let depths = search.fewest(&unlimited, slower, faster)?;
+            // No word waits at full speed, which is nothing that a part could tell of the whole.
+            let sized = sample_unlimited.as_ref().filter(|_| slower > 0);
+            let hint = sized.map(|unlimited| sample.fewest(unlimited, slower, None)).transpose()?;
+            let depths = match hint {
+                Some(hint) if hint.words.len() == unlimited.words.len() => {
+                    search.fewest_near(&hint.words, &unlimited, slower)?
+                }
+                _ => search.fewest(&unlimited, slower, faster)?,
+            };
             points.push(Point { slower, fewer: search.one_fewer(&depths.words)?, depths });
             found.fetch_add(1, Ordering::Relaxed);
         }
@@ -195,6 +216,15 @@ struct Trial {
     most: Vec<Words>,
 }
 
+/// What is known of the depths of a FIFO below one that is enough.
+#[derive(Clone, Copy, Debug)]
+struct Below {
+    /// As many words are too few.
+    too_few: u64,
+    /// So many messages below what is enough is tried next; a word, for 0. `None` if that has been too little.
+    step: Option<u64>,
+}
+
 enum End {
     /// It took so many cycles.
     Done(Cycles),
@@ -206,6 +236,15 @@ enum End {
 /// A search from one start takes some twenty runs a FIFO. With fewer ops than that, times FIFOs, there is time for a second start, with
 /// half as many for a third, and so on.
 const SECOND_START: usize = 40_000_000;
+
+/// A sample is each batch of so many.
+const SAMPLED: usize = 8;
+
+/// The fewest batches of a run that is worth sampling: of fewer, a sample would tell little.
+const FEWEST_BATCHES: usize = 4 * SAMPLED;
+
+/// By what depths that are enough for a sample are multiplied, in sixteenths, to be enough for the whole run: two at a time.
+const NEAR: [[u64; 2]; 3] = [[16, 18], [20, 24], [32, 64]];
 
 /// In how many parts the unlimited depths are cut where the search begins with the same share of all.
 const PARTS: u64 = 1024;
@@ -303,8 +342,7 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
     /// The fewest words with which the run takes no more than so many thousandths longer than with unlimited FIFOs. `faster` are
     /// depths that are found for a faster one.
     fn fewest(&self, unlimited: &Depths, slower: u64, faster: Option<Vec<Words>>) -> Result<Depths, SizingError> {
-        let Cycles(cycles) = unlimited.cycles;
-        let most = Cycles(cycles + (u128::from(cycles) * u128::from(slower) / 1000) as u64);
+        let most = unlimited.slowed(slower);
         if let End::Done(cycles) = self.time(&self.least, most)?.end {
             return Ok(Depths { words: self.least.clone(), cycles });
         }
@@ -329,6 +367,39 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         let found = starts.into_par_iter().map(descend).collect::<Result<Vec<Depths>, SizingError>>()?;
         let found = found.into_iter().min_by_key(|depths| (depths.total(), depths.cycles));
         Ok(found.unwrap_or_else(|| unlimited.clone()))
+    }
+
+    /// Whether there is time for one start only, and enough of the run for a sample.
+    fn is_long(&self) -> bool {
+        self.starts == 1 && self.recorded.batches.len() >= FEWEST_BATCHES
+    }
+
+    /// The same, beginning near depths that are enough for a sample of the run.
+    fn fewest_near(&self, hint: &[Words], unlimited: &Depths, slower: u64) -> Result<Depths, SizingError> {
+        let most = unlimited.slowed(slower);
+        for pair in NEAR {
+            let scaled = |index: usize, sixteenths: u64| {
+                let (message, own) = (self.message[index], unlimited.words[index]);
+                Words((hint[index].0 * sixteenths / 16).next_multiple_of(message)).min(own).max(self.least[index])
+            };
+            let fits = |&sixteenths: &u64| {
+                let words: Vec<Words> = (0..hint.len()).map(|index| scaled(index, sixteenths)).collect();
+                let held = self.fits(&words, most)?;
+                Ok(held.map(|held| self.needed(&words, &held)))
+            };
+            let found = pair.par_iter().map(fits).collect::<Result<Vec<_>, SizingError>>()?;
+            if let Some(words) = found.into_iter().flatten().next() {
+                return self.descend(words, most);
+            }
+        }
+        self.descend(unlimited.words.clone(), most)
+    }
+
+    /// What of some depths is enough, given the most that each FIFO held. No word needs more places than the FIFO holds, but the one in
+    /// which another is read in the same cycle.
+    fn needed(&self, words: &[Words], held: &[Words]) -> Vec<Words> {
+        let enough = words.iter().zip(held).zip(&self.least);
+        enough.map(|((&words, held), &least)| words.min(Words(held.0 + 1)).max(least)).collect()
     }
 
     /// Depths that are worked out from the unlimited ones.
@@ -368,27 +439,33 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
     fn descend(&self, mut words: Vec<Words>, most: Cycles) -> Result<Depths, SizingError> {
         let mut order: Vec<usize> = (0..words.len()).collect();
         order.sort_by_key(|&index| (std::cmp::Reverse(words[index]), index));
-        for index in order {
-            let mut too_few = self.least[index].0 - 1;
-            // Many cannot be lowered any more, or by little only: the first steps down are short, and each is twice the last.
-            let mut step = Some(0);
-            while words[index].0 - too_few > 1 {
-                let tried = self.tried(index, too_few, words[index].0, step);
-                let fits = |&depth: &u64| {
-                    let mut tried = words.clone();
-                    tried[index] = Words(depth);
-                    Ok((self.fits(&tried, most)?, tried))
-                };
-                let found = tried.par_iter().map(fits).collect::<Result<Vec<_>, SizingError>>()?;
-                // Of the depths, which rise, those that are enough come last.
-                let enough = found.iter().position(|(held, _)| held.is_some());
-                too_few = tried[..enough.unwrap_or(tried.len())].last().copied().unwrap_or(too_few);
-                step = step.filter(|_| enough.is_some()).map(|step| (2 * step).max(1));
-                if let Some((Some(held), tried)) = enough.map(|first| &found[first]) {
-                    // No word needs more places than the FIFO holds, but the one in which another is read in the same cycle.
-                    let enough = tried.iter().zip(held).zip(&self.least);
-                    words = enough.map(|((&tried, held), &least)| tried.min(Words(held.0 + 1)).max(least)).collect();
+        // Many cannot be lowered any more, or by little only: the first steps down are short, and each is twice the last.
+        let mut below: Vec<Below> =
+            self.least.iter().map(|least| Below { too_few: least.0 - 1, step: Some(0) }).collect();
+        loop {
+            let mut left = order.iter().copied().filter(|&index| words[index].0 - below[index].too_few > 1);
+            let Some(index) = left.next() else { break };
+            let tried = self.tried((index, left.next()), &below, &words);
+            let fits = |&(index, depth): &(usize, u64)| {
+                let mut tried = words.clone();
+                tried[index] = Words(depth);
+                let held = self.fits(&tried, most)?;
+                Ok(held.map(|held| self.needed(&tried, &held)))
+            };
+            let found = tried.par_iter().map(fits).collect::<Result<Vec<_>, SizingError>>()?;
+            // What is too little for a FIFO stays so whatever becomes of the others. Of what is enough the first is taken: of the depths of
+            // one FIFO, which rise, the least.
+            let mut lower = None;
+            for ((index, depth), enough) in tried.into_iter().zip(found) {
+                match enough {
+                    None => below[index].too_few = below[index].too_few.max(depth),
+                    Some(enough) => lower = lower.or(Some((index, enough))),
                 }
+            }
+            below[index].step = below[index].step.filter(|_| lower.as_ref().is_some_and(|(lower, _)| *lower == index));
+            if let Some((index, lower)) = lower {
+                below[index].step = below[index].step.map(|step| (2 * step).max(1));
+                words = lower;
             }
         }
         match self.time(&words, UNLIMITED)?.end {
@@ -398,25 +475,27 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         }
     }
 
-    /// The depths of a FIFO that are tried at once, rising. One lies between what is too little and what is enough. Where there is but
-    /// one search, another is tried on a core that would have nothing to do: `step` messages below what is enough (a word, for 0), or
-    /// if that has been too little, a second one between. With more searches the step of a word is tried by itself, before all others.
-    fn tried(&self, index: usize, too_few: u64, enough: u64, step: Option<u64>) -> Vec<u64> {
-        let message = self.message[index];
-        let below = |step: u64| match step {
-            0 => enough - 1,
-            _ => ((enough - 1) / message).saturating_sub(step - 1) * message,
-        };
-        let close = step.map(below).filter(|&depth| depth > too_few);
+    /// What is tried at once: depths of a FIFO, rising. Where there is but one search, two are tried, as another core would have nothing to
+    /// do: a word below what is enough for it, and for the next FIFO that is left; else a depth between what is too little and what is
+    /// enough, and one that is `step` messages below that, or if that has been too little, a second one between. With more searches one is
+    /// tried, a word below before all others.
+    fn tried(&self, (index, next): (usize, Option<usize>), below: &[Below], words: &[Words]) -> Vec<(usize, u64)> {
+        let (message, enough, Below { too_few, step }) = (self.message[index], words[index].0, below[index]);
+        let a_word_below = |index: usize| (index, words[index].0 - 1);
+        if step == Some(0) {
+            let next = next.filter(|&next| self.starts == 1 && below[next].step == Some(0));
+            return std::iter::once(index).chain(next).map(a_word_below).collect();
+        }
+        let close = step.map(|step| ((enough - 1) / message).saturating_sub(step - 1) * message);
         let middle = self.next(index, too_few, enough);
-        let tried: BTreeSet<u64> = match close {
-            Some(close) if self.starts == 1 => [middle, close].into(),
-            Some(close) if step == Some(0) => [close].into(),
-            None if self.starts == 1 && enough - middle > 1 => [middle, self.next(index, middle, enough)].into(),
-            None if self.starts == 1 && middle - too_few > 1 => [self.next(index, too_few, middle), middle].into(),
-            _ => [middle].into(),
+        let tried: BTreeSet<u64> = match close.filter(|&depth| depth > too_few) {
+            _ if self.starts > 1 => [middle].into(),
+            Some(close) => [middle, close].into(),
+            None if enough - middle > 1 => [middle, self.next(index, middle, enough)].into(),
+            None if middle - too_few > 1 => [self.next(index, too_few, middle), middle].into(),
+            None => [middle].into(),
         };
-        tried.into_iter().collect()
+        tried.into_iter().map(|depth| (index, depth)).collect()
     }
 
     /// The depth of a FIFO to be tried between one that is too little and one that is enough: whole messages, as a part of one is
