@@ -44,6 +44,37 @@ struct Link {
     messages: LinkMessages,
 }
 
+/// What is left of a message's way, link by link.
+#[derive(Clone, Debug)]
+struct Way {
+    from_host: Option<usize>,
+    /// The node that it has come to, and the bits in which that differs from its receiver's.
+    at: usize,
+    differs: usize,
+    /// Bits of a node's number.
+    bits: usize,
+    to_host: Option<usize>,
+}
+
+impl Iterator for Way {
+    type Item = usize;
+
+    #[inline]
+    fn next(&mut self) -> Option<usize> {
+        if self.from_host.is_some() {
+            return self.from_host.take();
+        }
+        if self.differs == 0 {
+            return self.to_host.take();
+        }
+        let bit = self.differs.trailing_zeros() as usize;
+        let link = self.at * self.bits + bit;
+        self.at ^= 1 << bit;
+        self.differs &= self.differs - 1;
+        Some(link)
+    }
+}
+
 impl Cube {
     /// So many nodes of the smallest cube that has them, whose others only pass messages on.
     pub fn new(nodes: usize, times: WireTimes) -> Cube {
@@ -92,7 +123,8 @@ impl Cube {
         let (from, to) = (self.place(from), self.place(to));
         // It waits for the link that is free last, the first of several.
         let (mut starts, mut last) = (ready, None);
-        for link in self.way(from, to) {
+        let way = self.way(from, to);
+        for link in way.clone() {
             if self.links[link].free > starts {
                 (starts, last) = (self.links[link].free, Some(link));
             }
@@ -102,7 +134,7 @@ impl Cube {
         }
         let holds = self.holds(bytes);
         let free = starts + holds;
-        for link in self.way(from, to) {
+        for link in way {
             let link = &mut self.links[link];
             link.free = free;
             link.busy += holds;
@@ -130,21 +162,17 @@ impl Cube {
     }
 
     /// The links of a message's way, from place to place.
-    fn way(&self, from: usize, to: usize) -> impl Iterator<Item = usize> + use<> {
-        let (nodes, bits, host_links) = (self.nodes, self.bits, self.links.len() - 2);
-        let from_host = (from == nodes).then_some(host_links);
-        let to_host = (to == nodes).then_some(host_links + 1);
-        let (mut at, to) = (if from == nodes { 0 } else { from }, if to == nodes { 0 } else { to });
-        let between = std::iter::from_fn(move || {
-            let differs = at ^ to;
-            (differs != 0).then(|| {
-                let bit = differs.trailing_zeros() as usize;
-                let link = at * bits + bit;
-                at ^= 1 << bit;
-                link
-            })
-        });
-        from_host.into_iter().chain(between).chain(to_host)
+    #[inline]
+    fn way(&self, from: usize, to: usize) -> Way {
+        let (host, host_links) = (self.nodes, self.links.len() - 2);
+        let (at, end) = (if from == host { 0 } else { from }, if to == host { 0 } else { to });
+        Way {
+            from_host: (from == host).then_some(host_links),
+            at,
+            differs: at ^ end,
+            bits: self.bits,
+            to_host: (to == host).then_some(host_links + 1),
+        }
     }
 
     /// How long each link was busy, and with what.

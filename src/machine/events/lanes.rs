@@ -17,6 +17,8 @@ pub struct Lanes {
     idle: StateId,
     lanes: Vec<Lane>,
     jobs: u64,
+    /// Whether there is a probe or a recorder.
+    is_watched: bool,
     probe: Option<Probe>,
     recorder: Option<Recorder>,
 }
@@ -42,18 +44,20 @@ struct Probe {
 impl Lanes {
     pub fn new(topology: Topology, idle: StateId) -> Lanes {
         let lanes = vec![Lane::default(); topology.stations];
-        Lanes { topology: Arc::new(topology), idle, lanes, jobs: 0, probe: None, recorder: None }
+        Lanes { topology: Arc::new(topology), idle, lanes, jobs: 0, is_watched: false, probe: None, recorder: None }
     }
 
     /// Sees the run over time.
     pub fn probe(&mut self) {
         let bins = bins_for(self.lanes.len());
         let tasks = self.lanes.iter().map(|_| Timeline::new(bins)).collect();
+        self.is_watched = true;
         self.probe = Some(Probe { tasks, done: Timeline::new(bins), latency: Latency::default() });
     }
 
     /// Records a window of it.
     pub fn record(&mut self, window: Range<Cycles>, most_events: usize) {
+        self.is_watched = true;
         self.recorder = Some(Recorder::new(self.lanes.len(), window.start.0..window.end.0, most_events));
     }
 
@@ -66,11 +70,19 @@ impl Lanes {
         }
         let from = std::mem::replace(&mut lane.now, until);
         *lane.times.of_mut(state) += Cycles(until - from);
+        if self.is_watched {
+            self.watch(task, state, from..until);
+        }
+    }
+
+    /// Tells those who watch what a task has spent. Kept apart from the tasks that nobody watches.
+    #[inline(never)]
+    fn watch(&mut self, task: usize, state: StateId, time: Range<u64>) {
         if let Some(probe) = &mut self.probe {
-            probe.spend(task, state, from..until);
+            probe.spend(task, state, time.clone());
         }
         if let Some(recorder) = &mut self.recorder {
-            recorder.spend(task, state, from..until);
+            recorder.spend(task, state, time);
         }
     }
 

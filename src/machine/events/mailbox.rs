@@ -44,8 +44,10 @@ impl<M> Mailbox<M> {
     /// Adds a message that was just sent. Most arrive after all others.
     pub fn add(&mut self, mail: Mail<M>) {
         let is_before = |other: &Mail<M>| (other.at, other.from) <= (mail.at, mail.from);
-        let place = self.0.iter().rposition(is_before).map_or(0, |before| before + 1);
-        self.0.insert(place, mail);
+        match self.0.iter().rposition(is_before).map_or(0, |before| before + 1) {
+            place if place == self.0.len() => self.0.push_back(mail),
+            place => self.0.insert(place, mail),
+        }
     }
 
     /// All of them.
@@ -61,6 +63,10 @@ impl<M> Mailbox<M> {
     /// Takes the first message of a sender, if it has arrived.
     pub fn take(&mut self, from: Sender, now: u64) -> Option<Mail<M>> {
         let place = self.0.iter().position(|mail| from.is(mail.from))?;
-        if self.0[place].at <= now { self.0.remove(place) } else { None }
+        match self.0[place].at <= now {
+            true if place == 0 => self.0.pop_front(),
+            true => self.0.remove(place),
+            false => None,
+        }
     }
 }
