@@ -35,11 +35,15 @@ def build(folder: Path, target: Path) -> dict[str, Path]:
     return {name: folder / path for name, path in built}
 
 
-def rows(executable: Path, columns: int) -> dict[str, list[float]]:
-    """Runs a bench: the measured numbers of each row, by the row's name."""
-    printed = subprocess.run([executable], cwd=TOP, stdout=subprocess.PIPE, text=True, check=True).stdout
+def printed(executable: Path) -> str:
+    """Runs a bench: what it prints."""
+    return subprocess.run([executable], cwd=TOP, stdout=subprocess.PIPE, text=True, check=True).stdout
+
+
+def rows(text: str, columns: int) -> dict[str, list[float]]:
+    """The measured numbers of each row that a bench printed, by the row's name."""
     found = {}
-    for line in printed.splitlines():
+    for line in text.splitlines():
         name, *numbers = line.rsplit(None, columns)
         if len(numbers) == columns and all(re.fullmatch(r"[\d.]+", number) for number in numbers):
             found[" ".join(name.split())] = [float(number) for number in numbers]
@@ -49,10 +53,14 @@ def rows(executable: Path, columns: int) -> dict[str, list[float]]:
 def compare(bench: str, old: Path, new: Path, rounds: int):
     """Runs a bench of both in turn, and prints a table."""
     columns = MEASURED[bench]
-    pairs = [(rows(old, len(columns)), rows(new, len(columns))) for _ in range(rounds)]
+    texts = [(printed(old), printed(new)) for _ in range(rounds)]
+    names = rows(texts[0][1], len(columns)).keys()
+    # An older bench may measure less, and has then fewer numbers behind a row's name.
+    known = max(range(len(columns), 0, -1), key=lambda count: len(names & rows(texts[0][0], count).keys()))
+    pairs = [(rows(was, known), rows(now, len(columns))) for was, now in texts]
     print(f"\n{bench:<32} {'measured':<20} {'old':>10} {'new':>10} {'new/old':>8}")
     for row in [row for row in pairs[0][0] if row in pairs[0][1]]:
-        for column, measured in enumerate(columns):
+        for column, measured in enumerate(columns[:known]):
             values = [(was[row][column], now[row][column]) for was, now in pairs]
             ratio = median(now / was if was else float("nan") for was, now in values)
             was, now = (median(side) for side in zip(*values))

@@ -1,206 +1,27 @@
-//! The fewest words that FIFOs need: a recorded run, timed again and again under other depths.
-//!
-//! No run gets slower if a FIFO gets deeper: the time of each word is the latest of a few earlier ones, and with a deeper FIFO one of
-//! them comes earlier. So what is fast enough stays so with more words anywhere, and what is too slow stays so with fewer. The least
-//! depth of a FIFO, the others as they are, is found by halving and by short steps down; and once it is found, it stays the least when
-//! others become shallower. One pass over all FIFOs therefore ends with depths of which none can be lowered by itself.
-//!
-//! Only depths are tried at which some word would have had to wait: less than a FIFO holds if all are unlimited, and in each run that
-//! is fast enough, no more than it came to hold there.
-//!
-//! Of a long run a sample is sized first, each eighth batch of its ops. What is enough for that is where the search for the whole run begins.
+//! The search for the fewest words: depths are tried by timing the run under them.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::convert::Infallible;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::RunError;
-use super::timed::UNLIMITED;
+use super::{Depths, Fewer, Recorded, SizingError};
 use crate::cancel::Cancel;
-use crate::error::InputError;
-use crate::machine::{Array, Cycles, FifoName, MachineFile, MachineSpec, Stuck, Unfinished, Words};
+use crate::machine::{Array, Cycles, FifoName, MachineSpec, Stuck, Unfinished, Words};
 use crate::measure::{Actor, Measured, StateTimes};
 use crate::quantities::common_divisor;
-use crate::seam::{Channel, Costs, OpBatch, OpKind};
-
-/// A recorded run, to be timed under depths of all kinds.
-#[derive(Clone, Copy, Debug)]
-pub struct Recorded<'a> {
-    /// What host and cells do.
-    pub batches: &'a [Arc<OpBatch>],
-    /// What units of work cost.
-    pub costs: &'a Costs,
-    /// The machine, whose FIFOs are sized.
-    pub spec: &'a MachineSpec,
-    /// What FIFOs of Z must hold at the least ([`Workload::least_z_words`](crate::program::Workload::least_z_words)).
-    pub least_z_words: Words,
-}
-
-/// How fast machines are that are worth a look, each as the cycles that they may take more than with unlimited FIFOs, in
-/// thousandths. At 1 % more the speed is 99 % at the least, and so on.
-pub const SLOWER: [u64; 5] = [0, 1, 10, 50, 100];
-
-/// Speeds in percent of that with unlimited FIFOs as the thousandths by which a run may be slower: each once, the fastest first. Those
-/// of [`SLOWER`], if none is given.
-///
-/// # Errors
-///
-/// If a speed is none from 50 to 100 %, or has more than a decimal.
-pub fn slower(percent: &[f64]) -> Result<Vec<u64>, InputError> {
-    if percent.is_empty() {
-        return Ok(SLOWER.to_vec());
-    }
-    let slower = |&percent: &f64| {
-        let thousandths = (1000.0 - 10.0 * percent).round();
-        let possible = (50.0..=100.0).contains(&percent) && (1000.0 - thousandths - 10.0 * percent).abs() < 1e-9;
-        possible.then_some(thousandths as u64).ok_or_else(|| {
-            let error = InputError::new(format!("a speed of {percent} % cannot be asked for"));
-            error.help("speeds are from 50 to 100 %, with one decimal at the most")
-        })
-    };
-    let all: BTreeSet<u64> = percent.iter().map(slower).collect::<Result<_, _>>()?;
-    Ok(all.into_iter().collect())
-}
-
-/// The fewest words that were found for each speed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Front {
-    /// The FIFOs that carry words, in the order of reports.
-    pub fifos: Vec<FifoName>,
-    /// What each must hold so that no word ever waits for room: with more, nothing changes. It is no more than can be simulated.
-    pub unlimited: Depths,
-    /// For each speed, the fastest first, depths of which none can be lowered by itself.
-    pub points: Vec<Point>,
-    /// All FIFOs as shallow as they can be, and what comes of it.
-    pub least: (Vec<Words>, Fewer),
-    /// How often the recording was timed.
-    pub replays: u64,
-}
-
-/// Depths, and the time of the run with them.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Depths {
-    /// For each FIFO.
-    pub words: Vec<Words>,
-    /// Of the run.
-    pub cycles: Cycles,
-}
-
-/// The fewest words for some speed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Point {
-    /// By how many thousandths the run may take longer than with unlimited FIFOs.
-    pub slower: u64,
-    /// The depths.
-    pub depths: Depths,
-    /// For each FIFO, the run with one word fewer in that FIFO alone: none is as fast as is asked for. `None` where it holds the least
-    /// already.
-    pub fewer: Vec<Option<Fewer>>,
-}
-
-/// The run with too few words.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Fewer {
-    /// It takes so long.
-    Cycles(Cycles),
-    /// It never ends.
-    Stuck(Stuck),
-}
-
-/// How far a search is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Searching {
-    /// How often the recording has been timed.
-    pub replays: u64,
-    /// The points that are found.
-    pub points: usize,
-}
-
-impl Depths {
-    /// The cycles of a run that takes so many thousandths longer.
-    fn slowed(&self, thousandths: u64) -> Cycles {
-        let Cycles(cycles) = self.cycles;
-        Cycles(cycles + (u128::from(cycles) * u128::from(thousandths) / 1000) as u64)
-    }
-
-    /// The words of all FIFOs together.
-    pub fn total(&self) -> u64 {
-        self.words.iter().map(|words| words.0).sum()
-    }
-}
-
-impl Front {
-    /// A machine with FIFOs of these depths.
-    pub fn machine(&self, words: &[Words], like: &MachineFile) -> MachineFile {
-        let depths = self.fifos.iter().zip(words).map(|(&fifo, words)| (fifo, words.0));
-        MachineFile { fifo_words_of: depths.collect(), ..like.clone() }
-    }
-}
-
-/// Sizes the FIFOs of a recorded run, on all cores, for some speeds ([`Point::slower`]). `note` is told after each run how far
-/// that is.
-///
-/// # Errors
-///
-/// If the ops are none of such an array's, or never come to an end whatever the depths; and if it is told to stop.
-pub fn size_fifos(
-    recorded: Recorded<'_>,
-    speeds: &[u64],
-    cancel: &Cancel,
-    note: impl Fn(Searching) + Sync,
-) -> Result<Front, SizingError> {
-    let (replays, found) = (AtomicU64::new(0), AtomicUsize::new(0));
-    let timed = || {
-        let replays = replays.fetch_add(1, Ordering::Relaxed) + 1;
-        note(Searching { replays, points: found.load(Ordering::Relaxed) });
-    };
-    let mut search = Search::new(recorded, cancel, &timed);
-    let unlimited = search.unlimited()?;
-    let sampled: Vec<Arc<OpBatch>> = recorded.batches.iter().step_by(SAMPLED).cloned().collect();
-    let mut sample = Search::new(Recorded { batches: &sampled, ..recorded }, cancel, &|| ());
-    sample.starts = 1;
-    // Ops that go on from one batch to the next are none without those between, and make no sample.
-    let sample_unlimited = if search.is_long() { sample.unlimited().ok() } else { None };
-    let points = || {
-        let mut points: Vec<Point> = Vec::new();
-        for slower in speeds.iter().copied().collect::<BTreeSet<u64>>() {
-            let faster = points.last().map(|point| point.depths.words.clone());
-            // No word waits at full speed, which is nothing that a part could tell of the whole.
-            let sized = sample_unlimited.as_ref().filter(|_| slower > 0);
-            let hint = sized.map(|unlimited| sample.fewest(unlimited, slower, None)).transpose()?;
-            let depths = match hint {
-                Some(hint) if hint.words.len() == unlimited.words.len() => {
-                    search.fewest_near(&hint.words, &unlimited, slower)?
-                }
-                _ => search.fewest(&unlimited, slower, faster)?,
-            };
-            points.push(Point { slower, fewer: search.one_fewer(&depths.words)?, depths });
-            found.fetch_add(1, Ordering::Relaxed);
-        }
-        Ok::<_, SizingError>(points)
-    };
-    // The slowest run of all takes a while: beside the search, of which it is no part.
-    let (points, least) = rayon::join(points, || search.fewer(&search.least));
-    let (points, least) = (points?, (search.least.clone(), least?));
-    let fifos = search.fifos.clone();
-    Ok(Front { fifos, unlimited, points, least, replays: replays.load(Ordering::Relaxed) })
-}
-
-/// Why FIFOs cannot be sized.
-pub type SizingError = RunError<Infallible>;
+use crate::run::timed::UNLIMITED;
+use crate::seam::{Channel, OpBatch, OpKind};
 
 /// What a search works with. `timed` is called after each run.
-struct Search<'a, N> {
+pub(super) struct Search<'a, N> {
     recorded: Recorded<'a>,
     cells: usize,
     cancel: &'a Cancel,
     timed: &'a N,
-    fifos: Vec<FifoName>,
+    pub fifos: Vec<FifoName>,
     /// What each FIFO must hold at the least.
-    least: Vec<Words>,
+    pub least: Vec<Words>,
     /// The words that each FIFO carries at a time: a divisor of all its messages.
     message: Vec<u64>,
     /// The cycles that each cell works in any run, if a run lasts at the least until all cells have done all their work.
@@ -237,20 +58,11 @@ enum End {
 /// half as many for a third, and so on.
 const SECOND_START: usize = 40_000_000;
 
-/// A sample is each batch of so many.
-const SAMPLED: usize = 8;
-
-/// The fewest batches of a run that is worth sampling: of fewer, a sample would tell little.
-const FEWEST_BATCHES: usize = 4 * SAMPLED;
-
-/// By what depths that are enough for a sample are multiplied, in sixteenths, to be enough for the whole run: two at a time.
-const NEAR: [[u64; 2]; 3] = [[16, 18], [20, 24], [32, 64]];
-
 /// In how many parts the unlimited depths are cut where the search begins with the same share of all.
 const PARTS: u64 = 1024;
 
 impl<'a, N: Fn() + Sync> Search<'a, N> {
-    fn new(recorded: Recorded<'a>, cancel: &'a Cancel, timed: &'a N) -> Search<'a, N> {
+    pub fn new(recorded: Recorded<'a>, cancel: &'a Cancel, timed: &'a N) -> Search<'a, N> {
         let cells = recorded.batches.first().map_or(1, |batch| batch.cells.len());
         let messages = messages(recorded.batches);
         let fifos: Vec<FifoName> = messages.keys().copied().collect();
@@ -315,7 +127,7 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
     }
 
     /// What each FIFO must hold so that no word ever waits for room.
-    fn unlimited(&mut self) -> Result<Depths, SizingError> {
+    pub fn unlimited(&mut self) -> Result<Depths, SizingError> {
         let recorded = self.recorded;
         let mut array = Array::unlimited(recorded.spec, recorded.costs, self.cells);
         for batch in recorded.batches {
@@ -341,7 +153,7 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
 
     /// The fewest words with which the run takes no more than so many thousandths longer than with unlimited FIFOs. `faster` are
     /// depths that are found for a faster one.
-    fn fewest(&self, unlimited: &Depths, slower: u64, faster: Option<Vec<Words>>) -> Result<Depths, SizingError> {
+    pub fn fewest(&self, unlimited: &Depths, slower: u64, faster: Option<Vec<Words>>) -> Result<Depths, SizingError> {
         let most = unlimited.slowed(slower);
         if let End::Done(cycles) = self.time(&self.least, most)?.end {
             return Ok(Depths { words: self.least.clone(), cycles });
@@ -367,32 +179,6 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         let found = starts.into_par_iter().map(descend).collect::<Result<Vec<Depths>, SizingError>>()?;
         let found = found.into_iter().min_by_key(|depths| (depths.total(), depths.cycles));
         Ok(found.unwrap_or_else(|| unlimited.clone()))
-    }
-
-    /// Whether there is time for one start only, and enough of the run for a sample.
-    fn is_long(&self) -> bool {
-        self.starts == 1 && self.recorded.batches.len() >= FEWEST_BATCHES
-    }
-
-    /// The same, beginning near depths that are enough for a sample of the run.
-    fn fewest_near(&self, hint: &[Words], unlimited: &Depths, slower: u64) -> Result<Depths, SizingError> {
-        let most = unlimited.slowed(slower);
-        for pair in NEAR {
-            let scaled = |index: usize, sixteenths: u64| {
-                let (message, own) = (self.message[index], unlimited.words[index]);
-                Words((hint[index].0 * sixteenths / 16).next_multiple_of(message)).min(own).max(self.least[index])
-            };
-            let fits = |&sixteenths: &u64| {
-                let words: Vec<Words> = (0..hint.len()).map(|index| scaled(index, sixteenths)).collect();
-                let held = self.fits(&words, most)?;
-                Ok(held.map(|held| self.needed(&words, &held)))
-            };
-            let found = pair.par_iter().map(fits).collect::<Result<Vec<_>, SizingError>>()?;
-            if let Some(words) = found.into_iter().flatten().next() {
-                return self.descend(words, most);
-            }
-        }
-        self.descend(unlimited.words.clone(), most)
     }
 
     /// What of some depths is enough, given the most that each FIFO held. No word needs more places than the FIFO holds, but the one in
@@ -511,7 +297,7 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
     }
 
     /// The run with one word fewer in each FIFO alone.
-    fn one_fewer(&self, words: &[Words]) -> Result<Vec<Option<Fewer>>, SizingError> {
+    pub fn one_fewer(&self, words: &[Words]) -> Result<Vec<Option<Fewer>>, SizingError> {
         let fewer = |index: usize| {
             let mut fewer = words.to_vec();
             fewer[index] = Words(words[index].0.saturating_sub(1));
@@ -520,7 +306,7 @@ impl<'a, N: Fn() + Sync> Search<'a, N> {
         (0..words.len()).into_par_iter().map(fewer).collect()
     }
 
-    fn fewer(&self, words: &[Words]) -> Result<Fewer, SizingError> {
+    pub fn fewer(&self, words: &[Words]) -> Result<Fewer, SizingError> {
         Ok(match self.time(words, UNLIMITED)?.end {
             End::Done(cycles) => Fewer::Cycles(cycles),
             End::Stuck(stuck) => Fewer::Stuck(stuck),
@@ -575,6 +361,7 @@ fn messages(batches: &[Arc<OpBatch>]) -> BTreeMap<FifoName, u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::seam::Costs;
 
     /// The next depth is always one that has not been tried.
     #[test]
