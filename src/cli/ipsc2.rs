@@ -46,7 +46,7 @@ pub fn ipsc2(args: &Ipsc2Args, typed: &Typed) -> Result<(), Failure> {
     setup.notes().for_each(super::note);
     let watch = args.watch.then(|| Watch::new(setup.machine.clock, Vec::new()));
     let mut live = Live::new(progress::waiting("running the nodes"), watch);
-    let watching = files.views.watching(Shape::Cube);
+    let watching = graphs::watching(files.graphs.as_ref(), files.views.watching(Shape::Cube));
     let outcome = setup.run_shown(&watching, &Cancel::default(), |so_far| live.show(so_far));
     live.finish();
     let outcome = outcome?;

@@ -227,7 +227,7 @@ fn rays_that_are_not_sent_take_no_time() {
         let timed = Timed { spec, rules: HostRules::default(), watching: Watching::default() };
         let mut batches = Vec::new();
         let rendered = run::render(&picture, Some(timed), &Workers::new(2), |seen| {
-            if let Seen::Sent(ops, _) = seen {
+            if let Seen::Sent(ops, ..) = seen {
                 batches.push(ops.clone());
             }
             Ok::<_, Infallible>(())

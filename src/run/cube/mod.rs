@@ -394,6 +394,7 @@ fn prepare(machine: &Ipsc2, parts: &[Part]) -> Phases {
 fn watched<M: Copy>(topology: Topology, helpers: usize, machine: &Ipsc2, watching: &Watching) -> Events<M> {
     let events = Events::with_helpers(topology, helpers, machine.cube(), RegionNodes::SENDING_AND_IDLE);
     let events = if watching.profile { events.probed() } else { events };
+    let events = if watching.spans { events.noting_spans() } else { events };
     match &watching.recording {
         Some(window) => events.recorded(window.clone(), Recording::MOST_EVENTS),
         None => events,
