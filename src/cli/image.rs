@@ -214,12 +214,7 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
         let error = InputError::new("--show-rectangles has none to show");
         return Err(error.help("leave it out, or ask for --screen-rectangles"));
     }
-    if image.rules.a4c && args.tracing.hits.is_some() {
-        let error = InputError::new(
-            "--hits lists the first hits of all rays, and with the rule a4c some are known to hit without being sent",
-        );
-        return Err(error.help("leave it out, or a4c out of --rules"));
-    }
+    outputs::check_hits(args.tracing.hits.as_deref(), image.rules)?;
     let untimed = image.timing == Switch::Off;
     match files.iter().find(|(_, typed)| *typed && untimed) {
         Some((flag, _)) => {

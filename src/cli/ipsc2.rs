@@ -65,6 +65,7 @@ fn tasks(args: &Ipsc2Args) -> Option<&Path> {
 fn traced(args: &Ipsc2Args, options: &CubeRunOptions) -> Result<(CubeSetup, Outputs), Failure> {
     let spec = CubeSpec::new(options, args.config.as_deref().map(CubeSpec::read).transpose()?)?;
     moot::check_cube(options, &spec)?;
+    outputs::check_hits(args.hits.as_deref(), spec.rules)?;
     graphs::check(&args.graph, spec.size)?;
     let files = open_outputs(args, Path::new(&spec.scene))?;
     let bar = progress::samples();

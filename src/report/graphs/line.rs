@@ -38,7 +38,14 @@ impl Gathered {
     pub fn new(setup: &Setup) -> Gathered {
         let boxes: Vec<Bounds> = setup.workload.sub_volumes().map(|(volume, _)| volume).collect();
         let (costs, groups) = (setup.workload.costs().clone(), boxes.len() as u32);
-        Gathered { contacts: Contact::between(&boxes), costs, groups, rays: Vec::new(), grown: Vec::new(), sent: Vec::new() }
+        Gathered {
+            contacts: Contact::between(&boxes),
+            costs,
+            groups,
+            rays: Vec::new(),
+            grown: Vec::new(),
+            sent: Vec::new(),
+        }
     }
 
     /// Takes the next primary rays of a run of these.
