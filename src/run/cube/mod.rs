@@ -24,10 +24,10 @@ use crate::host::sampling::Pass;
 use crate::machine::events::{Act, Events, Queues};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
 use crate::measure::{Measured, Observed, Recording, SoFar, Topology};
-use crate::program::Workload;
 use crate::program::cube::{
     MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, Space, TaskGraph, highest_rank, topology,
 };
+use crate::program::{Spared, Workload};
 use crate::run::one_cell::Whole;
 use crate::run::render::Picture;
 use crate::run::trees::ByKind;
