@@ -18,7 +18,7 @@ use pcs_sim::run::{self, Workers};
 use pcs_sim::scene::Mesh;
 
 /// Every built-in scene, the largest ones smaller than they come.
-pub const SCENES: [(&str, u32); 12] = [
+const SCENES: [(&str, u32); 12] = [
     ("balls", 2),
     ("gears", 2),
     ("lattice", 4),

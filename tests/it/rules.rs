@@ -37,12 +37,12 @@ fn workload(scene: &Scene, program: &ArrayProgram, rules: Rules) -> Workload {
     if rules.own { workload.naming_own() } else { workload }
 }
 
-fn picture<'a>(scene: &'a Scene, workload: &'a Workload, size: ImageSize, rules: Rules) -> Picture<'a> {
+pub fn picture<'a>(scene: &'a Scene, workload: &'a Workload, size: ImageSize, rules: Rules) -> Picture<'a> {
     let (sampling, limits) = (Sampling::default(), Limits { depth: 4, contribution: 0.001 });
     Picture { scene, workload, size, sampling, limits, screen: None, rules }
 }
 
-fn traced(picture: &Picture<'_>) -> Traced {
+pub fn traced(picture: &Picture<'_>) -> Traced {
     let mut rays = Vec::new();
     let rendered = run::render(picture, None, &Workers::new(2), |seen| {
         if let Seen::Grown(trees, _) = seen {
