@@ -185,7 +185,7 @@ pub fn ipsc2(
 }
 
 /// Tells the bar how many of an image's samples are traced.
-fn samples(task: &Task, all: usize) -> impl FnMut(usize) -> Result<(), Infallible> {
+pub fn samples(task: &Task, all: usize) -> impl FnMut(usize) -> Result<(), Infallible> {
     move |done| {
         task.set(done as u64, all as u64);
         Ok(())

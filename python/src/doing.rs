@@ -77,7 +77,7 @@ pub fn render(
             Ok(())
         }
         Seen::Grown(..) => Ok(()),
-        Seen::Sent(ops, hit) => {
+        Seen::Sent(ops, hit, _) => {
             hits.push(*hit);
             shuffled.take(ops);
             writer.as_mut().map_or(Ok(()), |writer| writer.write(ops))

@@ -5,6 +5,7 @@ mod arrays;
 mod calls;
 mod cells;
 mod doing;
+mod graphs;
 mod machine;
 mod made;
 mod model;

@@ -73,7 +73,8 @@ pub fn has_none(sort: &str, what: &str) -> PyErr {
     PyAttributeError::new_err(format!("{sort} has no {what}"))
 }
 
-const UNTIMED: &str = "an image without timing";
+/// What an image is that has no statistics.
+pub const UNTIMED: &str = "an image without timing";
 
 impl Made {
     fn timing(rendered: &Rendered) -> PyResult<&Timing> {

@@ -19,6 +19,7 @@ use pyo3::exceptions::{PyKeyError, PyRuntimeWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::graphs::{self, Window};
 use crate::made::{Described, Made, has_none, locked, profile_of, save_plots};
 use crate::outputs;
 use crate::table::{Table, number, text, whole};
@@ -254,6 +255,15 @@ impl Run {
         timelines.set_item("fifos", fifos)?;
         timelines.set_item("rays", PyArray1::from_slice(py, &profile.jobs))?;
         Ok(timelines)
+    }
+
+    /// The graphs of the run, as `--graphs` writes them to JSON: `G_r` of the scene's parts, `G_v` of the rays and `G_p` of the processes,
+    /// each a dict that `networkx.node_link_graph(graph, edges="edges")` takes; and `classification`, what is known of them when.
+    /// `of` is what G_r has beside the parts: regions (nothing), objects or polygons. With `pixels`, the columns and the lines from the
+    /// first to before the last as ((10, 20), (40, 44)), G_v has each ray of these. They are found out by running it again.
+    #[pyo3(signature = (*, of="regions", pixels=None))]
+    fn graphs<'py>(&self, py: Python<'py>, of: &str, pixels: Option<Window>) -> PyResult<Bound<'py, PyDict>> {
+        graphs::graphs(py, &self.made, self.crew, &graphs::asked(py, of, pixels)?)
     }
 
     /// All statistics: what `--stats` writes.

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import networkx
 import numpy as np
 import pytest
 
@@ -289,6 +290,56 @@ def test_machines_and_programs_as_values(two: Path) -> None:
     assert pcs_sim.Program("p.ron").to_dict()["stages"] == program.to_dict()["stages"]
     assert machine == pcs_sim.Machine(machine)
     assert machine != pcs_sim.Machine()
+
+
+GRAPHS: list[tuple[str, dict[str, Any], dict[str, Any], str]] = [
+    ("run", {"size": "16x12", "mode": "broadcast", "cells": 3}, {}, ""),
+    (
+        "run",
+        {"size": "16x12"},
+        {"of": "polygons", "pixels": ((3, 9), (2, 5))},
+        "--graph-of polygons --graph-pixels 3..9,2..5",
+    ),
+    (
+        "image",
+        {"size": "16x12", "rules": "own+a4b", "mode": "broadcast", "cells": 4},
+        {"of": "objects", "pixels": ((3, 9), (2, 5))},
+        "--graph-of objects --graph-pixels 3..9,2..5",
+    ),
+    ("ipsc2", {"size": "16x12", "nodes": 4}, {"pixels": ((3, 9), (2, 5))}, "--graph-pixels 3..9,2..5"),
+]
+
+
+@pytest.mark.parametrize(("call", "parameters", "asked", "asked_for"), GRAPHS)
+def test_graphs(two: Path, call: str, parameters: dict[str, Any], asked: dict[str, Any], asked_for: str) -> None:
+    run = getattr(pcs_sim, call)("room", **parameters)
+    graphs = run.graphs(**asked)
+    words = {"run": ["--scene", "room"], "image": ["image", "room", "-o", "i.png"], "ipsc2": ["ipsc2", "room"]}[call]
+    results = f"--graphs g --graph-format json,graphml {asked_for}"
+    ended = command(two / "theirs", *words, *flags(parameters), *results.split())
+    assert ended.status == 0, ended.err
+    folder = two / "theirs" / "g"
+    assert graphs == {
+        name: json.loads((folder / f"{name}.json").read_text()) for name in ["G_r", "G_v", "G_p", "classification"]
+    }
+    # What libraries read of both forms is one graph.
+    for name in ["G_r", "G_v", "G_p"]:
+        graph = networkx.node_link_graph(graphs[name], edges="edges")
+        read = networkx.read_graphml(folder / f"{name}.graphml")
+        assert dict(graph.nodes(data=True)) == dict(read.nodes(data=True))
+        assert sorted(map(str, graph.edges(data=True))) == sorted(map(str, read.edges(data=True)))
+    pixels = graphs["G_v"]["nodes"]
+    assert any("start_cycle" in node for node in pixels) == ("pixels" in asked)
+
+
+def test_graphs_that_there_are_not() -> None:
+    run = pcs_sim.run("room", size=8)
+    for asked in [{"of": "lights"}, {"pixels": ((4, 4), (0, 2))}, {"pixels": ((4, 9), (0, 2))}]:
+        with pytest.raises(pcs_sim.InputError):
+            run.graphs(**asked)
+    for none in [pcs_sim.farm(size=16, tasks=2), pcs_sim.image("room", size=8, timing="off")]:
+        with pytest.raises(AttributeError, match="graphs"):
+            none.graphs()
 
 
 def test_hits(two: Path) -> None:

@@ -7,7 +7,7 @@ use clap::Args;
 use pcs_sim::error::InputError;
 use pcs_sim::host::camera::ImageSize;
 use pcs_sim::report::graphs::{Asked, Format, Graphs, Of, PixelWindow};
-use pcs_sim::run::{OutputFile, OutputFolder};
+use pcs_sim::run::{OutputFile, OutputFolder, Watching};
 
 use super::{Failure, outputs};
 
@@ -75,6 +75,12 @@ impl GraphFiles {
         }
         outputs::finish(Some(self.classification), written, |file| file.write_all(graphs.classification.as_bytes()))
     }
+}
+
+/// What is watched of a run whose graphs are asked for, if they are, beside what other results want.
+pub fn watching(files: Option<&GraphFiles>, others: Watching) -> Watching {
+    let spans = files.is_some_and(|files| files.asked.watching().spans);
+    Watching { spans, ..others }
 }
 
 /// Fails if the pixels whose rays are asked for are not those of an image of that size.

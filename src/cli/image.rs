@@ -87,7 +87,7 @@ pub fn image(args: &ImageArgs, typed: &Typed) -> Result<(), Failure> {
     };
     let timed = rendered.timing.as_ref().zip(files.graphs.as_ref()).zip(gathered.as_ref());
     let of_line = |((timing, files), gathered): ((&Timing, &GraphFiles), _)| {
-        told::of_line(&setup, gathered, &timing.stats, files.asked())
+        told::of_line(&setup, gathered, (&timing.stats, &timing.observed), files.asked())
     };
     let graphs = timed.map(of_line).transpose()?;
     print(&account::image_text(&setup, &rendered, losses.as_ref()))?;
@@ -214,12 +214,7 @@ fn check_files(args: &ImageArgs, spec: &RunSpec) -> Result<(), InputError> {
         let error = InputError::new("--show-rectangles has none to show");
         return Err(error.help("leave it out, or ask for --screen-rectangles"));
     }
-    if image.rules.a4c && args.tracing.hits.is_some() {
-        let error = InputError::new(
-            "--hits lists the first hits of all rays, and with the rule a4c some are known to hit without being sent",
-        );
-        return Err(error.help("leave it out, or a4c out of --rules"));
-    }
+    outputs::check_hits(args.tracing.hits.as_deref(), image.rules)?;
     let untimed = image.timing == Switch::Off;
     match files.iter().find(|(_, typed)| *typed && untimed) {
         Some((flag, _)) => {
@@ -277,7 +272,7 @@ fn render(
     let timed = (image.timing == Switch::On).then(|| Timed {
         spec: &setup.machine.spec,
         rules: image.host_rules(setup.spec.order),
-        watching: files.views.watching(Shape::Line),
+        watching: graphs::watching(files.graphs.as_ref(), files.views.watching(Shape::Line)),
     });
     let unwritable = |error: std::io::Error| format!("cannot write the ops: {error}");
     let form = args.tracing.ops_form.into();
@@ -298,7 +293,8 @@ fn render(
             gathered.iter_mut().for_each(|gathered| gathered.take_trees(trees, pixels));
             Ok(())
         }
-        Seen::Sent(ops, hit) => {
+        Seen::Sent(ops, hit, ray) => {
+            gathered.iter_mut().for_each(|gathered| gathered.take_sent(ray));
             shuffled.take(ops);
             found.extend(keeps_hits.then_some(*hit));
             writer.as_mut().map_or(Ok(()), |writer| writer.write(ops)).map_err(unwritable)

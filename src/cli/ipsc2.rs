@@ -46,7 +46,7 @@ pub fn ipsc2(args: &Ipsc2Args, typed: &Typed) -> Result<(), Failure> {
     setup.notes().for_each(super::note);
     let watch = args.watch.then(|| Watch::new(setup.machine.clock, Vec::new()));
     let mut live = Live::new(progress::waiting("running the nodes"), watch);
-    let watching = files.views.watching(Shape::Cube);
+    let watching = graphs::watching(files.graphs.as_ref(), files.views.watching(Shape::Cube));
     let outcome = setup.run_shown(&watching, &Cancel::default(), |so_far| live.show(so_far));
     live.finish();
     let outcome = outcome?;
@@ -65,6 +65,7 @@ fn tasks(args: &Ipsc2Args) -> Option<&Path> {
 fn traced(args: &Ipsc2Args, options: &CubeRunOptions) -> Result<(CubeSetup, Outputs), Failure> {
     let spec = CubeSpec::new(options, args.config.as_deref().map(CubeSpec::read).transpose()?)?;
     moot::check_cube(options, &spec)?;
+    outputs::check_hits(args.hits.as_deref(), spec.rules)?;
     graphs::check(&args.graph, spec.size)?;
     let files = open_outputs(args, Path::new(&spec.scene))?;
     let bar = progress::samples();

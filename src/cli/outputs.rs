@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use pcs_sim::error::InputError;
+use pcs_sim::host::rules::Rules;
 use pcs_sim::input::{STREAM, is_stream};
 use pcs_sim::run::{OutputFile, OutputFolder, noting};
 
@@ -28,6 +29,17 @@ pub fn check_png(path: Option<&Path>) -> Result<(), InputError> {
         Some(path) => Err(InputError::in_file(path, "the picture is written as PNG").help("-.png is standard output")),
         None => Ok(()),
     }
+}
+
+/// Fails if a list of hits is asked for that would lack some, as a rule knows of rays that they hit without sending them.
+pub fn check_hits(path: Option<&Path>, rules: Rules) -> Result<(), InputError> {
+    if path.is_none() || !rules.a4c {
+        return Ok(());
+    }
+    let error = InputError::new(
+        "--hits lists the first hits of all rays, and with the rule a4c some are known to hit without being sent",
+    );
+    Err(error.help("leave it out, or a4c out of --rules"))
 }
 
 /// Makes a folder for result files, unless it is there.

@@ -46,7 +46,9 @@ pub fn run(args: &RunArgs, typed: &Typed, told: Told) -> Result<(), Failure> {
     let mut gathered = files.graphs.is_some().then(|| Gathered::new(&setup));
     let watched = (workers, args.results.watch, form);
     let (outcome, losses) = simulate(&setup, watched, moment, (&mut files, gathered.as_mut()))?;
-    let of_line = |(files, gathered): (&GraphFiles, _)| told::of_line(&setup, gathered, &outcome.stats, files.asked());
+    let of_line = |(files, gathered): (&GraphFiles, _)| {
+        told::of_line(&setup, gathered, (&outcome.stats, &outcome.observed), files.asked())
+    };
     let graphs = files.graphs.as_ref().zip(gathered.as_ref()).map(of_line).transpose()?;
     let (names, losses) = (cell_names(&setup.workload), losses.as_ref());
     let seen = (&outcome.observed, setup.machine.spec.clock());
@@ -111,11 +113,12 @@ fn simulate(
         watch.then(|| Watch::new(spec.clock(), cell_names(&setup.workload))),
     );
     let failed = |error: std::io::Error| format!("cannot write the ops: {error}");
-    let Outputs { ops, views, .. } = files;
+    let Outputs { ops, views, graphs, .. } = files;
     let (cells, costs) = (setup.workload.cells(), setup.workload.costs());
     let writer = ops.as_mut().map(|file| TraceWriter::new(file, cells, costs.clone(), form));
     let mut writer = writer.transpose().map_err(|error| Failure::Output(failed(error)))?;
-    let watched = (spec, &Watching { moment, ..views.watching(Shape::Line) });
+    let watching = graphs::watching(graphs.as_ref(), views.watching(Shape::Line));
+    let watched = (spec, &Watching { moment, ..watching });
     let mut shuffled = Shuffled::new(cells);
     let outcome = run::run_watched(&setup.workload, watched, &setup.prepared.rays, &workers, |batch, array| {
         shuffled.take(&batch.ops);

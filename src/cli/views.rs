@@ -109,6 +109,7 @@ impl Views {
             path: self.why,
             moment: None,
             enough: self.enough,
+            spans: false,
         }
     }
 

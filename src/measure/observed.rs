@@ -2,7 +2,7 @@
 
 use super::path::CriticalPath;
 use super::profile::Profile;
-use super::recording::Recording;
+use super::recording::{JobSpan, Recording};
 use super::snapshot::Snapshot;
 use crate::quantities::Cycles;
 
@@ -19,4 +19,7 @@ pub struct Observed {
     pub looked_at: Option<Cycles>,
     /// What everybody did in that cycle, if it was known before.
     pub snapshot: Option<Snapshot>,
+    /// All jobs by their numbers, if that was asked for. In a line each is there from the cycle in which the host writes its first
+    /// word to that in which it reads the last of its answer; elsewhere from where the first task begins it to where the last has done it.
+    pub spans: Vec<JobSpan>,
 }

@@ -4,7 +4,7 @@
 use crate::geometry;
 use crate::machine::events::Cube;
 use crate::machine::{Cycles, Ipsc2};
-use crate::program::cube::{PACKET_PIXELS, RAY_BYTES, RESULT_BYTES, TaskGraph, packet_bytes};
+use crate::program::cube::{PACKET_PIXELS, RESULT_BYTES, TaskGraph, packet_bytes};
 
 /// Three bounds of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl Bounds {
                 let (mut now, mut at) = begins[(ray - first) as usize];
                 for (leg, task) in (graph.rays[ray as usize].first_leg..).zip(graph.legs_of(ray)) {
                     let next = node(task.region);
-                    now += work.message(at, next, RAY_BYTES);
+                    now += work.message(at, next, graph.ray_bytes());
                     work.ray_messages += u64::from(next != at);
                     at = next;
                     let time = graph.time(ray, leg, &machine.times).all();

@@ -9,12 +9,10 @@ use super::stretches::Stretches;
 const DEPTHS: std::ops::RangeInclusive<u32> = 4..=17;
 
 /// The losses for which depths are sought.
-const LOSSES: [f64; 5] = [0.2, 0.1, 0.05, 0.02, 0.01];
+const LOSSES: [f64; 2] = [0.1, 0.02];
 
-/// So many times fewer rays pass while depths are sought for more than [`FEW_CELLS`]. (In a pipeline single candidates fill FIFOs, and
-/// rays that stand for several make more of that than it is.)
+/// So many times fewer rays pass while depths are sought: each depth that is tried is a passage of all of them.
 const COARSER: usize = 4;
-const FEW_CELLS: usize = 8;
 
 /// What a run will take.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,12 +79,18 @@ impl Few {
         })
     }
 
-    /// The fewest words of FIFOs, as many on X as on Y or fewer on one of them, for losses that some depth comes down to.
+    /// For losses that some depth comes down to, the fewest words of FIFOs on Y with deep ones on X, and with these the fewest on X.
     pub fn depths(&self, fifos: &Fifos) -> Vec<Depth> {
-        let stretches = self.stretches.fewer(if fifos.words.len() > FEW_CELLS { COARSER } else { 1 });
+        let stretches = self.stretches.fewer(COARSER);
         let bound = self.passage.bound(&stretches.order, fifos) as f64;
-        let most = |loss: f64| (bound / (1.0 - loss)) as u64;
-        LOSSES.par_iter().filter_map(|&loss| self.depth((&stretches, fifos), loss, most(loss))).collect()
+        let depth = |loss: f64| {
+            let most = (bound / (1.0 - loss)) as u64;
+            let fits = |x: u32, y: u32| self.within(&stretches, &fifos.with(1 << x, 1 << y), most).is_some();
+            let y = least(|y| fits(*DEPTHS.end(), y))?;
+            let x = least(|x| fits(x, y))?;
+            Some(Depth { loss, x: 1 << x, y: 1 << y })
+        };
+        LOSSES.par_iter().filter_map(|&loss| depth(loss)).collect()
     }
 
     /// The cycles with such FIFOs, if they are no more than `most`. Each ray stands for several: there is room for so many fewer.
@@ -95,26 +99,10 @@ impl Few {
         let words = fifos.words.iter().map(|words| words.map(fewer)).collect();
         self.passage.cycles(&stretches.order, &Fifos { words, ..*fifos }, most)
     }
+}
 
-    /// The fewest words with which the rays take no more than `most` cycles: as many on X as on Y, and then fewer on the channel that
-    /// does with fewer.
-    fn depth(&self, (stretches, fifos): (&Stretches, &Fifos), loss: f64, most: u64) -> Option<Depth> {
-        let fits = |x: u32, y: u32| self.within(stretches, &fifos.with(1 << x, 1 << y), most).is_some();
-        let (mut too_few, mut enough) = (DEPTHS.start() - 1, *DEPTHS.end());
-        if !fits(enough, enough) {
-            return None;
-        }
-        while enough - too_few > 1 {
-            let middle = (too_few + enough) / 2;
-            if fits(middle, middle) { enough = middle } else { too_few = middle }
-        }
-        let (mut x, mut y) = (enough, enough);
-        while y > *DEPTHS.start() && fits(x, y - 1) {
-            y -= 1;
-        }
-        while x > *DEPTHS.start() && fits(x - 1, y) {
-            x -= 1;
-        }
-        Some(Depth { loss, x: 1 << x, y: 1 << y })
-    }
+/// The least of the depths that are tried that fits, if deeper ones fit as well.
+fn least(fits: impl Fn(u32) -> bool) -> Option<u32> {
+    let depths: Vec<u32> = DEPTHS.collect();
+    depths.get(depths.partition_point(|&depth| !fits(depth))).copied()
 }

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use super::bottleneck;
 use super::links::{self, LinkJson};
 use super::plot::{Caption, RegionMap};
-use super::stats::{Configuration, station};
+use super::stats::{Configuration, RulesJson, station};
 use super::summary::{self, Rows, grouped, percent, plural, time};
 use super::why::{self, PathJson};
 use crate::geometry::regions::Rectangle;
@@ -317,6 +317,8 @@ struct Report<'a> {
     rays: usize,
     rays_by_kind: Map<String, Value>,
     ray_messages: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rules: Option<RulesJson>,
     losses: Map<String, Value>,
     messages: Map<String, Value>,
     tasks: Vec<Map<String, Value>>,
@@ -386,6 +388,7 @@ pub fn to_json(setup: &CubeSetup, outcome: &CubeOutcome, configuration: &Configu
         rays: setup.scene.graph.rays.len(),
         rays_by_kind: rays_by_kind(&setup.scene),
         ray_messages: outcome.seen.sent.iter().sum(),
+        rules: RulesJson::new(setup.spec.rules, &setup.scene.spared),
         losses: Losses::new(outcome).named().map(share).into_iter().collect(),
         messages: by_kind(outcome),
         tasks: (0..stats.stations.len()).map(|index| task(setup, outcome, index)).collect(),

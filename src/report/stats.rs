@@ -156,7 +156,7 @@ impl<'a> Fifo<'a> {
 
 /// What each rule spared, of those that hold.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct RulesJson {
+pub struct RulesJson {
     #[serde(skip_serializing_if = "Option::is_none")]
     own: Option<OwnJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -184,7 +184,8 @@ struct A4cJson {
 }
 
 impl RulesJson {
-    fn new(rules: Rules, spared: &Spared) -> Option<RulesJson> {
+    /// `None` where there are no rules.
+    pub fn new(rules: Rules, spared: &Spared) -> Option<RulesJson> {
         let Spared { slab_tests, intersection_tests, lit_rays, object_tests, shaded_rays, polygon_tests } = *spared;
         (rules != Rules::default()).then_some(RulesJson {
             own: rules.own.then_some(OwnJson { slab_tests, intersection_tests }),

@@ -41,6 +41,8 @@ struct Begun {
     /// How many rays of each tree have not come back.
     left: Vec<u32>,
     trees_left: usize,
+    /// How many rays the batches before it have.
+    before: u32,
 }
 
 /// What the host does next.
@@ -73,6 +75,8 @@ pub(super) struct ClosedLoop<'a> {
     ready: Vec<VecDeque<(RayPlace, u64)>>,
     batches: VecDeque<Begun>,
     dropped: usize,
+    /// How many rays all batches so far have.
+    grown: u32,
     spare: Vec<TreeBatch>,
     /// The next sample to begin: its batch, and its number in it.
     next: (usize, usize),
@@ -107,6 +111,7 @@ impl<'a> ClosedLoop<'a> {
             ready: Vec::new(),
             batches: VecDeque::new(),
             dropped: 0,
+            grown: 0,
             spare: Vec::new(),
             next: (0, 0),
             open: 0,
@@ -118,14 +123,16 @@ impl<'a> ClosedLoop<'a> {
     }
 
     /// Gives the host the next samples, and lets it work as long as it need not know those after them. `observe` sees
-    /// each ray that is sent: the ops, and the hit that it will find. Returns a batch that has been done, for its memory.
+    /// each ray that is sent: the ops, the hit that it will find, and its number among all rays. Returns a batch that has been done, for its memory.
     pub fn add<E: From<Stuck> + From<BatchError>>(
         &mut self,
         trees: TreeBatch,
-        observe: &mut impl FnMut(&OpBatch, &Hit) -> Result<(), E>,
+        observe: &mut impl FnMut(&OpBatch, &Hit, u32) -> Result<(), E>,
     ) -> Result<TreeBatch, E> {
         let left: Vec<u32> = (0..trees.ends.len()).map(|tree| trees.tree(tree).len() as u32).collect();
-        self.batches.push_back(Begun { trees_left: left.len(), left, trees });
+        let before = self.grown;
+        self.grown += trees.rays.len() as u32;
+        self.batches.push_back(Begun { trees_left: left.len(), left, trees, before });
         while self.open >= self.rules.open_samples || self.next_sample().is_some() {
             self.step(observe)?;
         }
@@ -136,7 +143,7 @@ impl<'a> ClosedLoop<'a> {
     /// Sends all rays that are left and waits for the last hit.
     pub fn drain<E: From<Stuck> + From<BatchError>>(
         &mut self,
-        observe: &mut impl FnMut(&OpBatch, &Hit) -> Result<(), E>,
+        observe: &mut impl FnMut(&OpBatch, &Hit, u32) -> Result<(), E>,
     ) -> Result<(), E> {
         while self.open > 0 {
             self.step(observe)?;
@@ -156,7 +163,7 @@ impl<'a> ClosedLoop<'a> {
 
     fn step<E: From<Stuck> + From<BatchError>>(
         &mut self,
-        observe: &mut impl FnMut(&OpBatch, &Hit) -> Result<(), E>,
+        observe: &mut impl FnMut(&OpBatch, &Hit, u32) -> Result<(), E>,
     ) -> Result<(), E> {
         self.take_returned();
         let may_send = self.rules.in_flight.is_none_or(|most| (self.in_flight.len() as u64) < most);
@@ -258,11 +265,11 @@ impl<'a> ClosedLoop<'a> {
         &mut self,
         place: RayPlace,
         parent: Option<u64>,
-        observe: &mut impl FnMut(&OpBatch, &Hit) -> Result<(), E>,
+        observe: &mut impl FnMut(&OpBatch, &Hit, u32) -> Result<(), E>,
     ) -> Result<(), E> {
         let spare = self.opening.take().or_else(|| self.array.take_spent());
         let mut batch = spare.unwrap_or_else(|| OpBatch::new(self.cells));
-        let trees = &self.batches[place.batch - self.dropped].trees;
+        let Begun { trees, before, .. } = &self.batches[place.batch - self.dropped];
         // What cannot be waited for any more costs nothing; it ties the ray to its parent under other machines too.
         parent.into_iter().for_each(|message| self.ops.push(OpKind::Await, message));
         let (id, mask_tests) = (self.sent as u32, trees.rays[place.ray as usize].mask_tests);
@@ -272,7 +279,7 @@ impl<'a> ClosedLoop<'a> {
         for (cell, traced) in batch.cells.iter_mut().zip(&trees.traced.ops.cells) {
             cell.push_line(id, traced.line(place.ray as usize));
         }
-        observe(&batch, &trees.traced.hits[place.ray as usize])?;
+        observe(&batch, &trees.traced.hits[place.ray as usize], before + place.ray)?;
         self.array.feed(batch)?;
         self.array.run()?;
         self.clock = self.array.host_clock().0;

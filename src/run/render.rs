@@ -65,8 +65,8 @@ pub enum Seen<'a> {
     },
     /// The trees of some samples were traced, whose pixels these are. The host sends their rays later.
     Grown(&'a TreeBatch, &'a [usize]),
-    /// The host sends a ray: its ops, and the hit that it will find. Not without timing.
-    Sent(&'a OpBatch, &'a Hit),
+    /// The host sends a ray: its ops, the hit that it will find, and its number among all rays that were grown. Not without timing.
+    Sent(&'a OpBatch, &'a Hit, u32),
 }
 
 /// An image and what it took.
@@ -161,7 +161,7 @@ pub fn render<E>(
         canvas.take_pass(&second, workers.threads, &mut host, &mut seen)?;
     }
     if let Some(host) = &mut host {
-        host.drain(&mut |ops, hit| seen(Seen::Sent(ops, hit)))?;
+        host.drain(&mut |ops, hit, ray| seen(Seen::Sent(ops, hit, ray)))?;
     }
     let timing = host.map(finish).transpose()?;
     Ok(canvas.rendered(timing))
@@ -308,7 +308,7 @@ impl<'a> Canvas<'a> {
             let array = host.as_ref().map(ClosedLoop::array);
             observe(Seen::Samples { done: range.end, of: pass.len(), array })?;
             match host {
-                Some(host) => host.add(batch, &mut |ops, hit| observe(Seen::Sent(ops, hit))),
+                Some(host) => host.add(batch, &mut |ops, hit, ray| observe(Seen::Sent(ops, hit, ray))),
                 None => Ok(batch),
             }
         })

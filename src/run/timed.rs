@@ -40,6 +40,8 @@ pub struct Watching {
     pub moment: Option<When>,
     /// Whether each FIFO's depth is asked for from which nothing changes any more.
     pub enough: bool,
+    /// Whether it is asked for when each job was begun and done.
+    pub spans: bool,
 }
 
 impl Watching {
@@ -54,6 +56,7 @@ impl Watching {
         let array = Array::until(spec, costs, cells, limit);
         let array = if self.profile { array.probed() } else { array };
         let array = if self.enough { array.beside_unlimited(spec, costs) } else { array };
+        let array = if self.spans { array.noting_spans() } else { array };
         let explained = self.path || self.moment.is_some();
         let array = if explained { array.explained(CriticalPath::MOST_OPS) } else { array };
         let array = match self.moment {

@@ -188,7 +188,7 @@ fn image(
         Some(Timed { spec, rules: HostRules::default(), watching: Watching::default() }),
         &Workers::new(2),
         |seen| {
-            if let Seen::Sent(ops, _) = seen {
+            if let Seen::Sent(ops, ..) = seen {
                 batches.push(ops.clone());
             }
             Ok(())

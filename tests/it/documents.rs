@@ -173,7 +173,10 @@ fn tables_md_lists_every_field() {
     assert_eq!(written(&runs), names("Statistics\n"));
     let farms = ["farm rectangles --size 20x10 --tasks 2 --why", "farm room --size 8x6 --tasks 2"];
     assert_eq!(written(&farms), names("Statistics of a farm"));
-    let cubes = ["ipsc2 room --size 8x8 --nodes 2 --why", "ipsc2 room --size 8x8 --nodes 2 --mode shared-memory"];
+    let cubes = [
+        "ipsc2 room --size 8x8 --nodes 2 --why --rules own+a4b+a4c",
+        "ipsc2 room --size 8x8 --nodes 2 --mode shared-memory",
+    ];
     assert_eq!(written(&cubes), names("Statistics of an image on a hypercube"));
     assert_eq!(written(&["model room --size 8x8"]), names("Predictions"));
 }

@@ -307,6 +307,56 @@ fn single_rays_make_trees_that_end_in_what_they_hit() {
     }
 }
 
+/// From when to when each ray was under way. An array's latencies are told by kind in its statistics; whoever is asked for comes later.
+#[test]
+fn single_rays_tell_when_they_were_under_way() {
+    let image = "image room --size 14x10 -o i.png --graph-pixels 0..14,0..10";
+    for args in [
+        image,
+        &format!("{image} --mode broadcast --cells 4 --rules own+a4b --policy primaries --order shuffle:3"),
+        &format!("{image} --samples 2 --adaptive --in-flight 7 --policy generation --screen-rectangles scene"),
+        &format!("{image} --on ipsc2 --mode broadcast --cells 4"),
+        "ipsc2 room --size 14x10 --nodes 4 --graph-pixels 0..14,0..10",
+        "ipsc2 room --size 14x10 --nodes 3 --graph-pixels 0..14,0..10 --mode shared-memory",
+        "--scene room --size 14x10 --graph-pixels 0..14,0..10 --mode broadcast --cells 4 --fifo-words 16",
+    ] {
+        let run = Run::new(args);
+        let rays = run.graph("G_v");
+        let count = |ray: &Attributes, name: &str| ray[name].parse::<u64>().unwrap();
+        let span = |ray: &Attributes| (count(ray, "start_cycle"), count(ray, "end_cycle"));
+        for (from, to, edge) in &rays.edges {
+            if edge["relation"] == "asks for" {
+                assert!(span(&rays.vertices[to]).0 >= span(&rays.vertices[from]).1, "{args}: {from} {to}");
+            }
+        }
+        let of_rays = || rays.vertices.values().filter(|vertex| vertex.contains_key("generation"));
+        assert_eq!(of_rays().count() as u64, run.sum("/rays"), "{args}");
+        let last = of_rays().map(|ray| span(ray).1).max().unwrap();
+        if args.contains("ipsc2 room") {
+            // One leg after the other; the end is told to the host behind the last.
+            assert!(of_rays().all(|ray| span(ray).1 - span(ray).0 >= count(ray, "cycles")), "{args}");
+            assert!(last < run.sum("/cycles"), "{args}");
+            continue;
+        }
+        assert_eq!(last, run.sum("/cycles"), "{args}");
+        let Some(kinds) = run.stats.get("rays_by_kind") else { continue };
+        for (kind, told) in kinds.as_object().unwrap() {
+            let of_kind = of_rays().filter(|ray| ray["kind"] == *kind);
+            let mut latencies: Vec<u64> = of_kind.map(|ray| span(ray).1 - span(ray).0).collect();
+            latencies.sort_unstable();
+            let at = |percent: usize| {
+                let rank = (latencies.len() * percent).div_ceil(100).max(1);
+                latencies.get(rank - 1).copied().unwrap_or(0)
+            };
+            for (name, percent) in [("min", 0), ("p50", 50), ("p90", 90), ("p99", 99), ("max", 100)] {
+                assert_eq!(told["latency"][name], at(percent), "{args}: {kind} {name}");
+            }
+        }
+    }
+    let rays = Run::new("--scene room --size 14x10").graph("G_v");
+    assert!(rays.vertices.values().all(|vertex| !vertex.contains_key("start_cycle")), "many rays have no one time");
+}
+
 #[test]
 fn graphs_that_cannot_be_are_refused() {
     let folder = Folder::new();

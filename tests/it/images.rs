@@ -44,7 +44,7 @@ fn timed(picture: &Picture, spec: &MachineSpec, rules: HostRules) -> (Rendered, 
     let mut batches = Vec::new();
     let rendered =
         run::render(picture, Some(Timed { spec, rules, watching: Watching::default() }), &Workers::new(2), |seen| {
-            if let Seen::Sent(ops, _) = seen {
+            if let Seen::Sent(ops, ..) = seen {
                 batches.push(ops.clone());
             }
             Ok::<_, Infallible>(())

@@ -61,6 +61,8 @@ mod recording_is_exact;
 mod replay;
 mod reports;
 mod rules;
+mod rules_not_offered;
+mod rules_on_nodes;
 mod sampling;
 mod scene_files;
 mod screen;

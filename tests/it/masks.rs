@@ -136,7 +136,7 @@ fn images_are_the_same_and_timed_as_their_ops_say() {
         let timed = Timed { spec: &MachineSpec::default(), rules: HostRules::default(), watching: Watching::default() };
         let mut batches = Vec::new();
         let rendered = run::render(&picture, Some(timed), &Workers::new(2), |seen| {
-            if let Seen::Sent(ops, _) = seen {
+            if let Seen::Sent(ops, ..) = seen {
                 batches.push(ops.clone());
             }
             Ok::<_, Infallible>(())

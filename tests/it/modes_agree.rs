@@ -334,8 +334,8 @@ proptest! {
         let joined = finest.quantiles(&work(finest.size()), cells).0;
         let whole = Regions::whole(CellPlane::new(grid, 1));
         let voxels = |space: Space<'_>| {
-            let (walker, mut legs, mut uses) = (Walker::new(&workload, space, None), Vec::new(), Vec::new());
-            let hits: Vec<[u32; 4]> = rays.iter().map(|ray| bits(&walker.trace(ray, &mut legs, &mut uses))).collect();
+            let (mut walker, mut legs, mut uses) = (Walker::new(&workload, space, None), Vec::new(), Vec::new());
+            let hits: Vec<[u32; 4]> = rays.iter().map(|ray| bits(&walker.trace((ray, None), &mut legs, &mut uses))).collect();
             (hits, legs.iter().map(|leg| u64::from(leg.voxels)).sum::<u64>())
         };
         let (_, of_one) = voxels(Space::of(&whole));

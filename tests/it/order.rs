@@ -175,7 +175,7 @@ fn image(order: Order, sampling: Sampling) -> (Rendered, Vec<[u32; 4]>) {
     let timed = Timed { spec: &MachineSpec::default(), rules, watching: Watching::default() };
     let mut hits = Vec::new();
     let rendered = run::render(&picture, Some(timed), &Workers::new(2), |seen| {
-        if let Seen::Sent(_, hit) = seen {
+        if let Seen::Sent(_, hit, _) = seen {
             hits.push(bits(hit));
         }
         Ok::<_, Infallible>(())

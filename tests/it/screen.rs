@@ -284,7 +284,7 @@ fn timed(picture: &Picture, rules: HostRules) -> (Rendered, Vec<pcs_sim::seam::O
     let mut batches = Vec::new();
     let timed = Timed { spec: &MachineSpec::default(), rules, watching: Watching::default() };
     let rendered = run::render(picture, Some(timed), &Workers::new(2), |seen| {
-        if let Seen::Sent(ops, _) = seen {
+        if let Seen::Sent(ops, ..) = seen {
             batches.push(ops.clone());
         }
         Ok::<_, Infallible>(())

@@ -18,7 +18,7 @@ from ._parameters import (
     ModelParameters,
     RunParameters,
 )
-from ._types import CellState, Counts, Doing, FewColors, Timelines, Wait
+from ._types import CellState, Counts, Doing, FewColors, Graphs, Timelines, Wait
 
 _Path = str | PathLike[str]
 _Point = tuple[float, float, float]
@@ -205,6 +205,15 @@ class Run:
     @property
     def timelines(self) -> Timelines:
         """The run over time."""
+    def graphs(
+        self, *, of: str = "regions", pixels: tuple[tuple[int, int], tuple[int, int]] | None = None
+    ) -> Graphs:
+        """The graphs of the run, as `--graphs` writes them to JSON.
+
+        `of` is what G_r has beside the scene's parts: regions (nothing), objects or polygons. With `pixels`, the
+        columns and the lines from the first to before the last as ((10, 20), (40, 44)), G_v has each ray of these.
+        They are found out by running it again. A replay and a farm have none.
+        """
     @property
     def stats(self) -> dict[str, Any]:
         """All statistics: what `--stats` writes."""

@@ -467,6 +467,9 @@ class CubeParameters(TypedDict, total=False):
     min_contribution: float | None
     """Least share of a pixel that is followed."""
 
+    rules: str | None
+    """Rules that spare tests and rays."""
+
     shade_hit: float | None
     """Shading a hit (µs)."""
 

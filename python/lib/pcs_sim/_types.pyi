@@ -1,6 +1,6 @@
 """Dicts that the simulator gives. They are dicts and no more; these names are for type checkers."""
 
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,18 @@ class FewColors(TypedDict):
     """The largest distance."""
     bound: float | None
     """The most that any colour can be off, of an octree."""
+
+class Graphs(TypedDict):
+    """The graphs of a run: vertices and edges, each as `networkx.node_link_graph(graph, edges="edges")` takes it."""
+
+    G_r: dict[str, Any]
+    """The scene's parts."""
+    G_v: dict[str, Any]
+    """The rays."""
+    G_p: dict[str, Any]
+    """The processes."""
+    classification: dict[str, Any]
+    """What was known of them before the run."""
 
 class Counts(TypedDict):
     """How often the kernels did their work."""

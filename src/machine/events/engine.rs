@@ -182,6 +182,12 @@ impl<M: Copy> Events<M> {
         self
     }
 
+    /// The same, noting when each job is begun first, and done last.
+    pub fn noting_spans(mut self) -> Events<M> {
+        self.lanes.note_spans();
+        self
+    }
+
     /// The same with its causes followed, of which all time is told as work: [`Act::Work`] says what.
     /// `sending` tells the unit of work that a task spends on a message, by what is in it.
     pub fn explained(mut self, explanation: Explanation, sending: WorkOf<M>) -> Events<M> {

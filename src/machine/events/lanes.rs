@@ -1,12 +1,13 @@
 //! What each task spends its time on.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
 use super::recorder::Recorder;
 use crate::machine::timeline::{Count, Timeline, bins_for};
 use crate::measure::{
-    Latency, LinkStats, Measured, MessageSpan, Observed, Profile, SoFar, StateId, StateTimes, Topology,
+    JobSpan, Latency, LinkStats, Measured, MessageSpan, Observed, Profile, SoFar, StateId, StateTimes, Topology,
 };
 use crate::quantities::Cycles;
 
@@ -21,6 +22,8 @@ pub struct Lanes {
     is_watched: bool,
     probe: Option<Probe>,
     recorder: Option<Recorder>,
+    /// The jobs done so far, by their numbers, if that is asked for.
+    spans: Option<BTreeMap<u32, JobSpan>>,
 }
 
 /// The time of one task.
@@ -44,7 +47,16 @@ struct Probe {
 impl Lanes {
     pub fn new(topology: Topology, idle: StateId) -> Lanes {
         let lanes = vec![Lane::default(); topology.stations];
-        Lanes { topology: Arc::new(topology), idle, lanes, jobs: 0, is_watched: false, probe: None, recorder: None }
+        Lanes {
+            topology: Arc::new(topology),
+            idle,
+            lanes,
+            jobs: 0,
+            is_watched: false,
+            probe: None,
+            recorder: None,
+            spans: None,
+        }
     }
 
     /// Sees the run over time.
@@ -59,6 +71,11 @@ impl Lanes {
     pub fn record(&mut self, window: Range<Cycles>, most_events: usize) {
         self.is_watched = true;
         self.recorder = Some(Recorder::new(self.lanes.len(), window.start.0..window.end.0, most_events));
+    }
+
+    /// Notes when each job is begun first, and done last.
+    pub fn note_spans(&mut self) {
+        self.spans = Some(BTreeMap::new());
     }
 
     /// A task has been in a state up to a time, since what was told last.
@@ -106,6 +123,11 @@ impl Lanes {
         if let Some(recorder) = &mut self.recorder {
             recorder.done(task, job, since..now);
         }
+        if let Some(spans) = &mut self.spans {
+            let new = JobSpan { job, from: Cycles(since), until: Cycles(now) };
+            let span = spans.entry(job).or_insert(new);
+            (span.from, span.until) = (span.from.min(new.from), span.until.max(new.until));
+        }
     }
 
     /// A message sets out.
@@ -135,6 +157,7 @@ impl Lanes {
         let observed = Observed {
             profile: self.probe.map(|probe| probe.finish(&topology, cycles)),
             recording: self.recorder.map(|recorder| recorder.finish(&topology, cycles)),
+            spans: self.spans.map(|spans| spans.into_values().collect()).unwrap_or_default(),
             ..Observed::default()
         };
         let measured = Measured {

@@ -165,6 +165,13 @@ impl Array {
         self
     }
 
+    /// The same, noting when each job leaves and is answered, so that [`Array::finish_observed`] gives their spans. To be asked for before
+    /// any ops are fed.
+    pub fn noting_spans(mut self) -> Array {
+        self.observers.get_or_insert_default().spans = Some(Departures::default());
+        self
+    }
+
     /// The same for an array that is [explained](Array::explained): it also looks for what everybody does in one cycle. Of a
     /// job, [`Array::finish_observed`] tells the cycle; only one that is known before can be looked at.
     pub fn looking_at(mut self, when: When) -> Array {

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::fifo::Fifo;
+use crate::measure::JobSpan;
 use crate::quantities::Cycles;
 use crate::seam::{OpKind, OpStream};
 
@@ -49,5 +50,15 @@ impl Departures {
     /// A message that left before its job came took no time.
     pub fn latency(sent: u64, back: u64) -> Cycles {
         Cycles((back + 1).saturating_sub(sent))
+    }
+
+    /// The spans of all jobs, of which none was told before, if the last words of their answers were read in these cycles.
+    pub fn spans(self, returned: &[u64]) -> Vec<JobSpan> {
+        let span = |((job, sent), &back): ((u32, u64), &u64)| JobSpan {
+            job,
+            from: Cycles(sent.min(back + 1)),
+            until: Cycles(back + 1),
+        };
+        (0..).zip(self.sent).zip(returned).map(span).collect()
     }
 }

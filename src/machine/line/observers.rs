@@ -20,6 +20,8 @@ pub(super) struct Observers {
     pub recorder: Option<Recorder>,
     pub causes: Option<Causes>,
     pub departures: Option<Departures>,
+    /// The same, of which all are told at the end.
+    pub spans: Option<Departures>,
 }
 
 impl Observers {
@@ -28,7 +30,7 @@ impl Observers {
         self.probe.iter_mut().for_each(|probe| probe.fed(&batch.host));
         self.recorder.iter_mut().for_each(|recorder| recorder.fed(batch));
         self.causes.iter_mut().for_each(|causes| causes.fed(batch));
-        self.departures.iter_mut().for_each(|departures| departures.fed(&batch.host));
+        self.departures.iter_mut().chain(&mut self.spans).for_each(|departures| departures.fed(&batch.host));
     }
 
     /// Does the host's ops of a batch as [`Cell::run_host`], if somebody watches it at this time.
@@ -119,7 +121,7 @@ impl Observers {
         self.probe.iter_mut().for_each(|probe| probe.follow(index, link));
         self.recorder.iter_mut().for_each(|recorder| recorder.follow(index, link));
         if index == 0 {
-            self.departures.iter_mut().for_each(|departures| departures.follow(&link.x));
+            self.departures.iter_mut().chain(&mut self.spans).for_each(|departures| departures.follow(&link.x));
         }
     }
 
@@ -149,6 +151,7 @@ impl Observers {
             path,
             looked_at,
             snapshot,
+            spans: self.spans.map(|spans| spans.spans(past.returned)).unwrap_or_default(),
         }
     }
 }

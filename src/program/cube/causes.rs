@@ -1,7 +1,7 @@
 //! By what names it is told what the chain of causes of a run is made of, and what each leg of a ray consists of.
 
 use super::graph::{Leg, TaskGraph};
-use super::messages::{MessageKind, PAGE_HEAD_BYTES, RAY_BYTES, RESULT_BYTES, TOKEN_BYTES, packet_bytes};
+use super::messages::{MessageKind, PAGE_HEAD_BYTES, RESULT_BYTES, TOKEN_BYTES, packet_bytes};
 use super::states::{GRID, INTERSECTION, LOOKUP, PIXELS, RECEIVING, SENDING, SERVING, SHADING, SLABS};
 use crate::machine::events::{Explanation, PIECE_UNITS, Work};
 use crate::machine::{Cycles, Ipsc2};
@@ -35,12 +35,16 @@ pub(super) fn takes(kind: MessageKind) -> Work {
 }
 
 /// By what names causes are told, of work that consists of such pieces. What messages take is told of those that are sent most.
-pub(super) fn explanation(machine: &Ipsc2, page_bytes: u32, pieces: Vec<[u32; PIECE_UNITS]>) -> Explanation {
+pub(super) fn explanation(
+    machine: &Ipsc2,
+    (page_bytes, ray_bytes): (u32, u64),
+    pieces: Vec<[u32; PIECE_UNITS]>,
+) -> Explanation {
     let unit = |name: &str, state: StateId, cycles| PathUnit { name: name.to_owned(), state, cycles };
     let (times, costs) = (&machine.times, &machine.costs);
     let bytes = |kind| match kind {
         MessageKind::RealObject => PAGE_HEAD_BYTES + u64::from(page_bytes),
-        MessageKind::VirtualObject => RAY_BYTES,
+        MessageKind::VirtualObject => ray_bytes,
         MessageKind::Calculation if page_bytes == 0 => RESULT_BYTES,
         MessageKind::Calculation => packet_bytes(1),
         MessageKind::Information => TOKEN_BYTES,
@@ -66,7 +70,7 @@ pub(super) fn explanation(machine: &Ipsc2, page_bytes: u32, pieces: Vec<[u32; PI
     units.extend(messages("send", SENDING));
     units.extend(messages("take", RECEIVING));
     let wires = &machine.wires;
-    units.push(unit("links", SENDING, Cycles(RAY_BYTES.saturating_mul(wires.byte_millicycles).div_ceil(1000))));
+    units.push(unit("links", SENDING, Cycles(ray_bytes.saturating_mul(wires.byte_millicycles).div_ceil(1000))));
     units.push(unit("way", SENDING, wires.short));
     Explanation { units, carrying: [LINKS, WAY], pieces }
 }

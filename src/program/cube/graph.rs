@@ -1,5 +1,6 @@
 //! The task graph of an image: what each ray makes the nodes do, recorded without a clock.
 
+use super::messages::RAY_BYTES;
 use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::machine::KernelTimes;
@@ -21,6 +22,8 @@ pub struct TaskGraph {
     pub in_one: Vec<Leg>,
     /// What each ray reads of a shared memory, if that was recorded.
     pub pages: Option<PageUses>,
+    /// Whether a ray names the polygon that it starts on.
+    pub names_own: bool,
 }
 
 /// A ray.
@@ -124,7 +127,15 @@ impl PageUses {
     }
 }
 
+/// Bytes of the name of a polygon.
+const POLYGON_BYTES: u64 = 4;
+
 impl TaskGraph {
+    /// Bytes of a ray, as a message and in a slot.
+    pub fn ray_bytes(&self) -> u64 {
+        RAY_BYTES + if self.names_own { POLYGON_BYTES } else { 0 }
+    }
+
     /// Where a ray's legs end among all.
     #[inline]
     pub fn legs_end(&self, ray: u32) -> u32 {

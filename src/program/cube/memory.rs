@@ -174,7 +174,8 @@ impl<'a> MemoryNodes<'a> {
     /// Lets the nodes tell what they spend their time on, and by what names.
     pub fn explain(&mut self) -> Explanation {
         self.explains = true;
-        causes::explanation(self.machine, self.uses.page_bytes, causes::of_rays(self.graph))
+        let bytes = (self.uses.page_bytes, self.graph.ray_bytes());
+        causes::explanation(self.machine, bytes, causes::of_rays(self.graph))
     }
 
     /// What a node spends on sending a message, by what is in it; what it takes to send a page is part of serving.

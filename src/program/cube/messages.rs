@@ -46,7 +46,8 @@ pub struct Sent {
     pub bytes: u64,
 }
 
-/// Bytes of a ray: pixel 4, owner 2, kind, turns and hops 2, credit 4, origin 12, direction 12, end 4, weight 12.
+/// Bytes of a ray: pixel 4, owner 2, kind, turns and hops 2, credit 4, origin 12, direction 12, end 4, weight 12. With the rule `own` it has one more word,
+/// the polygon that it starts on.
 pub const RAY_BYTES: u64 = 52;
 /// Bytes of a result: pixel 4, credit 4, light 12.
 pub const RESULT_BYTES: u64 = 20;

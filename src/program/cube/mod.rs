@@ -34,4 +34,4 @@ pub use seen::{NodeSeen, Seen};
 pub use states::topology;
 pub use stuck::{Stuck, Waiting};
 pub use token::{Account, Token};
-pub use walker::{PageMap, Space, Walker};
+pub use walker::{Leaving, PageMap, Space, Walker};

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::graph::Leg;
 use crate::geometry::{Grid, Hit, Polygons, Pyramids, Ray, RaySlabs, Regions};
-use crate::program::Workload;
+use crate::program::{Spared, Workload};
 
 /// Traces rays through the regions of a scene. Each thread has its own.
 #[derive(Debug)]
@@ -12,7 +12,12 @@ pub struct Walker<'a> {
     workload: &'a Workload,
     space: Space<'a>,
     pages: Option<PageMap>,
+    /// What was spared as rays leave out the polygons that they start on.
+    pub spared: Spared,
 }
+
+/// A ray on its way, and the polygon that it starts on, if it says that it does not hit that.
+pub type Leaving<'a> = (&'a Ray, Option<u32>);
 
 /// How a scene is told apart into regions.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +91,7 @@ impl PageMap {
 impl<'a> Walker<'a> {
     /// A walker through the grid of a workload that has one. With `pages`, it notes which are read.
     pub fn new(workload: &'a Workload, space: Space<'a>, pages: Option<PageMap>) -> Walker<'a> {
-        Walker { workload, space, pages }
+        Walker { workload, space, pages, spared: Spared::default() }
     }
 
     /// The first hit of a ray where each region has a grid of its own. Adds its legs.
@@ -94,43 +99,50 @@ impl<'a> Walker<'a> {
     /// Which regions the ray comes to is told by the one grid, as before; in each it walks through that region's, and what lies beyond
     /// the end of its leg is forgotten, as before. A region holds all polygons that come near it, as a group of an array does, so
     /// that the same is found.
-    pub fn trace_own(&self, ray: &Ray, legs: &mut Vec<Leg>) -> Hit {
-        let Some(grid) = self.workload.grids().next() else { return Hit::MISS };
-        let strayed = self.workload.polygons().beyond_margin(ray.origin);
+    pub fn trace_own(&mut self, leaving: Leaving<'_>, legs: &mut Vec<Leg>) -> Hit {
+        let (workload, regions) = (self.workload, self.space.regions);
+        let (Some(grid), ray) = (workload.grids().next(), leaving.0) else { return Hit::MISS };
+        let strayed = workload.polygons().beyond_margin(ray.origin);
         if strayed > 0.0 {
-            return self.trace_strayed(grid, ray, strayed, legs);
+            return self.trace_strayed(grid, leaving, strayed, legs);
         }
         let (mut hit, mut is_found, mut at) = (Hit::MISS, false, None);
         grid.walk(ray, strayed, |voxel| {
-            let region = self.space.regions.of_voxel(voxel.voxel);
+            let region = regions.of_voxel(voxel.voxel);
             if let Some((left, t_exit)) = at.replace((region, voxel.t_exit))
                 && left != region
             {
-                hit = self.walk_own(ray, strayed, (left, t_exit), legs);
+                hit = self.walk_own(leaving, strayed, (left, t_exit), legs);
                 is_found = hit.t <= t_exit;
             }
             if is_found { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         match at {
-            Some(last) if !is_found => self.walk_own(ray, strayed, last, legs),
+            Some(last) if !is_found => self.walk_own(leaving, strayed, last, legs),
             _ => hit,
         }
     }
 
     /// All regions work on a ray that has strayed, if it comes near the volume.
-    fn trace_strayed(&self, grid: &Grid, ray: &Ray, strayed: f32, legs: &mut Vec<Leg>) -> Hit {
+    fn trace_strayed(&mut self, grid: &Grid, leaving: Leaving<'_>, strayed: f32, legs: &mut Vec<Leg>) -> Hit {
         let mut comes = false;
-        grid.walk(ray, strayed, |_| {
+        grid.walk(leaving.0, strayed, |_| {
             comes = true;
             ControlFlow::Break(())
         });
         let regions = (0..self.space.regions.count() as u16).filter(|_| comes);
-        let hits = regions.map(|region| self.walk_own(ray, strayed, (region, f32::INFINITY), legs));
+        let hits = regions.map(|region| self.walk_own(leaving, strayed, (region, f32::INFINITY), legs));
         hits.fold(Hit::MISS, Hit::nearer)
     }
 
     /// A ray's way through the grid of a region, up to where it leaves it, and the nearest hit there. Adds the leg.
-    fn walk_own(&self, ray: &Ray, strayed: f32, (region, t_exit): (u16, f32), legs: &mut Vec<Leg>) -> Hit {
+    fn walk_own(
+        &mut self,
+        (ray, own): Leaving<'_>,
+        strayed: f32,
+        (region, t_exit): (u16, f32),
+        legs: &mut Vec<Leg>,
+    ) -> Hit {
         let polygons = self.workload.polygons();
         let slabs = &self.workload.layout.surfaces.slabs;
         let ray_slabs = RaySlabs::new(ray, polygons.largest_coordinate());
@@ -138,6 +150,9 @@ impl<'a> Walker<'a> {
         self.space.own[usize::from(region)].walk(ray, strayed, |voxel| {
             leg.voxels += 1;
             for &polygon in voxel.polygons {
+                if is_left_out(own, polygon, || slabs.meets(&ray_slabs, polygon), &mut self.spared) {
+                    continue;
+                }
                 leg.slab_tests += 1;
                 if slabs.meets(&ray_slabs, polygon) {
                     leg.intersection_tests += 1;
@@ -153,7 +168,8 @@ impl<'a> Walker<'a> {
     /// The first hit of a ray. Adds its legs, and the pages that it reads. Without any voxel on its way there is no leg.
     ///
     /// What a region has found beyond its end is forgotten: the next one finds it again.
-    pub fn trace(&self, ray: &Ray, legs: &mut Vec<Leg>, uses: &mut Vec<(u32, u32)>) -> Hit {
+    pub fn trace(&mut self, leaving: Leaving<'_>, legs: &mut Vec<Leg>, uses: &mut Vec<(u32, u32)>) -> Hit {
+        let (ray, own) = leaving;
         let Some(grid) = self.workload.grids().next() else { return Hit::MISS };
         let polygons = self.workload.polygons();
         let slabs = &self.workload.layout.surfaces.slabs;
@@ -163,7 +179,7 @@ impl<'a> Walker<'a> {
         let mut hit = Hit::MISS;
         let table = grid.table();
         if let Some(pyramids) = self.space.pyramids.filter(|_| strayed == 0.0) {
-            return self.trace_pyramids((grid, pyramids), ray, legs);
+            return self.trace_pyramids((grid, pyramids), leaving, legs);
         }
         grid.walk(ray, strayed, |voxel| {
             let region = self.space.regions.of_voxel(voxel.voxel);
@@ -186,10 +202,16 @@ impl<'a> Walker<'a> {
                 }
             }
             for &polygon in voxel.polygons {
+                let mut meets = || {
+                    let new = || RaySlabs::new(ray, polygons.largest_coordinate());
+                    slabs.meets(ray_slabs.get_or_insert_with(new), polygon)
+                };
+                if is_left_out(own, polygon, &mut meets, &mut self.spared) {
+                    continue;
+                }
                 leg.slab_tests += 1;
                 self.pages.iter().for_each(|pages| read(uses, first_use, pages.of_polygon(polygon)));
-                let new = || RaySlabs::new(ray, polygons.largest_coordinate());
-                if slabs.meets(ray_slabs.get_or_insert_with(new), polygon) {
+                if meets() {
                     leg.intersection_tests += 1;
                     self.pages.iter().for_each(|pages| read(uses, first_use, pages.of_polygon(polygon)));
                     hit = polygons.nearer(ray, polygon, hit);
@@ -204,7 +226,12 @@ impl<'a> Walker<'a> {
 impl Walker<'_> {
     /// The same where cells are pyramids: each voxel is visited in every region that the ray is in there. Between them what was hit
     /// is forgotten, if it does not lie before the border.
-    fn trace_pyramids(&self, (grid, pyramids): (&Grid, &Pyramids), ray: &Ray, legs: &mut Vec<Leg>) -> Hit {
+    fn trace_pyramids(
+        &mut self,
+        (grid, pyramids): (&Grid, &Pyramids),
+        (ray, own): Leaving<'_>,
+        legs: &mut Vec<Leg>,
+    ) -> Hit {
         let polygons = self.workload.polygons();
         let slabs = &self.workload.layout.surfaces.slabs;
         let ray_slabs = RaySlabs::new(ray, polygons.largest_coordinate());
@@ -220,6 +247,9 @@ impl Walker<'_> {
                 if let Some(leg) = legs.last_mut() {
                     leg.voxels += 1;
                     for &polygon in voxel.polygons {
+                        if is_left_out(own, polygon, || slabs.meets(&ray_slabs, polygon), &mut self.spared) {
+                            continue;
+                        }
                         leg.slab_tests += 1;
                         if slabs.meets(&ray_slabs, polygon) {
                             leg.intersection_tests += 1;
@@ -251,6 +281,17 @@ fn leg_in(region: u16, legs: &[Leg], first: usize, has_strayed: bool) -> Option<
         false => (legs.len() > first && legs[legs.len() - 1].region == region).then(|| legs.len() - 1),
         true => legs[first..].iter().position(|leg| leg.region == region).map(|place| first + place),
     }
+}
+
+/// Whether a polygon is left out, as it is the ray's own; what that spares is counted.
+#[inline]
+fn is_left_out(own: Option<u32>, polygon: u32, meets: impl FnOnce() -> bool, spared: &mut Spared) -> bool {
+    if own != Some(polygon) {
+        return false;
+    }
+    spared.slab_tests += 1;
+    spared.intersection_tests += u64::from(meets());
+    true
 }
 
 /// Notes that a ray reads a page, whose pages begin at `first`.

@@ -25,7 +25,7 @@ pub fn of_cube(setup: &CubeSetup, outcome: &CubeOutcome, asked: &Asked) -> Resul
         return Err(error.help("name the scene"));
     };
     let objects = Objects::new(&found.scene, found.workload.polygons());
-    let notes = notes(setup, found);
+    let notes = notes(setup, outcome, found);
     let rays = match &asked.pixels {
         None => rays::graph(&notes, &objects),
         Some(window) => rays::graph_of_pixels(&notes, &objects, (window, setup.spec.size))?,
@@ -41,7 +41,7 @@ pub fn of_cube(setup: &CubeSetup, outcome: &CubeOutcome, asked: &Asked) -> Resul
 }
 
 /// The rays, tree by tree.
-fn notes(setup: &CubeSetup, found: &Found) -> Vec<RayNote> {
+fn notes(setup: &CubeSetup, outcome: &CubeOutcome, found: &Found) -> Vec<RayNote> {
     let (graph, per_pixel) = (&setup.scene.graph, setup.spec.rays.samples.pow(2));
     let times = &setup.machine.times;
     let mut notes: Vec<RayNote> = Vec::with_capacity(graph.rays.len());
@@ -60,7 +60,11 @@ fn notes(setup: &CubeSetup, found: &Found) -> Vec<RayNote> {
             region: setup.spec.regions.map(|_| graph.start_of(number)),
             legs: legs.len() as u32,
             cycles: legs.map(|leg| graph.time(number, leg, times).all().0).sum(),
+            span: None,
         });
+    }
+    for span in &outcome.observed.spans {
+        notes[span.job as usize].span = Some(*span);
     }
     notes
 }

@@ -11,7 +11,7 @@ use super::{Asked, Graphs};
 use crate::error::InputError;
 use crate::geometry::{Bounds, Hit, Partition, Ray};
 use crate::host::shading::RayKind;
-use crate::measure::{Actor, Measured, State, StateKind, StateTimes};
+use crate::measure::{Actor, JobSpan, Measured, Observed, State, StateKind, StateTimes};
 use crate::program::messages::{Carried, CarriedByKind, MessageKind};
 use crate::report::account::cell_names;
 use crate::run::{Setup, TracedBatch, TreeBatch, computing};
@@ -27,6 +27,10 @@ pub struct Gathered {
     costs: Costs,
     groups: u32,
     rays: Vec<RayNote>,
+    /// The places among them of all rays that were grown; of those that are not sent, of the next.
+    grown: Vec<u32>,
+    /// The rays in the order in which they were sent.
+    sent: Vec<u32>,
 }
 
 impl Gathered {
@@ -34,13 +38,21 @@ impl Gathered {
     pub fn new(setup: &Setup) -> Gathered {
         let boxes: Vec<Bounds> = setup.workload.sub_volumes().map(|(volume, _)| volume).collect();
         let (costs, groups) = (setup.workload.costs().clone(), boxes.len() as u32);
-        Gathered { contacts: Contact::between(&boxes), costs, groups, rays: Vec::new() }
+        Gathered {
+            contacts: Contact::between(&boxes),
+            costs,
+            groups,
+            rays: Vec::new(),
+            grown: Vec::new(),
+            sent: Vec::new(),
+        }
     }
 
     /// Takes the next primary rays of a run of these.
     pub fn take_batch(&mut self, batch: &TracedBatch, setup: &Setup) {
         for (line, hit) in batch.hits.iter().enumerate() {
             let place = self.rays.len();
+            self.sent.push(place as u32);
             let cycles = computing(&batch.ops.cells, line, &self.costs);
             let pixel = setup.prepared.number(place) as u32;
             self.take((pixel, RayKind::Primary, 0, None), (&setup.prepared.rays[place], hit), cycles);
@@ -56,10 +68,18 @@ impl Gathered {
             (child..child + count).for_each(|child| parents[child as usize] = Some(number));
         }
         let all = trees.rays.iter().zip(&trees.traced.hits).zip(parents);
-        for ((ray, hit), parent) in all.filter(|((ray, _), _)| ray.is_sent) {
-            let pixel = pixels[ray.tree as usize] as u32;
-            self.take((pixel, ray.kind, ray.generation, parent), (&ray.ray, hit), ray.busy);
+        for ((ray, hit), parent) in all {
+            self.grown.push(self.rays.len() as u32);
+            if ray.is_sent {
+                let pixel = pixels[ray.tree as usize] as u32;
+                self.take((pixel, ray.kind, ray.generation, parent), (&ray.ray, hit), ray.busy);
+            }
         }
+    }
+
+    /// A ray of these trees is sent, by its number among all of their rays.
+    pub fn take_sent(&mut self, ray: u32) {
+        self.sent.push(self.grown[ray as usize]);
     }
 
     fn take(
@@ -70,7 +90,15 @@ impl Gathered {
     ) {
         self.contacts.iter_mut().for_each(|contact| contact.count(ray, hit));
         let legs = self.groups;
-        self.rays.push(RayNote { pixel, kind, generation, parent, hit: *hit, region: None, legs, cycles });
+        let span = None;
+        self.rays.push(RayNote { pixel, kind, generation, parent, hit: *hit, region: None, legs, cycles, span });
+    }
+
+    /// The rays with their spans, which were told in the order in which they were sent.
+    fn timed(&self, spans: &[JobSpan]) -> Vec<RayNote> {
+        let mut rays = self.rays.clone();
+        self.sent.iter().zip(spans).for_each(|(&ray, span)| rays[ray as usize].span = Some(*span));
+        rays
     }
 }
 
@@ -79,7 +107,12 @@ impl Gathered {
 /// # Errors
 ///
 /// If a graph would have too many vertices, and if single rays are asked for of what is no picture.
-pub fn of_line(setup: &Setup, gathered: &Gathered, stats: &Measured, asked: &Asked) -> Result<Graphs, InputError> {
+pub fn of_line(
+    setup: &Setup,
+    gathered: &Gathered,
+    (stats, observed): (&Measured, &Observed),
+    asked: &Asked,
+) -> Result<Graphs, InputError> {
     let objects = Objects::new(&setup.scene, setup.workload.polygons());
     let rays = match &asked.pixels {
         None => rays::graph(&gathered.rays, &objects),
@@ -87,7 +120,7 @@ pub fn of_line(setup: &Setup, gathered: &Gathered, stats: &Measured, asked: &Ask
             let error = InputError::new("--graph-pixels is about pixels of a camera, and the rays are a file's");
             return Err(error.help("leave it out"));
         }
-        Some(window) => rays::graph_of_pixels(&gathered.rays, &objects, (window, setup.spec.size))?,
+        Some(window) => rays::graph_of_pixels(&gathered.timed(&observed.spans), &objects, (window, setup.spec.size))?,
     };
     let (real, processes) = (real(setup, gathered, stats, &objects, asked)?, processes(setup, stats));
     let classification = classification(way(setup), [&real, &rays, &processes]);

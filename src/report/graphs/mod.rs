@@ -23,6 +23,8 @@ pub use labels::Labels;
 pub use line::{Gathered, of_line};
 pub use rays::{PixelWindow, RayNote};
 
+use crate::run::Watching;
+
 /// What the vertices of G_r are beside the parts of the scene that processes have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
@@ -43,6 +45,13 @@ pub struct Asked {
     pub of: Of,
     /// The pixels of which G_v has each ray, if it is to have single rays.
     pub pixels: Option<PixelWindow>,
+}
+
+impl Asked {
+    /// What is to be watched of the run for them.
+    pub fn watching(&self) -> Watching {
+        Watching { spans: self.pixels.is_some(), ..Watching::default() }
+    }
 }
 
 /// The graphs of a run.

@@ -9,6 +9,7 @@ use crate::error::InputError;
 use crate::geometry::Hit;
 use crate::host::camera::ImageSize;
 use crate::host::shading::RayKind;
+use crate::measure::JobSpan;
 
 /// A ray of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +30,8 @@ pub struct RayNote {
     pub legs: u32,
     /// Cycles of work on it, of all processes together.
     pub cycles: u64,
+    /// From when to when it was under way, if that was watched.
+    pub span: Option<JobSpan>,
 }
 
 /// Some pixels of an image: from the first to before the last, along both sides.
@@ -166,6 +169,9 @@ pub fn graph_of_pixels(
         ];
         attributes.extend(ray.region.map(|region| whole("region", region.into())));
         attributes.extend([whole("legs", ray.legs.into()), whole("cycles", ray.cycles)]);
+        if let Some(JobSpan { from, until, .. }) = ray.span {
+            attributes.extend([whole("start_cycle", from.0), whole("end_cycle", until.0)]);
+        }
         if ray.hit.is_hit() {
             attributes.extend([whole("polygon", ray.hit.polygon.into()), number_of("t", ray.hit.t)]);
         }

@@ -20,15 +20,14 @@ use crate::cancel::{Cancel, Cancelled};
 use crate::error::InputError;
 use crate::geometry::{CellPlane, Eye, Hit, Pyramids, Regions};
 use crate::host::order::Order;
-use crate::host::rules::Rules;
 use crate::host::sampling::Pass;
 use crate::machine::events::{Act, Events, Queues};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
 use crate::measure::{Measured, Observed, Recording, SoFar, Topology};
-use crate::program::Workload;
 use crate::program::cube::{
     MemoryNodes, PageMap, Part, Phases, Preparation, RegionNodes, Seen, Space, TaskGraph, highest_rank, topology,
 };
+use crate::program::{Spared, Workload};
 use crate::run::one_cell::Whole;
 use crate::run::render::Picture;
 use crate::run::trees::ByKind;
@@ -62,6 +61,8 @@ pub struct CubeScene {
     pub found: Option<Found>,
     /// How many rays there are of each kind, and how many hit.
     pub kinds: ByKind<(u64, u64)>,
+    /// What rules spared.
+    pub spared: Spared,
     /// What reading it changed.
     pub notes: Vec<String>,
 }
@@ -220,15 +221,8 @@ impl CubeSpec {
             Whole { scene: &self.scene, size_factor, resolution, size, grid_coefficient: self.rays.grid_coefficient };
         let (scene, workload) = whole.lay_out(machine.times, &workers.cancel)?;
         let (sampling, limits) = (self.sampling(), self.limits());
-        let picture = Picture {
-            scene: &scene,
-            workload: &workload,
-            size,
-            sampling,
-            limits,
-            screen: None,
-            rules: Rules::default(),
-        };
+        let picture =
+            Picture { scene: &scene, workload: &workload, size, sampling, limits, screen: None, rules: self.rules };
         let pyramids = self.pyramids(&picture)?;
         let mut cut = self.cut(&picture, &machine, pyramids.as_ref(), workers)?;
         let own = match self.regions.map(|regions| regions.grids) {
@@ -244,10 +238,10 @@ impl CubeSpec {
         let traced = trace(&tracing)?;
         let pixels = traced.pixels((self.rays.samples as usize).pow(2));
         let polygons = workload.polygons().len();
-        let Traced { graph, hits, kinds, .. } = traced;
+        let Traced { graph, hits, kinds, spared, .. } = traced;
         let (name, notes) = (scene.name.clone(), scene.notes.clone());
         let found = keeps_hits.then_some(Found { hits, scene, workload });
-        Ok(CubeScene { name, polygons, graph, cut, pixels, found, kinds, notes })
+        Ok(CubeScene { name, polygons, graph, cut, pixels, found, kinds, spared, notes })
     }
 
     /// The regions of a scene, or all of it as one.
@@ -309,7 +303,7 @@ impl CubeSpec {
         let one_node = one_node(&scene.graph, machine)?;
         let node_of = self.node_of(&scene.cut, machine);
         let parts = self.parts(scene, machine, &node_of);
-        let slots = self.slots(&parts, machine)?;
+        let slots = self.slots(&scene.graph, &parts, machine)?;
         let phases = prepare(machine, &parts);
         let highest_rank = highest_rank(&scene.graph);
         let owners = self.regions.map(|spec| self.owners(&spec, &scene.graph, &node_of)).unwrap_or_default();
@@ -394,6 +388,7 @@ fn prepare(machine: &Ipsc2, parts: &[Part]) -> Phases {
 fn watched<M: Copy>(topology: Topology, helpers: usize, machine: &Ipsc2, watching: &Watching) -> Events<M> {
     let events = Events::with_helpers(topology, helpers, machine.cube(), RegionNodes::SENDING_AND_IDLE);
     let events = if watching.profile { events.probed() } else { events };
+    let events = if watching.spans { events.noting_spans() } else { events };
     match &watching.recording {
         Some(window) => events.recorded(window.clone(), Recording::MOST_EVENTS),
         None => events,

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
+use crate::host::rules::Rules;
 use crate::machine::Ipsc2Options;
 use crate::parameters::{ParameterInfo, parameters};
 use crate::run::options::choice;
@@ -59,6 +60,10 @@ parameters! {
         /// Bytes of a page of the shared memory [default: 1024].
         #[cfg_attr(feature = "cli", arg(value_parser = clap::value_parser!(u32).range(64..=1 << 20)))]
         page_bytes: u32, "N", Whole, "page of the shared memory (bytes)";
+        /// What spares tests and rays without changing a bit of any hit: rays name the polygon that they start on, which is not tested
+        /// (own); shadow rays are not sent that start outside the cones of shadow of all objects (a4b), or inside that of a large
+        /// polygon (a4c); several as in own+a4b; none [default: none].
+        rules: Rules, "RULES", Text, "rules that spare tests and rays";
         /// A machine file of your own; the flags below change it further [default: iPSC/2].
         #[cfg_attr(feature = "cli", arg(help_heading = "Machine"))]
         machine: PathBuf, "FILE", File, "machine";

@@ -9,9 +9,6 @@ use crate::host::camera::ImageSize;
 use crate::machine::Ipsc2;
 use crate::program::cube::{Dealt, Part, TaskGraph, gray_order, swapped};
 
-/// Bytes of what is in a slot of a queue.
-const SLOT_BYTES: u64 = 52;
-
 /// Pixels along the side of a tile.
 const TILE: u32 = 8;
 
@@ -43,12 +40,12 @@ impl CubeSpec {
     /// How many slots each node has, if these are limited.
     ///
     /// Fails if the scene and they do not fit into a node's memory.
-    pub(super) fn slots(&self, parts: &[Part], machine: &Ipsc2) -> Result<Option<u32>, InputError> {
+    pub(super) fn slots(&self, graph: &TaskGraph, parts: &[Part], machine: &Ipsc2) -> Result<Option<u32>, InputError> {
         let asked = self.regions.and_then(|regions| regions.queue_rays);
         let fullest = parts.iter().enumerate().max_by_key(|(node, part)| (part.holds, std::cmp::Reverse(*node)));
         let Some((node, part)) = fullest else { return Ok(None) };
         let room = machine.memory_bytes.checked_sub(part.holds);
-        let fits = room.map(|bytes| u32::try_from(bytes / SLOT_BYTES).unwrap_or(u32::MAX - 1));
+        let fits = room.map(|bytes| u32::try_from(bytes / graph.ray_bytes()).unwrap_or(u32::MAX - 1));
         let slots = match asked {
             Some(QueueRays::Count(count)) => count,
             Some(QueueRays::Memory) => fits.unwrap_or(0).max(1),
@@ -60,7 +57,7 @@ impl CubeSpec {
         let message = format!(
             "the scene does not fit: node {node} needs {} bytes for it and {} for {slots} rays, and has {}",
             part.holds,
-            SLOT_BYTES * u64::from(slots),
+            graph.ray_bytes() * u64::from(slots),
             machine.memory_bytes
         );
         Err(InputError::new(message)

@@ -10,11 +10,12 @@ use super::options::{
 };
 use crate::error::InputError;
 use crate::host::camera::ImageSize;
+use crate::host::rules::Rules;
 use crate::host::sampling::Sampling;
 use crate::host::shading::Limits;
 use crate::input::fields::is_default;
 use crate::machine::Ipsc2File;
-use crate::program::cube::{Ends, Flow, Rules};
+use crate::program::cube::{self, Ends, Flow};
 use crate::run::spec::{CUBE, configuration, read_configuration, standard_size};
 use crate::run::{FarmRays, Key};
 
@@ -39,6 +40,9 @@ pub struct CubeSpec {
     pub size: ImageSize,
     /// How rays are traced.
     pub rays: FarmRays,
+    /// What spares tests and rays.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub rules: Rules,
     /// The regions; `None` if nodes share a memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub regions: Option<RegionSpec>,
@@ -143,8 +147,8 @@ impl RegionSpec {
     }
 
     /// What the nodes go by, if each has so many slots.
-    pub fn rules(&self, slots: u32) -> Rules {
-        Rules {
+    pub fn rules(&self, slots: u32) -> cube::Rules {
+        cube::Rules {
             flow: match self.flow {
                 FlowKind::Unlimited => Flow::Unlimited,
                 FlowKind::Block => Flow::Block(slots),
@@ -214,6 +218,7 @@ impl CubeSpec {
             resolution: shape.resolution.or(of_same_scene.and_then(|base| base.resolution)),
             size: shape.size.or(base.map(|base| base.size)).unwrap_or_else(standard_size),
             rays: rays(options, base),
+            rules: asked.rules.or(base.map(|base| base.rules)).unwrap_or_default(),
             regions: (mode == CubeMode::Regions).then_some(regions),
             page_bytes: (mode == CubeMode::SharedMemory).then_some(page_bytes),
             distribution: if mode == CubeMode::SharedMemory { distribution } else { Distribution::Lines },
@@ -263,6 +268,7 @@ impl CubeSpec {
             resolution,
             size,
             rays,
+            rules,
             regions,
             page_bytes,
             machine,
@@ -270,7 +276,7 @@ impl CubeSpec {
         } = self;
         let regions = regions.map(|regions| (regions.sub_sample, regions.cell_grid, regions.cell_cuts, regions.grids));
         let cut = regions.map(|regions| (regions, machine.nodes, machine.times_us));
-        Key::of((scene, size_factor, resolution, size, rays, cut, page_bytes))
+        Key::of((scene, size_factor, resolution, size, rays, rules, cut, page_bytes))
     }
 
     fn check(&self) -> Result<(), InputError> {

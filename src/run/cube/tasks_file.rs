@@ -15,6 +15,7 @@ use super::{CubeScene, CubeSpec, Cut, Grids};
 use crate::error::InputError;
 use crate::host::shading::RayKind;
 use crate::input::file;
+use crate::program::Spared;
 use crate::program::cube::{Leg, PageUses, RayTask, TaskGraph};
 use crate::run::ByKind;
 
@@ -38,6 +39,8 @@ struct Header {
     name: String,
     polygons: usize,
     kinds: ByKind<(u64, u64)>,
+    #[serde(default)]
+    spared: Spared,
     cut: Cut,
     trees: u32,
     rays: u32,
@@ -67,6 +70,7 @@ impl CubeScene {
             name: self.name.clone(),
             polygons: self.polygons,
             kinds: self.kinds,
+            spared: self.spared,
             cut: self.cut.clone(),
             trees: graph.trees.len() as u32,
             rays: graph.rays.len() as u32,
@@ -110,8 +114,9 @@ impl CubeScene {
         }
         let graph = read_graph(&header, rest).map_err(|error| wrong(format!("its tasks cannot be read: {error}")))?;
         header.check(&graph).map_err(wrong)?;
-        let Header { spec, name, polygons, kinds, cut, .. } = header;
-        Ok((spec, CubeScene { name, polygons, graph, cut, pixels: Vec::new(), found: None, kinds, notes: Vec::new() }))
+        let Header { spec, name, polygons, kinds, spared, cut, .. } = header;
+        let (pixels, found, notes) = (Vec::new(), None, Vec::new());
+        Ok((spec, CubeScene { name, polygons, graph, cut, pixels, found, kinds, spared, notes }))
     }
 }
 
@@ -178,7 +183,8 @@ fn read_graph(header: &Header, mut from: &[u8]) -> io::Result<TaskGraph> {
         let uses = (0..uses).map(|_| Ok((number(from)?, number(from)?))).collect::<io::Result<_>>()?;
         Ok::<_, io::Error>(PageUses { pages, page_bytes, uses, ends })
     });
-    Ok(TaskGraph { regions: header.cut.regions.count(), rays, legs, trees, in_one, pages: pages.transpose()? })
+    let (regions, names_own) = (header.cut.regions.count(), header.spec.rules.own);
+    Ok(TaskGraph { regions, rays, legs, trees, in_one, pages: pages.transpose()?, names_own })
 }
 
 fn read_leg(region: u16, from: &mut &[u8]) -> io::Result<Leg> {

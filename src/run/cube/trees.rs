@@ -7,6 +7,7 @@ use crate::geometry::Hit;
 use crate::host::camera::View;
 use crate::host::sampling::Pass;
 use crate::host::shading::{Branch, RayKind, Shader};
+use crate::program::Spared;
 use crate::program::cube::{Leg, PageMap, PageUses, RayTask, Space, TaskGraph, Walker};
 use crate::run::render::Picture;
 use crate::run::trees::{ByKind, grow};
@@ -39,6 +40,8 @@ pub struct Traced {
     pub hits: Vec<Hit>,
     /// How many rays there are of each kind, and how many hit.
     pub kinds: ByKind<(u64, u64)>,
+    /// What rules spared.
+    pub spared: Spared,
 }
 
 /// What a ray has from the one whose hit asked for it.
@@ -91,8 +94,8 @@ impl Tracing<'_> {
         workers: &Workers,
         mut observe: impl FnMut(usize) -> Result<(), E>,
     ) -> Result<Traced, RunError<E>> {
-        let Picture { scene, workload, size, limits, .. } = self.picture;
-        let shader = Shader::new(scene, workload.polygons(), limits);
+        let Picture { scene, workload, size, limits, rules, .. } = self.picture;
+        let shader = Shader::new(scene, workload.polygons(), limits).with_rules(rules);
         let worker = || Grower {
             walker: Walker::new(workload, self.space, self.pages.map(|(map, _)| map)),
             has_own_grids: !self.space.own.is_empty(),
@@ -109,6 +112,7 @@ impl Tracing<'_> {
                 let (x, y) = position(sample);
                 grower.tree(sample, Branch::primary(grower.view.ray(x, y)), &mut batch);
             }
+            batch.spared += std::mem::take(&mut grower.walker.spared);
             batch
         };
         let mut all = Traced::default();
@@ -119,7 +123,7 @@ impl Tracing<'_> {
             observe(all.graph.trees.len()).map_err(RunError::Observer)?;
             Ok::<_, RunError<E>>(batch)
         })?;
-        all.graph.regions = self.space.regions.count();
+        (all.graph.regions, all.graph.names_own) = (self.space.regions.count(), rules.own);
         if let (Some(uses), Some((map, page_bytes))) = (&mut all.graph.pages, self.pages) {
             (uses.pages, uses.page_bytes) = (map.pages(), page_bytes);
         }
@@ -130,7 +134,7 @@ impl Tracing<'_> {
 impl Grower<'_> {
     fn tree(&mut self, sample: usize, root: Branch, batch: &mut Traced) {
         let Grower { walker, shader, branches, parents, regions, has_own_grids, keeps_hits, .. } = self;
-        let Traced { graph, colors, hits, kinds } = batch;
+        let Traced { graph, colors, hits, kinds, spared } = batch;
         let TaskGraph { rays, legs, trees, in_one, pages, .. } = graph;
         let (tree, first) = (trees.len() as u32, rays.len());
         trees.push(first as u32);
@@ -139,17 +143,28 @@ impl Grower<'_> {
         let mut unread = Vec::new();
         // A ray that meets no voxel is where the one before it was.
         let mut nearest = (sample % usize::from(*regions)) as u16;
+        // Rays of the tree so far that are traced, done or to be done.
+        let mut known = 1;
         let color = grow(
             shader,
             root,
             branches,
             |branch| {
-                let first = legs.len();
+                let [objects, polygons] = branch.rule_tests;
+                spared.object_tests += u64::from(objects);
+                spared.polygon_tests += u64::from(polygons);
+                if let Some(hit) = branch.foretold {
+                    let rays = if hit.is_hit() { &mut spared.shaded_rays } else { &mut spared.lit_rays };
+                    *rays += 1;
+                    return (hit, None);
+                }
+                let (first, leaving, dropped) = (legs.len(), (&branch.ray, branch.own), walker.spared);
                 let uses = pages.as_mut().map_or(&mut unread, |pages| &mut pages.uses);
-                let mut hit = walker.trace(&branch.ray, legs, uses);
+                let mut hit = walker.trace(leaving, legs, uses);
                 if *has_own_grids {
                     in_one.push(legs.drain(first..).fold(Leg::default(), |all, leg| all.joined(&leg)));
-                    hit = walker.trace_own(&branch.ray, legs);
+                    walker.spared = dropped;
+                    hit = walker.trace_own(leaving, legs);
                 }
                 pages.iter_mut().for_each(|pages| pages.ends.push(pages.uses.len() as u32));
                 if legs.len() == first {
@@ -160,24 +175,27 @@ impl Grower<'_> {
                 kinds[branch.kind as usize].0 += 1;
                 kinds[branch.kind as usize].1 += u64::from(hit.is_hit());
                 let count = (legs.len() - first) as u16;
-                (hit, Way { first: first as u32, count, ends: (legs[first].region, nearest) })
+                (hit, Some(Way { first: first as u32, count, ends: (legs[first].region, nearest) }))
             },
-            |branch, (hit, way), (next, children)| {
+            |branch, (hit, way), (_, children)| {
+                let Some(way) = way else { return };
+                let children = children.iter().filter(|child| child.foretold.is_none()).count();
                 let Parent { turns, hop, region } = parents[rays.len() - first];
                 let hop = hop + u16::from(region.is_some_and(|region| region != way.ends.0));
                 let is_shadow = branch.kind == RayKind::Shadow;
                 let rest = Parent { turns, hop: hop + way.count - 1, region: Some(way.ends.1) };
                 let turned = Parent { turns: turns.saturating_add(1), ..Parent::default() };
-                parents.extend(children.iter().map(|_| if is_shadow { rest } else { turned }));
+                parents.extend(std::iter::repeat_n(if is_shadow { rest } else { turned }, children));
                 rays.push(RayTask {
                     first_leg: way.first,
-                    children: ((first + next) as u32, children.len() as u32),
+                    children: ((first + known) as u32, children as u32),
                     tree,
                     hop,
                     turns,
                     kind: branch.kind,
                     shaded: hit.is_hit() && !is_shadow,
                 });
+                known += children;
             },
         );
         colors.push(color);
@@ -201,6 +219,7 @@ impl Traced {
         self.colors.clear();
         self.hits.clear();
         self.kinds = ByKind::default();
+        self.spared = Spared::default();
     }
 
     /// Adds a batch behind what is there. Fails if there are more rays, or parts of them, than can be numbered.
@@ -230,6 +249,7 @@ impl Traced {
         }
         self.colors.extend_from_slice(&batch.colors);
         self.hits.extend_from_slice(&batch.hits);
+        self.spared += batch.spared;
         for (all, more) in self.kinds.iter_mut().zip(batch.kinds) {
             all.0 += more.0;
             all.1 += more.1;

@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use super::causes::{self, PIXEL, takes};
 use super::graph::TaskGraph;
 use super::mapping::gray_order;
-use super::messages::{MessageKind, RAY_BYTES, RESULT_BYTES, WORD_BYTES, packet_bytes};
+use super::messages::{MessageKind, RESULT_BYTES, WORD_BYTES, packet_bytes};
 use super::pool::{Flow, Placing, Slots};
 use super::seen::{NodeSeen, Seen};
 use super::states::{BLOCKED, GRID, IDLE, INTERSECTION, PIXELS, RECEIVING, SENDING, SHADING, SLABS, WAITING, topology};
@@ -237,7 +237,7 @@ impl<'a> RegionNodes<'a> {
     /// Lets the nodes tell what they spend their time on, and by what names.
     pub fn explain(&mut self) -> Explanation {
         self.explains = true;
-        causes::explanation(self.machine, 0, causes::of_legs(self.graph))
+        causes::explanation(self.machine, (0, self.graph.ray_bytes()), causes::of_legs(self.graph))
     }
 
     /// What a node spends on sending a message, by what is in it.
@@ -418,7 +418,7 @@ impl<'a> RegionNodes<'a> {
         self.note_queue(task);
         let mut receiving = Cycles(0);
         if !is_own {
-            receiving = self.took(MessageKind::VirtualObject, RAY_BYTES);
+            receiving = self.took(MessageKind::VirtualObject, self.graph.ray_bytes());
             if let Flow::Block(_) = self.rules.flow {
                 self.grant(task);
             }

@@ -5,7 +5,7 @@ use crate::host::shading::RayKind;
 use crate::machine::Cycles;
 use crate::machine::events::Act;
 use crate::program::cube::causes::takes;
-use crate::program::cube::messages::{MessageKind, RAY_BYTES, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES};
+use crate::program::cube::messages::{MessageKind, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES};
 use crate::program::cube::pool::{Flow, Placing};
 use crate::program::cube::states::{BLOCKED, RECEIVING};
 use crate::program::cube::stuck::{Stuck, Waiting};
@@ -182,7 +182,7 @@ impl RegionNodes<'_> {
     fn send_ray(&mut self, task: usize, to: usize, visit: Visit) -> Act<Note> {
         self.nodes[task].account.sent();
         self.seen.sent[task * self.nodes.len() + to] += 1;
-        self.send(task, to, (MessageKind::VirtualObject, RAY_BYTES), Note::Ray(visit))
+        self.send(task, to, (MessageKind::VirtualObject, self.graph.ray_bytes()), Note::Ray(visit))
     }
 
     /// Asks another node for a slot for what follows next from a ray.
