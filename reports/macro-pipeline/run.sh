@@ -3,18 +3,14 @@
 sweep grids
 sweep fifos
 # What the FIFOs behind P1 and behind P2 would have to hold so that nobody ever waits for room.
-echo "scene,order,grid_coefficient,behind_p1,behind_p2,words_p1,words_p2" > behind.csv
+echo "scene,order,behind_p1,behind_p2" > behind.csv
 for scene in balls gears lattice mountain rings shells sombrero teapot tetra tree room table valve chapel reference; do
     for order in raster shuffle:1; do
-        for grid in 10 50; do
-            $pcs_sim --mode pipeline --scene $scene --size 128x128 --order $order --grid-coefficient $grid --enough --stats stats.json --force \
-                > /dev/null
-            awk -F'[:,]' -v row="$scene,${order%:*},$grid" '
-                /"name": "Y/ { gsub(/[ "]/, "", $2); fifo = $2 }
-                /"words":/ { words[fifo] = $2 + 0 }
-                /"enough":/ { enough[fifo] = $2 + 0 }
-                END { print row "," enough["Y1"] "," enough["Y2"] "," words["Y1"] "," words["Y2"] }' stats.json >> behind.csv
-        done
+        $pcs_sim --mode pipeline --scene $scene --size 128x128 --order $order --enough --stats stats.json --force > /dev/null
+        awk -F'[:,]' -v row="$scene,${order%:*}" '
+            /"name": "Y/ { gsub(/[ "]/, "", $2); fifo = $2 }
+            /"enough":/ { enough[fifo] = $2 + 0 }
+            END { print row "," enough["Y1"] "," enough["Y2"] }' stats.json >> behind.csv
     done
 done
 rm stats.json

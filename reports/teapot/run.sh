@@ -32,15 +32,19 @@ for grid in 10 50; do
 done
 mv image.png teapot.png
 image all teapot.ron "the same behind a SUN3" - raster 10 3 --mode pipeline --machine ../../pcs-programs/pcs-sun3.ron
-for order in raster shuffle:1; do
-    for partition in regular work; do
-        for cells in 2 4 8 16 32 64; do
-            image all teapot.ron "PCS broadcast" $partition $order 10 $cells --mode broadcast --cells $cells --partition $partition
-        done
-        for cells in 6 12 24 48 63; do
-            image all teapot.ron "PCS groups of three" $partition $order 10 $cells --program hybrid-3 --cells $cells --partition $partition
-        done
+for partition in regular work; do
+    for cells in 2 4 8 16 32 64; do
+        image all teapot.ron "PCS broadcast" $partition raster 10 $cells --mode broadcast --cells $cells --partition $partition
     done
+    for cells in 6 12 24 48 63; do
+        image all teapot.ron "PCS groups of three" $partition raster 10 $cells --program hybrid-3 --cells $cells --partition $partition
+    done
+done
+for cells in 4 16 64; do
+    image all teapot.ron "PCS broadcast" work shuffle:1 10 $cells --mode broadcast --cells $cells --partition work
+done
+for cells in 6 24 63; do
+    image all teapot.ron "PCS groups of three" work shuffle:1 10 $cells --program hybrid-3 --cells $cells --partition work
 done
 for cells in 16 64; do
     image all teapot.ron "PCS broadcast" measured shuffle:1 10 $cells --mode broadcast --cells $cells --partition measured
