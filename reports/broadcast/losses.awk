@@ -5,7 +5,7 @@ BEGIN { print "scene,order,partition,cells,us_per_ray,speed_up,efficiency,floor,
 { work = at("grid_us") + at("slabs_us") + at("intersection_us"); n = at("array_cells") }
 n == 1 { time[at("scene")] = at("us_per_ray"); alone[at("scene")] = work; next }
 {
-    s = at("scene"); o = at("order"); sub(/:1$/, "", o); all = n * at("us_per_ray"); floor = 30 * (n - 1)
+    s = at("scene"); o = ("order" in column) ? "shuffle" : "raster"; all = n * at("us_per_ray"); floor = 30 * (n - 1)
     mean = (work + at("moving_us")) / all; busiest = at("busiest_cell_works")
     print s, o, at("partition"), n, sprintf("%.1f,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f", at("us_per_ray"), \
         time[s] / at("us_per_ray"), time[s] / all, floor / all, (work - alone[s] - floor) / all, at("moving_us") / all, \

@@ -3,9 +3,11 @@
 sweep one-cell
 sweep cells
 sweep depth
-table losses losses.awk one-cell.csv cells.csv
+sweep shuffled
+sweep shuffled-depth
+table losses losses.awk one-cell.csv cells.csv shuffled.csv
 table causes causes.awk losses.csv
-table deeper deeper.awk depth.csv
+table deeper deeper.awk depth.csv shuffled-depth.csv
 plot losses speed-up "Broadcast, scene reference: speed-up over one cell" x=cells y=speed_up by=partition facet=order \
     scene=reference
 plot causes causes "Broadcast, scene reference, sub-volumes of equal work: shares of all cells' time" \

@@ -11,7 +11,7 @@ sweep stop
 sweep_where_some_fail links
 sweep_where_some_fail groups
 sweep readings-pipeline
-sweep_where_some_fail readings-cells
+sweep readings-cells
 sweep image-one-cell
 sweep_where_some_fail image-cells
 sweep image-pipelines

@@ -1,6 +1,8 @@
 #!/bin/sh
-. ../sweeps.sh
-# The reference scene from 1 000 to 1 000 000 polygons, all rays of its image.
+# Remakes this folder's table, fit and plot: ./run.sh [pcs-sim]. The reference scene from 1 000 to 1 000 000 polygons.
+set -eu
+cd "$(dirname "$0")"
+pcs_sim=${1:-pcs-sim}
 echo "polygons,rays,voxels_per_ray,slab_tests_per_ray,intersection_tests_per_ray,us_per_ray" > cost.csv
 for size in 1 3 10 30 100 300 1000; do
     $pcs_sim image reference --size-factor $size --size 256x256 --mode broadcast --cells 1 --force \
@@ -40,8 +42,3 @@ awk -F, -v svg=cost.svg '
     function Y(us) { return 290 - 54 * log(us / 100) / log(2) }
 ' cost.csv | tee fit.txt
 awk -v OFS=, -f exponents.awk cost.csv > exponents.csv
-# Three families of scenes, on several grids.
-sweep sizes
-sweep families
-table best best.awk sizes.csv families.csv
-table slopes slopes.awk best.csv
