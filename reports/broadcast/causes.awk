@@ -1,5 +1,5 @@
-BEGIN { print "scene,order,partition,cells,cause,share" }
+BEGIN { print "scene,partition,cells,cause,share" }
 {
     split("efficiency floor extra moving imbalance in_step", names, " ")
-    for (i = 1; i <= 6; i++) print at("scene"), at("order"), at("partition"), at("cells"), names[i], at(names[i])
+    for (i = 1; i <= 6; i++) print at("scene"), at("partition"), at("cells"), names[i], at(names[i])
 }

@@ -202,25 +202,25 @@ fn a_figure_needs_a_source_that_says_so() {
         figures(paragraph)?.iter().try_for_each(|figure| figure.check(&figure.shown, &mut sources))
     };
     for right in [
-        "It is 25.4 %<!-- losses order=raster scene=reference partition=work cells=16 efficiency --> with 16 cells of P1's.",
+        "It is 25.4 %<!-- losses scene=reference partition=work cells=16 efficiency --> with 16 cells of P1's.",
         "A ray takes 0.65<!-- 0.05 * ( chosen ray_words + chosen hit_words ) --> us.",
         "The 512<!-- paper §4.2 fifo_words --> words of a FIFO.",
-        "It is -0.953<!-- losses order=raster scene=tree partition=regular cells=8 extra -->.",
+        "It is -0.953<!-- losses scene=tree partition=regular cells=8 extra -->.",
         "Over 100 000<!-- max one-cell scene=reference|tree polygons --> polygons.",
         "All 256 x 256<!-- chosen image --> rays in `16` [cells](16), 512x512.",
     ] {
         assert_eq!(check(right), Ok(()), "{right}");
     }
     let wrong = [
-        "It is 25.5 %<!-- losses order=raster scene=reference partition=work cells=16 efficiency -->.",
-        "It is 25.4<!-- losses order=raster scene=reference partition=work cells=16 efficiency -->.",
+        "It is 25.5 %<!-- losses scene=reference partition=work cells=16 efficiency -->.",
+        "It is 25.4<!-- losses scene=reference partition=work cells=16 efficiency -->.",
         "It is 25.4 %.",
-        "It is 25.4 %<!-- losses order=raster scene=reference cells=16 efficiency --> with 16 cells.",
-        "It is 25.4 %<!-- losses order=raster scene=reference partition=work cells=16 speed -->.",
-        "It is 25.4 %<!-- losses order=raster scene=nowhere efficiency -->.",
+        "It is 25.4 %<!-- losses scene=reference cells=16 efficiency --> with 16 cells.",
+        "It is 25.4 %<!-- losses scene=reference partition=work cells=16 speed -->.",
+        "It is 25.4 %<!-- losses scene=nowhere efficiency -->.",
         "It is 25.4 %<!-- 0.254 -->.",
-        "It is 25.4 %<!-- losses order=raster scene=reference partition=work cells=16 efficiency --> with 17 cells.",
-        "It is much<!-- losses order=raster scene=reference partition=work cells=16 efficiency -->.",
+        "It is 25.4 %<!-- losses scene=reference partition=work cells=16 efficiency --> with 17 cells.",
+        "It is much<!-- losses scene=reference partition=work cells=16 efficiency -->.",
         "The 512<!-- paper §4.1 fifo_words --> words of a FIFO.",
         "The 512<!-- chosen fifo_words --> words of a FIFO.",
     ];
