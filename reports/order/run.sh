@@ -10,8 +10,6 @@ sweep sequential
 sweep stop
 sweep_where_some_fail links
 sweep_where_some_fail groups
-sweep readings-pipeline
-sweep readings-cells
 sweep image-one-cell
 sweep_where_some_fail image-cells
 sweep image-pipelines
@@ -35,8 +33,6 @@ table slower-summary summary.awk keys=order,cells,link_mb_s of=times_as_long slo
 table together groups.awk groups.csv
 table together-summary summary.awk keys=order,cells,program of=against_broadcast,words_against_broadcast together.csv
 table winners winners.awk together.csv
-table readings readings.awk readings-pipeline.csv readings-cells.csv
-table readings-summary summary.awk keys=order,array,machine of=times_as_long readings.csv
 table images images.awk image-one-cell.csv image-cells.csv image-pipelines.csv
 table images-summary summary.awk keys=order,array,partition,grid_coefficient of=speed_up,over_busiest images.csv
 table images-stop stop.awk image-one-cell.csv image-pipelines.csv image-stop.csv
