@@ -10,6 +10,8 @@ sweep sequential
 sweep stop
 sweep_where_some_fail links
 sweep_where_some_fail groups
+sweep_where_some_fail two-queues
+sweep_where_some_fail warp
 sweep image-one-cell
 sweep_where_some_fail image-cells
 sweep image-pipelines
@@ -30,6 +32,8 @@ table stop-best best-w.awk stop-words.csv
 table stop-summary summary.awk keys=order,grid_coefficient,w of=faster_than_without,faster_than_one_cell stop-words.csv
 table slower links.awk links.csv
 table slower-summary summary.awk keys=order,cells,link_mb_s of=times_as_long slower.csv
+table readings readings.awk cells.csv two-queues.csv warp.csv
+table readings-summary summary.awk keys=order,cells,reading of=times_as_long readings.csv
 table together groups.awk groups.csv
 table together-summary summary.awk keys=order,cells,program of=against_broadcast,words_against_broadcast together.csv
 table winners winners.awk together.csv
