@@ -5,7 +5,7 @@ set -eu
 cd "$(dirname "$0")"
 cargo build --release --quiet
 pcs_sim=${CARGO_TARGET_DIR:-$PWD/../target}/release/pcs-sim
-[ $# -gt 0 ] || set -- figure-7 macro-pipeline slabs broadcast hybrid links traffic teapot beyond cut polygon-count capitan ipsc2 screen-rectangles masks rules oversampling
+[ $# -gt 0 ] || set -- order figure-7 macro-pipeline slabs broadcast hybrid links traffic teapot beyond cut polygon-count capitan ipsc2 screen-rectangles masks rules oversampling
 for report; do
     echo "$report"
     (cd "$report" && sh ./run.sh "$pcs_sim")

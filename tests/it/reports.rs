@@ -25,7 +25,7 @@ fn reports() -> Vec<PathBuf> {
     let folders = fs::read_dir(root().join("reports")).unwrap().map(|entry| entry.unwrap().path());
     let mut found: Vec<PathBuf> = folders.filter(|folder| folder.join("README.md").exists()).collect();
     found.sort();
-    assert_eq!(found.len(), 18, "{found:?}");
+    assert_eq!(found.len(), 19, "{found:?}");
     found
 }
 
@@ -35,7 +35,7 @@ fn experiments() -> Vec<PathBuf> {
         fs::read_to_string(folder.join("run.sh")).is_ok_and(|script| script.contains("\n. ../sweeps.sh\n"))
     };
     let found: Vec<PathBuf> = reports().into_iter().filter(is_experiment).collect();
-    assert_eq!(found.len(), 16, "{found:?}");
+    assert_eq!(found.len(), 17, "{found:?}");
     found
 }
 
