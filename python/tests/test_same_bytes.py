@@ -334,7 +334,8 @@ def test_graphs(two: Path, call: str, parameters: dict[str, Any], asked: dict[st
 
 def test_graphs_that_there_are_not() -> None:
     run = pcs_sim.run("room", size=8)
-    for asked in [{"of": "lights"}, {"pixels": ((4, 4), (0, 2))}, {"pixels": ((4, 9), (0, 2))}]:
+    wrong: list[dict[str, Any]] = [{"of": "lights"}, {"pixels": ((4, 4), (0, 2))}, {"pixels": ((4, 9), (0, 2))}]
+    for asked in wrong:
         with pytest.raises(pcs_sim.InputError):
             run.graphs(**asked)
     for none in [pcs_sim.farm(size=16, tasks=2), pcs_sim.image("room", size=8, timing="off")]:

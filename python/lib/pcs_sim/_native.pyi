@@ -205,9 +205,7 @@ class Run:
     @property
     def timelines(self) -> Timelines:
         """The run over time."""
-    def graphs(
-        self, *, of: str = "regions", pixels: tuple[tuple[int, int], tuple[int, int]] | None = None
-    ) -> Graphs:
+    def graphs(self, *, of: str = "regions", pixels: tuple[tuple[int, int], tuple[int, int]] | None = None) -> Graphs:
         """The graphs of the run, as `--graphs` writes them to JSON.
 
         `of` is what G_r has beside the scene's parts: regions (nothing), objects or polygons. With `pixels`, the
