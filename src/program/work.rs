@@ -91,10 +91,7 @@ pub fn vocabulary_with(runs_programs: bool, more: &[Unit]) -> Arc<Vocabulary> {
         (code, kernels::FLOAT_LATENCY, Activity(activity))
     });
     let has_waits = runs_programs && more.contains(&FLOAT_WAIT);
-    let units = timed
-        .chain(instructions.filter(|_| runs_programs))
-        .chain(waits.filter(|_| has_waits))
-        .chain(message);
+    let units = timed.chain(instructions.filter(|_| runs_programs)).chain(waits.filter(|_| has_waits)).chain(message);
     let used =
         |place: usize| ![HOST_FILTER, HOST_MASK].contains(&Unit(place as u8)) || more.contains(&Unit(place as u8));
     let unit = |(place, (code, name, activity)): (usize, (String, &str, Activity))| UnitOfWork {

@@ -35,13 +35,13 @@ pub fn by_two_constants(best: &TwoConstants, spec: &MachineSpec) -> String {
         rows.add_row([number.name.to_owned(), number.paper_us.to_string(), format!("{made:.2}"), off]);
     }
     let text = format!(
-        "As few as two constants come no nearer to {} numbers than {:.1} % of the worst: {} for each instruction (multiplications of \
-         integers and divisions as in the machine's file), {} for each wait for a floating-point result. The machines that follow have a \
-         cost for each class and no waits.",
+        "Of two constants those come nearest to the {} numbers: {} for each instruction (multiplications of integers and divisions as in \
+         the machine's file) and {} for each wait for a floating-point result. The worst number is {:.1} % off. The machines that \
+         follow have a cost for each class and no waits.",
         NUMBERS.len(),
-        100.0 * best.off,
         plural(best.instruction.into(), "cycle"),
         plural(best.latency.into(), "cycle"),
+        100.0 * best.off,
     );
     format!("{}\n{}\n", aligned(rows), wrapped(&text, WIDTH))
 }

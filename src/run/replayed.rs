@@ -18,8 +18,8 @@ use crate::machine::{Array, Machine, MachineFile, Observed};
 use crate::measure::Measured;
 use crate::program::work;
 use crate::quantities::Cycles;
-use crate::seam::{Costs, Vocabulary};
 use crate::seam::activity_trace::{ActivityTrace, Form};
+use crate::seam::{Costs, Vocabulary};
 
 /// A trace that can be timed, any number of times.
 #[derive(Debug)]
@@ -124,6 +124,8 @@ pub(super) fn check_waits(recorded: &Vocabulary, instructions: Option<&Instructi
     if !waits || has(FLOAT_LATENCY) || !has(Class::FloatAdd.name()) {
         return Ok(());
     }
-    let error = InputError::new("the trace counts no waits for floating-point results, which have a float_latency on this machine");
+    let error = InputError::new(
+        "the trace counts no waits for floating-point results, which have a float_latency on this machine",
+    );
     Err(error.help("record it on a machine with a float_latency; 0 will do"))
 }
