@@ -140,7 +140,7 @@ mod tests {
     }
 
     thread_local! {
-        /// Instructions that were executed, how many of the runs came to an end without a fault, and waits for floating-point results.
+        /// Instructions that were executed, how many of the runs came to an end without a fault, and waits for results.
         static SEEN: Cell<[u64; 3]> = const { Cell::new([0; 3]) };
     }
 

@@ -29,8 +29,8 @@ pub struct InstructionCycles {
     pub float_compare: u32,
     /// [`Class::Branch`].
     pub branch: u32,
-    /// Cycles that an instruction waits for a floating-point result that is still in the pipeline. `None` for a unit whose instructions
-    /// have their results when they end.
+    /// Cycles that an instruction waits for a floating-point result that is still in the pipeline. `None` for a unit whose
+    /// instructions have their results when they end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub float_latency: Option<u32>,
 }

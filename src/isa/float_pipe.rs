@@ -1,10 +1,11 @@
 //! Where a program waits for results of a floating-point unit that is a pipeline.
 //!
-//! The unit takes an addition, multiplication or comparison after the other, and gives each result some cycles later: its latency.
-//! An instruction that names a register whose result is still under way waits for the whole latency, behind which all results before
-//! it are there. Nothing is under way where another piece of code begins: behind a branch, where one leads to, at a word that is moved.
-//! So whether an instruction waits is told by its address alone, and what a program waits, by how often it is executed. (A jump to an
-//! address that is calculated finds the waits that are there.) Divisions are no part of the pipeline: they take what they take.
+//! The unit takes an addition, multiplication or comparison after the other, and gives each result some cycles later: its
+//! latency. An instruction that names a register whose result is still under way waits for the whole latency, behind which all
+//! results before it are there. Nothing is under way where another piece of code begins: behind a branch, where one leads to, at
+//! a word that is moved. So whether an instruction waits is told by its address alone, and what a program waits, by how often it
+//! is executed. (A jump to an address that is calculated finds the waits that are there.) Divisions are no part of the pipeline:
+//! they take what they take.
 
 use bitvec::vec::BitVec;
 

@@ -77,8 +77,8 @@ pub fn vocabulary(runs_programs: bool) -> Arc<Vocabulary> {
     vocabulary_with(runs_programs, &[])
 }
 
-/// The same of a host that does more than send and shade: [`HOST_FILTER`], [`HOST_MASK`]; of messages that take time: [`MESSAGE`]; and of
-/// programs whose floating-point results do: [`FLOAT_WAIT`].
+/// The same of a host that does more than send and shade: [`HOST_FILTER`], [`HOST_MASK`]; of messages that take time: [`MESSAGE`];
+/// and of programs whose floating-point results do: [`FLOAT_WAIT`].
 pub fn vocabulary_with(runs_programs: bool, more: &[Unit]) -> Arc<Vocabulary> {
     let timed = TIMED.iter().map(|&(code, name, activity)| (code.to_owned(), name, activity));
     let instructions = LETTERS.iter().zip(0..).flat_map(|(letter, activity)| {
@@ -113,7 +113,8 @@ pub fn cycles_vocabulary() -> Arc<Vocabulary> {
     Arc::new(Vocabulary::of_cycles(&activities, messages::HIT_WORDS))
 }
 
-/// What a unit costs, by its name; `None` for a name that is none of a unit's, or of an instruction or a wait whose cost is not told.
+/// What a unit costs, by its name; `None` for a name that is none of a unit's, or of an instruction or a wait whose cost is not
+/// told.
 pub fn price(name: &str, times: &KernelTimes, instructions: Option<&InstructionCycles>) -> Option<Cycles> {
     match name {
         "grid_start" => Some(times.grid.start),

@@ -36,7 +36,8 @@ pub struct Range {
     pub cycles: Option<(Cycles, Cycles)>,
 }
 
-/// What a cell does in a run: its instructions by their classes, their waits for floating-point results, and the cycles that hang on none.
+/// What a cell does in a run: its instructions by their classes, their waits for floating-point results, and the cycles that hang
+/// on none.
 #[derive(Clone, Copy, Debug, Default)]
 struct Work {
     instructions: [u64; Class::ALL.len()],

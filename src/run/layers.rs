@@ -79,8 +79,8 @@ impl Keys {
         };
         let cut = (*groups > 1).then(|| (cut(), numbering, light));
         let laid_out = Key::of((&prepared, groups, cut, grid_coefficient));
-        // A machine that does not say what instructions cost runs no programs, whatever others would make of their ops. Whether waits
-        // are counted is up to it, too.
+        // A machine that does not say what instructions cost runs no programs, whatever others would make of their ops. Whether
+        // waits are counted is up to it, too.
         let programs = (*cells_run == CellsRun::Programs).then_some((
             cell_programs,
             instruction_limit,

@@ -117,7 +117,8 @@ fn costs(
     }))
 }
 
-/// Refuses a machine whose floating-point results have a latency for a trace of instructions that does not count what waits for them.
+/// Refuses a machine whose floating-point results have a latency, for a trace of instructions that does not count what waits for
+/// them.
 pub(super) fn check_waits(recorded: &Vocabulary, instructions: Option<&InstructionCycles>) -> Result<(), InputError> {
     let waits = instructions.and_then(|cycles| cycles.float_latency).is_some_and(|latency| latency > 0);
     let has = |name: &str| recorded.units.iter().any(|unit| unit.name == name);

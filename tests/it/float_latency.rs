@@ -289,8 +289,8 @@ fn waits_of(workload: &Workload, rays: &[Ray]) -> BTreeMap<(usize, u8), u64> {
     waits
 }
 
-/// Cycles with a latency are those without, and the latency for each wait, in every cell and for every kernel; and no bit of a hit is
-/// another.
+/// Cycles with a latency are those without, and the latency for each wait, in every cell and for every kernel; and no bit of a hit
+/// is another.
 #[test]
 fn a_latency_takes_its_waits_and_changes_nothing_else() {
     for (name, size, width) in [("teapot", 3, 12), ("gears", 1, 8)] {

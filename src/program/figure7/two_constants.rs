@@ -28,8 +28,8 @@ fn is_iterated(class: Class) -> bool {
     matches!(class, Class::Multiply | Class::Divide | Class::FloatDivide)
 }
 
-/// The whole cycles that come nearest to Figure 7, for the programs of a folder or the standard ones. Multiplications of integers and
-/// divisions cost what they do in `cycles`.
+/// The whole cycles that come nearest to Figure 7, for the programs of a folder or the standard ones. Multiplications of integers
+/// and divisions cost what they do in `cycles`.
 ///
 /// # Errors
 ///

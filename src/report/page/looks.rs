@@ -79,8 +79,8 @@ struct Listing {
     rows: Vec<Row>,
 }
 
-/// An instruction: what it is, the line of source and its text, the cycles that it computes and waits for results, the words that it reads before and writes
-/// behind that.
+/// An instruction: what it is, the line of source and its text, the cycles that it computes and waits for results, the words that it
+/// reads before and writes behind that.
 #[derive(Serialize)]
 struct Row(String, u32, String, u64, usize, usize);
 
