@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use pcs_sim::cancel::Cancel;
-use pcs_sim::isa::{Class, Processor};
+use pcs_sim::isa::{Class, InstructionCycles, Processor};
 use pcs_sim::machine::{Machine, MachineFile, MachineSpec};
 use pcs_sim::program::cells::{Annex, CellOptions};
 use pcs_sim::program::figure7::fits::{Fit, fits};
+use pcs_sim::program::figure7::two_constants::two_constants;
 use pcs_sim::program::figure7::{NUMBERS, numbers, us};
 use pcs_sim::program::work;
-use pcs_sim::report::figure7::{run_times, within};
+use pcs_sim::report::figure7::{by_two_constants, run_times, within};
 use pcs_sim::report::summary::{aligned, table};
 use pcs_sim::report::table::{self, Column, Kind, Table};
 use pcs_sim::run::{Fitting, OutputFile};
@@ -61,6 +62,10 @@ fn print_fits(
             all.push(std::iter::once(format!("{:.6}", 100.0 * fit.off)).chain(costs).collect());
         }
     };
+    if let Some(cycles) = machine.instructions.filter(InstructionCycles::counts_waits) {
+        let best = two_constants(&machine.spec, &cycles, args.cell_programs.clone())?;
+        print(&format!("\n{}", by_two_constants(&best, &machine.spec)))?;
+    }
     let counted = fits(&machine.spec, args.cell_programs.clone(), visit)?;
     print(&format!("\n{}", within(&counted, &machine.spec)))?;
     if let Some(fitting) = fitting {

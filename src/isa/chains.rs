@@ -99,6 +99,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::isa::kernels::float_wait;
     use crate::isa::{Executable, Instruction, InstructionCycles, Processor, Program, Queues, Register, Stop};
     use crate::seam::OpStream;
 
@@ -139,8 +140,15 @@ mod tests {
     }
 
     thread_local! {
-        /// Instructions that were executed, and how many of the runs came to an end without a fault.
-        static SEEN: Cell<[u64; 2]> = const { Cell::new([0; 2]) };
+        /// Instructions that were executed, how many of the runs came to an end without a fault, and waits for results.
+        static SEEN: Cell<[u64; 3]> = const { Cell::new([0; 3]) };
+    }
+
+    /// Waits for floating-point results among some ops.
+    fn waited(ops: &OpStream) -> u64 {
+        let is_wait = |unit| (0..4).any(|kernel| unit == float_wait(crate::seam::Activity(kernel)));
+        let waits = ops.ops().iter().filter(|op| op.unit().is_some_and(is_wait));
+        waits.map(|op| u64::from(op.count())).sum()
     }
 
     /// The interpreter that takes one instruction after the other is the judge of the one that runs ahead.
@@ -169,6 +177,7 @@ mod tests {
                 float_divide: 8,
                 float_compare: 9,
                 branch: 10,
+                float_latency: Some(11),
             };
             let executable = Executable::new(program, &cycles);
             let cell = || Processor::new(&executable, &executable.program().data, &[7, 8, 9], limit);
@@ -199,16 +208,21 @@ mod tests {
                 for address in 0..19 {
                     prop_assert_eq!(ahead.memory(address), single.memory(address));
                 }
-                let [executed, ended] = SEEN.get();
-                SEEN.set([executed + ahead.executed(), ended + u64::from(by_runs.is_ok())]);
+                let [executed, ended, waits] = SEEN.get();
+                SEEN.set([executed + ahead.executed(), ended + u64::from(by_runs.is_ok()), waits]);
                 if by_runs != Ok(Stop::Done) {
                     break;
                 }
             }
+            let [executed, ended, waits] = SEEN.get();
+            SEEN.set([executed, ended, waits + waited(&ahead_ops)]);
             Ok(())
         });
         result.unwrap_or_else(|error| panic!("{error}"));
-        let [executed, ended] = SEEN.get();
-        assert!(executed > 30_000 && ended > 100, "{executed} instructions, {ended} ends");
+        let [executed, ended, waits] = SEEN.get();
+        assert!(
+            executed > 30_000 && ended > 100 && waits > 3_000,
+            "{executed} instructions, {ended} ends, {waits} waits"
+        );
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::kernels::FLOAT_LATENCY;
 use super::table::Class;
 
 /// Cycles of an instruction of each class. The words that it moves take a cycle each beside that.
@@ -28,16 +29,34 @@ pub struct InstructionCycles {
     pub float_compare: u32,
     /// [`Class::Branch`].
     pub branch: u32,
+    /// Cycles that an instruction waits for a floating-point result that is still in the pipeline. `None` for a unit whose
+    /// instructions have their results when they end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub float_latency: Option<u32>,
 }
 
 impl InstructionCycles {
-    /// The most cycles of an instruction.
+    /// The most cycles of an instruction, and of a wait.
     pub const MOST: u32 = 10_000;
 
     /// Cycles of a class.
     pub fn of(&self, class: Class) -> u32 {
         let mut copy = *self;
         *copy.slot(class)
+    }
+
+    /// Cycles of a unit of work, by its name: of a class, or of a wait for a floating-point result. `None` if it is neither.
+    pub fn of_unit(&self, name: &str) -> Option<u32> {
+        if name == FLOAT_LATENCY {
+            return Some(self.float_latency.unwrap_or(0));
+        }
+        let class = Class::ALL.into_iter().find(|class| class.name() == name)?;
+        Some(self.of(class))
+    }
+
+    /// Whether waits for floating-point results are counted.
+    pub fn counts_waits(&self) -> bool {
+        self.float_latency.is_some()
     }
 
     /// Changes the cycles of a class.

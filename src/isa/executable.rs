@@ -4,6 +4,7 @@ use super::chains::Chain;
 use super::cycles::InstructionCycles;
 use super::encoding::Instruction;
 use super::field::Field;
+use super::float_pipe::Waits;
 use super::kernels::OTHER;
 use super::program::Program;
 use super::register::{Queue, Register};
@@ -60,6 +61,8 @@ pub(super) struct Run {
     pub work: Activity,
     /// Whether events are counted at the first one. None are at the others.
     pub is_counted: bool,
+    /// How often they wait for floating-point results.
+    pub waits: u16,
     /// How many of each class.
     pub classes: Tally,
 }
@@ -102,16 +105,18 @@ impl Tally {
 }
 
 /// The runs that begin at each address.
-fn runs(steps: &[Step], counted: &[(u32, usize)]) -> Vec<Run> {
+fn runs(steps: &[Step], waits: &[Waits], counted: &[(u32, usize)]) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::with_capacity(steps.len());
     for (address, step) in steps.iter().enumerate().rev() {
         let is_counted = counted.iter().any(|&(at, _)| at as usize == address);
-        let mut run = Run { length: 0, work: step.work, is_counted, classes: Tally::default() };
+        let mut run = Run { length: 0, work: step.work, is_counted, waits: 0, classes: Tally::default() };
         if !step.special {
             (run.length, run.classes) = (1, Tally::one(step.class));
+            run.waits = waits[address].count() as u16;
             let next = runs.last().filter(|next| !step.jumps() && !next.is_counted && next.work == run.work);
             if let Some(next) = next.filter(|next| next.length < LONGEST_RUN) {
                 run.length += next.length;
+                run.waits += next.waits;
                 run.classes = run.classes.and(next.classes);
             }
         }
@@ -124,8 +129,11 @@ fn runs(steps: &[Step], counted: &[(u32, usize)]) -> Vec<Run> {
 /// The most instructions of a run.
 const LONGEST_RUN: u32 = Tally::MOST / 16;
 
-/// The place behind all classes: of instructions that take no time of their own.
-pub(super) const UNCOUNTED: u8 = Class::ALL.len() as u8;
+/// The place behind all classes: of waits for floating-point results.
+pub(super) const WAIT: u8 = Class::ALL.len() as u8;
+
+/// The place behind that: of instructions that take no time of their own.
+pub(super) const UNCOUNTED: u8 = WAIT + 1;
 
 /// A program that can be run.
 #[derive(Clone, Debug)]
@@ -137,6 +145,8 @@ pub struct Executable {
     pub(super) runs: Vec<Run>,
     /// The queues of each instruction.
     pub(super) moves: Vec<Moves>,
+    /// The waits of each instruction; none where floating-point results have no latency.
+    pub(super) waits: Vec<Waits>,
     /// The instructions, or why a word is none.
     pub(super) instructions: Vec<Result<Instruction, super::InvalidInstruction>>,
     /// Addresses whose execution is counted, with the number of the counter.
@@ -160,13 +170,17 @@ impl Executable {
             step
         };
         let mut steps: Vec<Step> = instructions.iter().enumerate().map(step).collect();
-        let runs = runs(&steps, &counted);
+        let waits = match cycles.float_latency {
+            Some(_) => Waits::of(&instructions),
+            None => vec![Waits::default(); steps.len()],
+        };
+        let runs = runs(&steps, &waits, &counted);
         for (address, run) in runs.iter().enumerate() {
             steps[address].chain = Chain::of(&steps[address..][..run.length as usize]);
         }
         let moves = |decoded: &Result<Instruction, _>| decoded.as_ref().map(Moves::new).unwrap_or_default();
         let moves = instructions.iter().map(moves).collect();
-        Executable { cycles: *cycles, program, runs, steps, moves, instructions, counted, counters }
+        Executable { cycles: *cycles, program, runs, steps, moves, waits, instructions, counted, counters }
     }
 
     /// The program.
@@ -179,14 +193,28 @@ impl Executable {
         &self.counters
     }
 
-    /// Cycles of an instruction of a class, by its place among them.
+    /// Cycles of an instruction of a class, by its place among them, or of a [`WAIT`].
     pub(super) fn cycles_of(&self, class: u8) -> u64 {
+        if class == WAIT {
+            return self.cycles.float_latency.unwrap_or(0).into();
+        }
         Class::ALL.get(class as usize).map_or(0, |&class| self.cycles.of(class) as u64)
     }
 
     /// Cycles that an instruction computes, without those of the words that it moves.
     pub fn cycles_at(&self, address: u32) -> u64 {
         self.steps.get(address as usize).map_or(0, |step| self.cycles_of(step.class))
+    }
+
+    /// How often an instruction waits for floating-point results before it reads words, and how often behind what it computes.
+    pub fn waits_at(&self, address: u32) -> (u64, u64) {
+        let waits = self.waits.get(address as usize).copied().unwrap_or_default();
+        (waits.before.into(), waits.behind.into())
+    }
+
+    /// Cycles of a wait for a floating-point result.
+    pub fn wait_cycles(&self) -> u64 {
+        self.cycles_of(WAIT)
     }
 
     /// How many words an instruction reads before it computes, and how many it writes behind that. One that is passed on is read.

@@ -12,6 +12,14 @@ pub const OTHER: Activity = Activity(3);
 /// The units with lower numbers are not instructions: they are for cells that run none, and for the host.
 pub const FIRST_UNIT: u8 = 10;
 
+/// What a wait for a floating-point result is called as a unit of work, and its cycles in machine files.
+pub const FLOAT_LATENCY: &str = "float_latency";
+
+/// A wait for a floating-point result, as a unit of work: behind all instructions.
+pub const fn float_wait(kernel: Activity) -> Unit {
+    Unit(FIRST_UNIT + (KERNELS.len() * Class::ALL.len()) as u8 + kernel.0)
+}
+
 /// An executed instruction of a class, as a unit of work.
 pub fn unit(kernel: Activity, class: Class) -> Unit {
     Unit(FIRST_UNIT + kernel.0 * Class::ALL.len() as u8 + class as u8)

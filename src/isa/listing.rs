@@ -11,7 +11,8 @@ use crate::input::lines::{WIDTH, wrapped};
 
 /// The listing of a program: every instruction with its address, word and cycles; the data; the loops.
 ///
-/// Cycles are those of an instruction that need not wait, the words that it moves among them.
+/// Cycles are those of an instruction that need not wait for words, the words that it moves among them; those that it waits for
+/// floating-point results stand behind a plus.
 pub fn listing(executable: &Executable) -> String {
     let instructions = executable.instructions.len() as u32;
     rows(executable, 0..instructions) + &data(executable.program()) + &loops(executable)
@@ -43,7 +44,7 @@ pub fn rows(executable: &Executable, addresses: Range<u32>) -> String {
 pub fn row(executable: &Executable, address: u32) -> String {
     let program = executable.program();
     let (cycles, instruction) = match executable.instructions.get(address as usize) {
-        Some(Ok(instruction)) => (cost(executable, address).to_string(), instruction.display_at(address).to_string()),
+        Some(Ok(instruction)) => (cycles(executable, address), instruction.display_at(address).to_string()),
         Some(Err(_)) => ("-".to_owned(), "no instruction".to_owned()),
         None => return format!("{address:>7}  the program ends before\n"),
     };
@@ -144,7 +145,7 @@ fn cycles_of_pass(executable: &Executable, first: u32, last: u32) -> Option<(u64
     before[0] = Some((0, 0));
     for address in first..=last {
         let Some((least, most)) = before[(address - first) as usize] else { continue };
-        let cycles = cost(executable, address);
+        let cycles = cost(executable, address) + wait(executable, address);
         let after = (least + cycles, most + cycles);
         if address == last {
             return Some(after);
@@ -166,6 +167,21 @@ fn target(executable: &Executable, address: u32) -> Option<u32> {
     let instruction = executable.instructions.get(address as usize)?.ok()?;
     let jumps = matches!(instruction.opcode.entry().format, Format::Branch | Format::Jump | Format::Call);
     jumps.then(|| address.checked_add_signed(instruction.constant)).flatten()
+}
+
+/// Cycles of an instruction, as a row has them.
+fn cycles(executable: &Executable, address: u32) -> String {
+    let cost = cost(executable, address);
+    match executable.waits_at(address) {
+        (0, 0) => cost.to_string(),
+        _ => format!("{cost}+{}", wait(executable, address)),
+    }
+}
+
+/// Cycles that an instruction waits for floating-point results.
+fn wait(executable: &Executable, address: u32) -> u64 {
+    let (before, behind) = executable.waits_at(address);
+    (before + behind) * executable.wait_cycles()
 }
 
 /// Cycles of an instruction that need not wait: what it computes, and the words that it moves.

@@ -26,6 +26,7 @@ pub mod encoding;
 mod executable;
 mod fault;
 mod field;
+mod float_pipe;
 pub mod kernels;
 pub mod listing;
 pub mod object;

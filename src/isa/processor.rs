@@ -2,13 +2,13 @@
 
 use bitvec::vec::BitVec;
 
-use super::executable::{Executable, Moves, QUEUE_SLOTS, RESULT_SLOT, Step, Tally, UNCOUNTED};
+use super::executable::{Executable, Moves, QUEUE_SLOTS, RESULT_SLOT, Step, Tally, UNCOUNTED, WAIT};
 use super::fault::{Fault, FaultKind};
-use super::kernels::{OTHER, unit};
+use super::kernels::{OTHER, float_wait, unit};
 use super::queues::Queues;
 use super::register::{Queue, Register};
 use super::table::{Class, Opcode};
-use crate::seam::{Activity, OpKind, OpStream};
+use crate::seam::{Activity, OpKind, OpStream, Unit};
 
 /// Why a cell stands still.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ pub struct Processor<'a> {
     failed: Option<FaultKind>,
     /// It has executed the `done` or `halt` at its address.
     ended: bool,
-    /// Instructions executed for the message, by class, and how many of each have been put down as ops.
+    /// Instructions executed for the message, by class, and waits; and how many of each have been put down as ops.
     classes: Classes,
     noted: Classes,
     /// Whether all of them have.
@@ -65,7 +65,7 @@ pub struct Processor<'a> {
     counts: Vec<u64>,
 }
 
-/// Counts by class, that of instructions that take no time behind them; as many as need no check of bounds.
+/// Counts by class; behind them waits, and instructions that take no time; as many as need no check of bounds.
 type Classes = [u64; 16];
 
 /// The most words that may be written for one message.
@@ -153,6 +153,7 @@ impl<'a> Processor<'a> {
         let Some(&step) = plain else { return self.not_plain(queues, ops) };
         self.count_events();
         self.charge(step, ops);
+        self.wait(self.executable.waits[self.address as usize].count());
         match self.go(&step) {
             true => Ok(None),
             false => self.not_plain(queues, ops),
@@ -175,10 +176,10 @@ impl<'a> Processor<'a> {
     fn run_ahead(&mut self, ops: &mut OpStream) {
         let executable = self.executable;
         let (mut address, mut executed) = (self.address, self.executed);
-        let (mut classes, mut tallied) = (Tally::default(), 0);
+        let (mut classes, mut waits, mut tallied) = (Tally::default(), 0, 0);
         while let Some(run) = executable.runs.get(address as usize).filter(|run| run.length > 0) {
             if tallied + run.length > Tally::MOST || run.work != self.work {
-                self.settle(std::mem::take(&mut classes));
+                self.settle(std::mem::take(&mut classes), std::mem::take(&mut waits));
                 tallied = 0;
                 if run.work != self.work {
                     self.note(ops);
@@ -190,6 +191,7 @@ impl<'a> Processor<'a> {
                 self.count_events();
             }
             classes = classes.and(run.classes);
+            waits += u64::from(run.waits);
             tallied += run.length;
             executed += u64::from(run.length);
             let (done, flow) = self.execute_all(&executable.steps[address as usize..][..run.length as usize], address);
@@ -198,6 +200,7 @@ impl<'a> Processor<'a> {
             if !matches!(flow, Flow::Next) && done + 1 < run.length as usize {
                 let behind = &executable.runs[address as usize + 1];
                 classes = classes.without(behind.classes);
+                waits -= u64::from(behind.waits);
                 executed -= u64::from(behind.length);
             }
             match self.lead(flow, executed - self.before) {
@@ -207,7 +210,7 @@ impl<'a> Processor<'a> {
             }
         }
         if tallied > 0 {
-            self.settle(classes);
+            self.settle(classes, waits);
         }
         (self.address, self.executed) = (address, executed);
     }
@@ -240,8 +243,9 @@ impl<'a> Processor<'a> {
     }
 
     /// Charges what has been tallied.
-    fn settle(&mut self, classes: Tally) {
+    fn settle(&mut self, classes: Tally, waits: u64) {
         self.is_noted = false;
+        self.classes[WAIT as usize] += waits;
         self.classes.iter_mut().zip(classes.numbers()).for_each(|(counted, number)| *counted += number);
     }
 
@@ -281,9 +285,15 @@ impl<'a> Processor<'a> {
             self.note(ops);
             return Ok(Some(Stop::Waiting(queue)));
         }
+        let waits = executable.waits[address as usize];
         self.count_events();
+        if waits.before {
+            self.turn_to(step.work, ops);
+            self.wait(1);
+        }
         self.read_queues(moves, queues, ops);
         self.charge(step, ops);
+        self.wait(waits.behind.into());
         match step.opcode {
             Opcode::Done | Opcode::Halt => {
                 self.note(ops);
@@ -331,27 +341,42 @@ impl<'a> Processor<'a> {
 
     /// Counts an instruction, after putting those of another kernel down.
     fn charge(&mut self, step: Step, ops: &mut OpStream) {
-        if step.work != self.work {
-            self.note(ops);
-            self.work = step.work;
-        }
+        self.turn_to(step.work, ops);
         self.classes[step.class as usize] += 1;
         self.is_noted &= step.class == UNCOUNTED;
         self.executed += 1;
     }
 
-    /// Puts the instructions executed so far down as ops, one a class.
+    /// Puts down what has been done for another kernel than that which is worked for now.
+    fn turn_to(&mut self, work: Activity, ops: &mut OpStream) {
+        if work != self.work {
+            self.note(ops);
+            self.work = work;
+        }
+    }
+
+    /// Counts waits for floating-point results.
+    fn wait(&mut self, waits: u64) {
+        self.classes[WAIT as usize] += waits;
+        self.is_noted &= waits == 0;
+    }
+
+    /// Puts the instructions executed so far down as ops, one a class, and one of their waits.
     fn note(&mut self, ops: &mut OpStream) {
         if std::mem::replace(&mut self.is_noted, true) {
             return;
         }
-        for class in Class::ALL {
-            let (counted, noted) = (self.classes[class as usize], &mut self.noted[class as usize]);
+        let mut put = |place: usize, unit: Unit| {
+            let (counted, noted) = (self.classes[place], &mut self.noted[place]);
             if counted > *noted {
-                ops.push(OpKind::Work(unit(self.work, class)), counted - *noted);
+                ops.push(OpKind::Work(unit), counted - *noted);
                 *noted = counted;
             }
+        };
+        for class in Class::ALL {
+            put(class as usize, unit(self.work, class));
         }
+        put(WAIT as usize, float_wait(self.work));
     }
 
     /// Behind `done`, puts the cell into the state in which every message finds it.

@@ -166,10 +166,11 @@ impl MachineFile {
         };
         positive("clock_ns", self.clock_ns, 1e9)?;
         positive("link_mb_s", self.link_mb_s, 1e9)?;
-        for class in Class::ALL {
-            if let Some(cycles) = self.instruction_cycles {
+        if let Some(cycles) = self.instruction_cycles {
+            for class in Class::ALL {
                 within(class.name(), cycles.of(class) as u64, 1..=InstructionCycles::MOST as u64)?;
             }
+            within("float_latency", cycles.float_latency.unwrap_or(0).into(), 0..=InstructionCycles::MOST as u64)?;
         }
         within("word_bytes", self.word_bytes as u64, 1..=1024)?;
         within("fifo_words", self.fifo_words, 1..=MachineSpec::MAX_FIFO_WORDS)?;

@@ -58,6 +58,9 @@ const TIMED: [(&str, &str, Activity); FIRST_UNIT as usize] = [
     ("hm", "host_mask", OTHER),
 ];
 
+/// A wait of a program's grid for a floating-point result, where these have a latency. Behind it come those of the other kernels.
+pub const FLOAT_WAIT: Unit = kernels::float_wait(GRID);
+
 /// The activities' letters in activity traces.
 const LETTERS: [char; KERNELS.len()] = ['g', 's', 'n', 'c'];
 
@@ -65,13 +68,17 @@ const LETTERS: [char; KERNELS.len()] = ['g', 's', 'n', 'c'];
 const CLASS_CODES: [&str; Class::ALL.len()] =
     ["int", "mul", "div", "load", "stor", "fadd", "fmul", "fdiv", "fcmp", "bra"];
 
+/// What a wait for a floating-point result adds to the letter of what it is for.
+const WAIT_CODE: &str = "lat";
+
 /// The units of work of an array: those of Figure 7, and instructions too if the cells run programs. Its host sends each ray to all
 /// cells.
 pub fn vocabulary(runs_programs: bool) -> Arc<Vocabulary> {
     vocabulary_with(runs_programs, &[])
 }
 
-/// The same of a host that does more than send and shade: [`HOST_FILTER`], [`HOST_MASK`]; and of messages that take time: [`MESSAGE`].
+/// The same of a host that does more than send and shade: [`HOST_FILTER`], [`HOST_MASK`]; of messages that take time: [`MESSAGE`];
+/// and of programs whose floating-point results do: [`FLOAT_WAIT`].
 pub fn vocabulary_with(runs_programs: bool, more: &[Unit]) -> Arc<Vocabulary> {
     let timed = TIMED.iter().map(|&(code, name, activity)| (code.to_owned(), name, activity));
     let instructions = LETTERS.iter().zip(0..).flat_map(|(letter, activity)| {
@@ -79,7 +86,12 @@ pub fn vocabulary_with(runs_programs: bool, more: &[Unit]) -> Arc<Vocabulary> {
         Class::ALL.iter().zip(CLASS_CODES).map(move |(class, add)| (code(add), class.name(), Activity(activity)))
     });
     let message = more.contains(&MESSAGE).then(|| ("ms".to_owned(), "message", OTHER));
-    let units = timed.chain(instructions.filter(|_| runs_programs)).chain(message);
+    let waits = LETTERS.iter().zip(0..).map(|(letter, activity)| {
+        let code = format!("{letter}{WAIT_CODE}");
+        (code, kernels::FLOAT_LATENCY, Activity(activity))
+    });
+    let has_waits = runs_programs && more.contains(&FLOAT_WAIT);
+    let units = timed.chain(instructions.filter(|_| runs_programs)).chain(waits.filter(|_| has_waits)).chain(message);
     let used =
         |place: usize| ![HOST_FILTER, HOST_MASK].contains(&Unit(place as u8)) || more.contains(&Unit(place as u8));
     let unit = |(place, (code, name, activity)): (usize, (String, &str, Activity))| UnitOfWork {
@@ -101,12 +113,9 @@ pub fn cycles_vocabulary() -> Arc<Vocabulary> {
     Arc::new(Vocabulary::of_cycles(&activities, messages::HIT_WORDS))
 }
 
-/// What a unit costs, by its name; `None` for a name that is none of a unit's, or of an instruction whose cost is not told.
+/// What a unit costs, by its name; `None` for a name that is none of a unit's, or of an instruction or a wait whose cost is not
+/// told.
 pub fn price(name: &str, times: &KernelTimes, instructions: Option<&InstructionCycles>) -> Option<Cycles> {
-    let instruction = || {
-        let class = Class::ALL.into_iter().find(|class| class.name() == name)?;
-        Some(Cycles(instructions?.of(class) as u64))
-    };
     match name {
         "grid_start" => Some(times.grid.start),
         "grid_voxel" => Some(times.grid.each),
@@ -119,7 +128,7 @@ pub fn price(name: &str, times: &KernelTimes, instructions: Option<&InstructionC
         "host_filter" => Some(times.host.filter),
         "host_mask" => Some(times.host.mask),
         "message" => Some(times.message.unwrap_or_default()),
-        _ => instruction(),
+        _ => Some(Cycles(instructions?.of_unit(name)?.into())),
     }
 }
 
@@ -135,7 +144,7 @@ mod tests {
 
     #[test]
     fn units_have_the_numbers_by_which_they_are_called() {
-        let vocabulary = vocabulary(true);
+        let vocabulary = vocabulary_with(true, &[FLOAT_WAIT]);
         for (unit, (_, name, activity)) in TIMED.iter().enumerate() {
             assert_eq!((vocabulary.units[unit].name.as_str(), vocabulary.units[unit].activity), (*name, *activity));
         }
@@ -144,6 +153,8 @@ mod tests {
                 let unit = vocabulary.unit(kernels::unit(activity, class)).unwrap();
                 assert_eq!((unit.name.as_str(), unit.activity), (class.name(), activity));
             }
+            let wait = vocabulary.unit(kernels::float_wait(activity)).unwrap();
+            assert_eq!((wait.name.as_str(), wait.activity), (kernels::FLOAT_LATENCY, activity));
         }
         assert!(vocabulary.units.len() <= Vocabulary::MOST_UNITS);
         let codes: std::collections::BTreeSet<&str> = vocabulary.units.iter().map(|unit| unit.code.as_str()).collect();

@@ -123,13 +123,14 @@ impl Workload {
 
     /// The same with the prices of what is done.
     fn priced(self) -> Workload {
+        let instructions = self.programs.as_ref().map(|programs| programs.options.cycles);
         let beside = [
             (self.tested.is_some(), work::HOST_FILTER),
             (self.screening.is_some(), work::HOST_MASK),
             (self.messaging().takes_time, work::MESSAGE),
+            (instructions.is_some_and(|cycles| cycles.counts_waits()), work::FLOAT_WAIT),
         ];
         let more: Vec<Unit> = beside.into_iter().filter(|(is_done, _)| *is_done).map(|(_, unit)| unit).collect();
-        let instructions = self.programs.as_ref().map(|programs| programs.options.cycles);
         let vocabulary = work::vocabulary_with(instructions.is_some(), &more);
         Workload { costs: work::costs(&vocabulary, &self.times, instructions.as_ref()), ..self }
     }

@@ -3,9 +3,10 @@
 use crate::isa::Class;
 use crate::machine::MachineSpec;
 use crate::measure::Clock;
-use crate::program::figure7::NUMBERS;
 use crate::program::figure7::calibrate::{BOUNDS, whole_cycles};
 use crate::program::figure7::fits::Within;
+use crate::program::figure7::two_constants::TwoConstants;
+use crate::program::figure7::{NUMBERS, us};
 use crate::quantities::Cycles;
 use crate::report::summary::{WIDTH, aligned, grouped, plural, table, time, wrapped};
 use crate::run::Range;
@@ -23,6 +24,26 @@ pub fn within(all: &[Within], spec: &MachineSpec) -> String {
         rows.add_row([format!("{}, cycles", class.name()), plausible(class, spec)].into_iter().chain(ranges));
     }
     format!("{}\n{}", aligned(rows), sentence(all))
+}
+
+/// What the best two constants make of Figure 7.
+pub fn by_two_constants(best: &TwoConstants, spec: &MachineSpec) -> String {
+    let mut rows = table(&["Figure 7, µs", "paper", "two constants", "off"]);
+    for (number, made) in NUMBERS.iter().zip(best.numbers) {
+        let made = us(made, spec);
+        let off = format!("{:+.1} %", 100.0 * (made / number.paper_us - 1.0));
+        rows.add_row([number.name.to_owned(), number.paper_us.to_string(), format!("{made:.2}"), off]);
+    }
+    let text = format!(
+        "Of two constants those come nearest to the {} numbers: {} for each instruction (multiplications of integers and divisions as in \
+         the machine's file) and {} for each wait for a floating-point result. The worst number is {:.1} % off. The machines that \
+         follow have a cost for each class and no waits.",
+        NUMBERS.len(),
+        plural(best.instruction.into(), "cycle"),
+        plural(best.latency.into(), "cycle"),
+        100.0 * best.off,
+    );
+    format!("{}\n{}\n", aligned(rows), wrapped(&text, WIDTH))
 }
 
 /// What a recorded run takes on the machine as it is, if that has costs of instructions, and on those that come near Figure 7.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::summary::{Rows, WIDTH, aligned_with, grouped, percent, plural, prose, table, time, wrapped};
+use crate::isa::kernels::FLOAT_LATENCY;
 use crate::machine::Capitan;
 use crate::measure::{Actor, Cause, CriticalPath, PathPart, PathUnit, Shape};
 use crate::quantities::Cycles;
@@ -121,6 +122,7 @@ pub(super) fn label(name: &str) -> String {
         "lookup_us" => "looking pages up".to_owned(),
         "serve_us" => "serving a page".to_owned(),
         "links" => "the links, a message".to_owned(),
+        FLOAT_LATENCY => "floating-point latency".to_owned(),
         "way" => "a message's way".to_owned(),
         other if of_message(other).is_some() => of_message(other).unwrap_or_default(),
         other => match other.split_once('_') {
@@ -169,16 +171,22 @@ fn doing(path: &CriticalPath, unit: &PathUnit) -> String {
         "pixel_ms" => "pixels".to_owned(),
         "color_ms" => "taking colours".to_owned(),
         "message" => "messages".to_owned(),
+        FLOAT_LATENCY => format!("waits of {} instructions", activity(path, unit)),
         BUS => "messages on the buses".to_owned(),
         "pixel_us" => "beginning pixels".to_owned(),
         "lookup_us" | "serve_us" => label(&unit.name).replace("a page", "pages"),
         "links" | "way" => "messages under way".to_owned(),
         other if of_message(other).is_some() => label(other),
         other => {
-            let activity = path.topology.states.get(unit.state).map_or("other", |state| state.name.as_str());
+            let activity = activity(path, unit);
             if other.ends_with("_cycle") { activity.to_owned() } else { format!("{activity} instructions") }
         }
     }
+}
+
+/// What a station is busy with that does a unit of work.
+fn activity<'a>(path: &'a CriticalPath, unit: &PathUnit) -> &'a str {
+    path.topology.states.get(unit.state).map_or("other", |state| state.name.as_str())
 }
 
 /// Who somebody is, on a path: `cell 3`, `the host`, or a name of its own.

@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::Arc;
 
+use super::replayed::check_waits;
 use super::timed::{RunError, TakeBatch, replay};
 use crate::cancel::Cancel;
 use crate::error::InputError;
+use crate::isa::kernels::FLOAT_LATENCY;
 use crate::isa::{Class, InstructionCycles};
 use crate::machine::Machine;
 use crate::program::figure7::fits::{Fit, WITHIN_PERCENT};
@@ -34,10 +36,12 @@ pub struct Range {
     pub cycles: Option<(Cycles, Cycles)>,
 }
 
-/// What a cell does in a run: its instructions by their classes, and the cycles that hang on none.
+/// What a cell does in a run: its instructions by their classes, their waits for floating-point results, and the cycles that hang
+/// on none.
 #[derive(Clone, Copy, Debug, Default)]
 struct Work {
     instructions: [u64; Class::ALL.len()],
+    waits: u64,
     other: u64,
 }
 
@@ -51,25 +55,24 @@ impl Work {
     fn take(&mut self, stream: &OpStream, costs: &Costs) {
         for op in stream.ops() {
             let count = u64::from(op.count());
-            let class = op.unit().and_then(|unit| class(costs, unit.0.into()));
-            match (class, op.unit()) {
-                (Some(class), _) => self.instructions[class as usize] += count,
-                (None, Some(unit)) => self.other += count * costs.of(unit).0,
-                (None, None) => self.other += count,
+            let Some(unit) = op.unit() else {
+                self.other += count;
+                continue;
+            };
+            let name = costs.vocabulary().unit(unit).map_or("", |unit| unit.name.as_str());
+            match Class::ALL.into_iter().find(|class| class.name() == name) {
+                Some(class) => self.instructions[class as usize] += count,
+                None if name == FLOAT_LATENCY => self.waits += count,
+                None => self.other += count * costs.of(unit).0,
             }
         }
     }
 
     fn cycles(&self, costs: &InstructionCycles) -> u64 {
         let of = |&class: &Class| self.instructions[class as usize] * u64::from(costs.of(class));
-        self.other + Class::ALL.iter().map(of).sum::<u64>()
+        let waits = self.waits * u64::from(costs.float_latency.unwrap_or(0));
+        self.other + waits + Class::ALL.iter().map(of).sum::<u64>()
     }
-}
-
-/// The class of instructions that a unit is.
-fn class(costs: &Costs, unit: usize) -> Option<Class> {
-    let unit = costs.vocabulary().units.get(unit)?;
-    Class::ALL.into_iter().find(|class| class.name() == unit.name)
 }
 
 impl<'a> Fitting<'a> {
@@ -77,7 +80,7 @@ impl<'a> Fitting<'a> {
     ///
     /// # Errors
     ///
-    /// If the trace cannot be read again, or is of cells that take Figure 7's times.
+    /// If the trace cannot be read again, is of cells that take Figure 7's times, or counts no waits that the machine has.
     pub fn new(trace: &'a mut ActivityTrace, machine: &'a Machine) -> Result<Fitting<'a>, InputError> {
         let costs = trace.costs().clone();
         let mut cells = vec![Work::default(); trace.cells()];
@@ -90,6 +93,7 @@ impl<'a> Fitting<'a> {
             let error = InputError::new("the trace is of cells that execute no instructions: Figure 7 fixes its times");
             return Err(error.help("record one with --cells-run programs --ops FILE"));
         }
+        check_waits(costs.vocabulary(), machine.instructions.as_ref())?;
         Ok(Fitting { trace, machine, cells, extremes: vec![Extremes::default(); WITHIN_PERCENT.len()] })
     }
 
@@ -138,9 +142,9 @@ impl<'a> Fitting<'a> {
     fn time(&mut self, instructions: &InstructionCycles, cancel: &Cancel) -> Result<Cycles, RunError<Infallible>> {
         let Fitting { trace, machine, .. } = self;
         let recorded = trace.costs().clone();
-        let costs = Costs::new(recorded.vocabulary().clone(), |unit| match class(&recorded, unit.0.into()) {
-            Some(class) => Cycles(instructions.of(class).into()),
-            None => recorded.of(unit),
+        let price = |unit| instructions.of_unit(&recorded.vocabulary().unit(unit)?.name);
+        let costs = Costs::new(recorded.vocabulary().clone(), |unit| {
+            price(unit).map_or(recorded.of(unit), |cycles| Cycles(cycles.into()))
         });
         let cells = trace.cells();
         let feed = |take: &mut TakeBatch<'_, Infallible>| trace.for_each_batch(|batch| take(Arc::new(batch)));

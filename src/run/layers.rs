@@ -20,6 +20,7 @@ use crate::host::order::Sequence;
 use crate::host::screen::{self, Screen, ScreenRectangles};
 use crate::host::shading::Shader;
 use crate::input::reading;
+use crate::isa::InstructionCycles;
 use crate::machine::{Machine, Observed};
 use crate::measure::Measured;
 use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Sample, Surfaces, Workload, sub_sample, work};
@@ -78,12 +79,13 @@ impl Keys {
         };
         let cut = (*groups > 1).then(|| (cut(), numbering, light));
         let laid_out = Key::of((&prepared, groups, cut, grid_coefficient));
-        // A machine that does not say what instructions cost runs no programs, whatever others would make of their ops.
+        // A machine that does not say what instructions cost runs no programs, whatever others would make of their ops. Whether
+        // waits are counted is up to it, too.
         let programs = (*cells_run == CellsRun::Programs).then_some((
             cell_programs,
             instruction_limit,
             annex,
-            instructions.is_some(),
+            instructions.as_ref().map(InstructionCycles::counts_waits),
         ));
         // The host of an image sends what it sends next by what it has read until then.
         let clock = |timing| (timing == Switch::On).then_some((array, times, instructions));

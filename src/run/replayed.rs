@@ -12,12 +12,14 @@ use super::spec::{ReplaySpec, machine_file};
 use super::timed::{RunError, TakeBatch, Watching, replay_watched};
 use crate::cancel::Cancel;
 use crate::error::InputError;
+use crate::isa::kernels::FLOAT_LATENCY;
+use crate::isa::{Class, InstructionCycles};
 use crate::machine::{Array, Machine, MachineFile, Observed};
 use crate::measure::Measured;
 use crate::program::work;
 use crate::quantities::Cycles;
-use crate::seam::Costs;
 use crate::seam::activity_trace::{ActivityTrace, Form};
+use crate::seam::{Costs, Vocabulary};
 
 /// A trace that can be timed, any number of times.
 #[derive(Debug)]
@@ -103,6 +105,9 @@ fn costs(
         moot::check_replay_of_cycles(options)?;
         return Ok(recorded.clone());
     }
+    if is_named {
+        check_waits(recorded.vocabulary(), machine.instructions.as_ref())?;
+    }
     let asked = |name: &str| is_named || moot::prices(options, name);
     let price = |name: &str| work::price(name, &machine.times, machine.instructions.as_ref());
     Ok(Costs::new(recorded.vocabulary().clone(), |unit| {
@@ -110,4 +115,18 @@ fn costs(
         let before = base.and_then(|base| base.unit_cycles.get(name)).map(|&cycles| Cycles(cycles));
         price(name).filter(|_| asked(name)).or(before).unwrap_or(recorded.of(unit))
     }))
+}
+
+/// Refuses a machine whose floating-point results have a latency, for a trace of instructions that does not count what waits for
+/// them.
+pub(super) fn check_waits(recorded: &Vocabulary, instructions: Option<&InstructionCycles>) -> Result<(), InputError> {
+    let waits = instructions.and_then(|cycles| cycles.float_latency).is_some_and(|latency| latency > 0);
+    let has = |name: &str| recorded.units.iter().any(|unit| unit.name == name);
+    if !waits || has(FLOAT_LATENCY) || !has(Class::FloatAdd.name()) {
+        return Ok(());
+    }
+    let error = InputError::new(
+        "the trace counts no waits for floating-point results, which have a float_latency on this machine",
+    );
+    Err(error.help("record it on a machine with a float_latency; 0 will do"))
 }

@@ -34,6 +34,9 @@ refusals! {
     machine_not_a_number: "m.ron", &MACHINE.replace("clock_ns: 50.0,\n\n", "clock_ns: NaN,\n\n"), "--machine m.ron --scene room";
     machine_infinite_time: "m.ron", &MACHINE.replace("7.8", "inf"), "--machine m.ron --scene room";
     machine_field_behind_one_that_ends_like_it: "m.ron", &MACHINE.replace("  multiply: 8,", "").replace("float_multiply: 4,", "float_multiply: 4, multiply: 99999,"), "--machine m.ron --scene room";
+    machine_float_latency_out_of_range: "m.ron", &MACHINE.replace("float_add: 2,", "float_add: 2, float_latency: 10001,"), "--machine m.ron --scene room";
+    machine_float_latency_below_zero: "m.ron", &MACHINE.replace("float_add: 2,", "float_add: 2,\n        float_latency: -1,"), "--machine m.ron --scene room";
+    machine_mistyped_float_latency: "m.ron", &MACHINE.replace("float_add: 2,", "float_add: 2, float_latancy: 28,"), "--machine m.ron --scene room";
     machine_missing_file: "x", "", "--machine nowhere.ron --scene room";
     program_unknown_kernel: "p.ron", &PROGRAM.replace("slabs", "slab"), "--program p.ron --scene room";
     program_wrong_order: "p.ron", &PROGRAM.replace("grid, slabs", "slabs, grid"), "--program p.ron --scene room";

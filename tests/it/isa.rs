@@ -27,6 +27,7 @@ fn cycles() -> InstructionCycles {
         float_divide: 0,
         float_compare: 0,
         branch: 0,
+        float_latency: None,
     };
     for (class, number) in Class::ALL.into_iter().zip([1, 2, 4, 8, 16, 32, 64, 128, 256, 512]) {
         cycles.set(class, number);

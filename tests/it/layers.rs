@@ -164,11 +164,18 @@ fn programs_read_the_costs_of_instructions() {
     assert_eq!(change("cell_programs", "some-folder"), Layer::Traced);
     assert_eq!(change("grid_voxel", "1"), Layer::None);
     assert_eq!(change("host_ray_us", "1"), Layer::Timed);
-    let mut dearer = planned(&base).spec;
-    let mut text = serde_json::to_value(&dearer.machine).unwrap();
-    text["instruction_cycles"]["load"] = 99.into();
-    dearer.machine = serde_json::from_value(text).unwrap();
-    assert_eq!(first_change(&planned(&base).keys, &PlannedRun::new(dearer).unwrap().keys), Layer::Timed);
+    let costing = |costs: &[(&str, u32)]| {
+        let mut other = planned(&base).spec;
+        let mut text = serde_json::to_value(&other.machine).unwrap();
+        costs.iter().for_each(|&(class, cycles)| text["instruction_cycles"][class] = cycles.into());
+        other.machine = serde_json::from_value(text).unwrap();
+        PlannedRun::new(other).unwrap().keys
+    };
+    assert_eq!(first_change(&planned(&base).keys, &costing(&[("load", 99)])), Layer::Timed);
+    // Where floating-point results have a latency, waits are counted, whatever it is.
+    let latency = |cycles| costing(&[("float_latency", cycles)]);
+    assert_eq!(first_change(&planned(&base).keys, &latency(0)), Layer::Traced);
+    assert_eq!(first_change(&latency(0), &latency(28)), Layer::Timed);
 }
 
 /// A name tells nothing.

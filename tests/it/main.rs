@@ -27,6 +27,7 @@ mod farm;
 mod farm_command;
 mod fifo_depths;
 mod figure7;
+mod float_latency;
 mod graphs;
 mod hits_are_right;
 mod images;

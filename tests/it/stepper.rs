@@ -6,7 +6,9 @@ use crate::support::browser::{Browser, Page};
 use crate::support::command::Folder;
 use crate::support::pictures::decoded;
 use crate::support::{bits, cell_options, ops, program, recorded, scene, workload};
+use pcs_sim::isa::InstructionCycles;
 use pcs_sim::measure::{Actor, JobSpan, Recording};
+use pcs_sim::program::cells::CellOptions;
 use pcs_sim::program::{ArrayProgram, Counts, Said, Visit, Workload};
 use pcs_sim::quantities::{Cycles, Words};
 use pcs_sim::run::{self, Setup, Workers};
@@ -79,11 +81,19 @@ fn a_visit_ends_where_stop_words_end_the_walk() {
     }
 }
 
-/// A cell's instructions take the cycles of its ops, and move their words.
+/// A cell's instructions and their waits take the cycles of its ops, and move their words.
 #[test]
 fn a_cells_instructions_are_its_ops() {
+    for float_latency in [None, Some(28)] {
+        let options = cell_options();
+        let cycles = InstructionCycles { float_latency, ..options.cycles };
+        instructions_are_ops(&CellOptions { cycles, ..options });
+    }
+}
+
+fn instructions_are_ops(options: &CellOptions) {
     let (scene, rays) = scene("tetra", 1, 5);
-    let workload = workload(&scene.mesh, &program("hybrid", 2), &rays).with_programs(&cell_options()).unwrap();
+    let workload = workload(&scene.mesh, &program("hybrid", 2), &rays).with_programs(options).unwrap();
     let batches = ops(&workload, &rays);
     let costs = workload.costs();
     for (id, ray) in (0..).zip(&rays) {
@@ -94,7 +104,11 @@ fn a_cells_instructions_are_its_ops() {
             let moved = ops.iter().filter(|op| !matches!(op.kind(), OpKind::Work(_))).map(|op| op.count()).sum::<u32>();
             let steps = workload.instructions(cell, id, ray, usize::MAX);
             let executable = workload.executable(cell).unwrap();
-            assert_eq!(steps.iter().map(|step| executable.cycles_at(step.address)).sum::<u64>(), work);
+            let cycles = |address| {
+                let (before, behind) = executable.waits_at(address);
+                executable.cycles_at(address) + (before + behind) * executable.wait_cycles()
+            };
+            assert_eq!(steps.iter().map(|step| cycles(step.address)).sum::<u64>(), work);
             let words = |address| executable.words_at(address).0 + executable.words_at(address).1;
             assert_eq!(steps.iter().map(|step| words(step.address)).sum::<usize>(), moved as usize);
             assert_eq!(steps[0].address, 0);

@@ -7,7 +7,7 @@
 
 use std::path::PathBuf;
 
-use crate::isa::kernels::{KERNELS, unit};
+use crate::isa::kernels::{KERNELS, float_wait, unit};
 use crate::isa::{Class, InstructionCycles, Processor};
 use crate::machine::MachineSpec;
 use crate::seam::{Activity, Unit, Vocabulary};
@@ -72,6 +72,14 @@ const TYPICAL_WEIGHT: f64 = 1e-3;
 /// How many instructions of each class are behind each of the six numbers.
 pub(super) type Classes = [[f64; Class::ALL.len()]; NUMBERS.len()];
 
+/// What is behind each of the six numbers.
+pub(super) struct Counts {
+    /// Instructions.
+    pub classes: Classes,
+    /// Waits for floating-point results, where these have a latency.
+    pub waits: [f64; NUMBERS.len()],
+}
+
 /// The instructions' cycles on a machine that come nearest to Figure 7, for the programs of a folder or the standard ones.
 ///
 /// # Errors
@@ -128,18 +136,23 @@ fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..count).flat_map(move |i| above(i).flat_map(move |j| above(j).map(move |k| [i, j, k])))
 }
 
-/// How many instructions of each class are behind each of the six numbers. All prices are open, so this is one run.
+/// How many instructions of each class are behind each of the six numbers.
 pub(super) fn classes(folder: Option<PathBuf>) -> Result<Classes, MeasureError> {
+    Ok(counts(folder)?.classes)
+}
+
+/// What is behind each of the six numbers. All prices are open, so this is one run.
+pub(super) fn counts(folder: Option<PathBuf>) -> Result<Counts, MeasureError> {
     let options = CellOptions {
-        cycles: InstructionCycles::default(),
+        cycles: InstructionCycles { float_latency: Some(0), ..InstructionCycles::default() },
         folder,
         instruction_limit: Processor::INSTRUCTION_LIMIT,
         annex: Annex::default(),
     };
     let mix = mix(Some(&options))?;
-    let count = |row: [f64; Vocabulary::MOST_UNITS], class: Class| {
-        let units = (0..KERNELS.len()).map(|kernel| unit(Activity(kernel as u8), class));
-        units.map(|Unit(unit)| row[unit as usize]).sum()
+    let count = |row: &[f64; Vocabulary::MOST_UNITS], unit: &dyn Fn(Activity) -> Unit| {
+        (0..KERNELS.len()).map(|kernel| row[unit(Activity(kernel as u8)).0 as usize]).sum()
     };
-    Ok(mix.map(|row| Class::ALL.map(|class| count(row, class))))
+    let classes = mix.map(|row| Class::ALL.map(|class| count(&row, &|kernel| unit(kernel, class))));
+    Ok(Counts { classes, waits: mix.map(|row| count(&row, &float_wait)) })
 }

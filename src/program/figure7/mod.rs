@@ -12,6 +12,7 @@
 pub mod calibrate;
 mod calibrated_text;
 pub mod fits;
+pub mod two_constants;
 
 use glam::Vec3;
 
@@ -85,7 +86,8 @@ pub fn measure(mix: &Mix, costs: &Costs) -> [f64; NUMBERS.len()] {
 ///
 /// If the programs have a mistake, or do what no program may.
 pub fn numbers(times: &KernelTimes, programs: Option<&CellOptions>) -> Result<[f64; NUMBERS.len()], MeasureError> {
-    let vocabulary = work::vocabulary(programs.is_some());
+    let waits = programs.filter(|options| options.cycles.counts_waits()).map(|_| work::FLOAT_WAIT);
+    let vocabulary = work::vocabulary_with(programs.is_some(), waits.as_slice());
     let costs = work::costs(&vocabulary, times, programs.map(|options| &options.cycles));
     Ok(measure(&mix(programs)?, &costs))
 }

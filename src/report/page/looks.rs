@@ -79,8 +79,8 @@ struct Listing {
     rows: Vec<Row>,
 }
 
-/// An instruction: what it is, the line of source and its text, the cycles that it computes, the words that it reads before and writes
-/// behind that.
+/// An instruction: what it is, the line of source and its text, the cycles that it computes and waits for results, the words that it
+/// reads before and writes behind that.
 #[derive(Serialize)]
 struct Row(String, u32, String, u64, usize, usize);
 
@@ -245,7 +245,11 @@ impl Listing {
         let row = |address: u32| {
             let (instruction, line, source) = fields(executable, address);
             let (reads, writes) = executable.words_at(address);
-            Row(instruction, line.unwrap_or(0), source.to_owned(), executable.cycles_at(address), reads, writes)
+            let (before, behind) = executable.waits_at(address);
+            // What comes before a word that is read is over when it is read.
+            let waits = if reads > 0 { behind } else { before + behind };
+            let cycles = executable.cycles_at(address) + waits * executable.wait_cycles();
+            Row(instruction, line.unwrap_or(0), source.to_owned(), cycles, reads, writes)
         };
         Listing {
             name: program.files.first().map_or(String::new(), |file| file.path.display().to_string()),
