@@ -644,8 +644,8 @@ fn messages_wait_for_all_links_of_their_way() {
         let mut takes = [0; 5];
         sends.iter().for_each(|&(_, to, _)| takes[to] += 1);
         let mut arrived = vec![0; sends.len()];
-        while events.step(&mut |task, now, taken: Option<usize>| {
-            taken.into_iter().for_each(|number| arrived[number] = now.0);
+        while events.step(&mut |task, now, taken: Option<&usize>| {
+            taken.into_iter().for_each(|&number| arrived[number] = now.0);
             if !lists[task].is_empty() {
                 return lists[task].remove(0);
             }

@@ -29,8 +29,8 @@ fn run(lists: &[Vec<Act<u32>>]) -> (Result<Measured, Standstill>, Vec<(usize, u3
     let mut events = Events::new(topology(lists.len()), Buses::new(1, 1000), (SENDS, IDLE));
     let mut places = vec![0; lists.len()];
     let mut took = Vec::new();
-    while events.step(&mut |task, _, taken: Option<u32>| {
-        took.extend(taken.map(|content| (task, content)));
+    while events.step(&mut |task, _, taken: Option<&u32>| {
+        took.extend(taken.map(|&content| (task, content)));
         places[task] += 1;
         lists[task].get(places[task] - 1).copied().unwrap_or(Act::End)
     }) {}

@@ -9,12 +9,23 @@ pub struct Agenda {
     matches: Vec<Wake>,
 }
 
-/// When a task wakes up, and which that is.
+/// When a task wakes up, and which that is: the time before the number, in one word, of which the lesser is found without a guess.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Wake {
-    /// [`NEVER`] if it does not.
-    at: u64,
-    task: usize,
+struct Wake(u128);
+
+impl Wake {
+    /// At [`NEVER`], if it does not.
+    fn new(at: u64, task: usize) -> Wake {
+        Wake(u128::from(at) << 64 | task as u128)
+    }
+
+    fn at(self) -> u64 {
+        (self.0 >> 64) as u64
+    }
+
+    fn task(self) -> usize {
+        self.0 as u64 as usize
+    }
 }
 
 const NEVER: u64 = u64::MAX;
@@ -24,8 +35,8 @@ impl Agenda {
     pub fn new(tasks: usize) -> Agenda {
         let width = tasks.next_power_of_two();
         let at = |task: usize| if task < tasks { 0 } else { NEVER };
-        let players = (0..width).map(|task| Wake { at: at(task), task });
-        let mut matches: Vec<Wake> = vec![Wake { at: NEVER, task: 0 }; width].into_iter().chain(players).collect();
+        let players = (0..width).map(|task| Wake::new(at(task), task));
+        let mut matches: Vec<Wake> = vec![Wake::new(NEVER, 0); width].into_iter().chain(players).collect();
         for place in (1..width).rev() {
             matches[place] = matches[2 * place];
         }
@@ -36,7 +47,7 @@ impl Agenda {
     #[inline]
     pub fn wake(&mut self, task: usize, at: u64) {
         let mut place = self.matches.len() / 2 + task;
-        let wake = Wake { at, task };
+        let wake = Wake::new(at, task);
         if wake >= self.matches[place] {
             return;
         }
@@ -52,12 +63,12 @@ impl Agenda {
     /// played again by [`Agenda::settle`], when it is known when it wakes up again.
     #[inline]
     pub fn next(&mut self) -> Option<(u64, usize)> {
-        let Wake { at, task } = self.matches[1];
+        let (at, task) = (self.matches[1].at(), self.matches[1].task());
         if at == NEVER {
             return None;
         }
         let place = self.matches.len() / 2 + task;
-        self.matches[place] = Wake { at: NEVER, task };
+        self.matches[place] = Wake::new(NEVER, task);
         Some((at, task))
     }
 
@@ -67,10 +78,7 @@ impl Agenda {
         let mut place = self.matches.len() / 2 + task;
         let mut winner = self.matches[place];
         while place > 1 {
-            let other = self.matches[place ^ 1];
-            // Of two that wake up together the left one wins, which has the lower number.
-            let loses = other.at < winner.at || (other.at == winner.at && place & 1 == 1);
-            winner = if loses { other } else { winner };
+            winner = winner.min(self.matches[place ^ 1]);
             place /= 2;
             self.matches[place] = winner;
         }

@@ -126,6 +126,8 @@ pub struct Events<M> {
     causes: Option<(Causes, WorkOf<M>)>,
     /// The state of a task that is at work on a message, or whose message is on its way and held.
     sending: StateId,
+    /// What is in the message that the task which acts has just taken.
+    taken: Option<M>,
     now: u64,
 }
 
@@ -166,6 +168,7 @@ impl<M: Copy> Events<M> {
             lanes: Lanes::new(topology, idle),
             causes: None,
             sending,
+            taken: None,
             now: 0,
         }
     }
@@ -198,13 +201,14 @@ impl<M: Copy> Events<M> {
     /// Lets the next task do what it can; `next` tells what that is, given the time and what the task has taken. False if no task has
     /// anything left to do.
     #[inline]
-    pub fn step(&mut self, next: &mut impl FnMut(usize, Cycles, Option<M>) -> Act<M>) -> bool {
+    pub fn step(&mut self, next: &mut impl FnMut(usize, Cycles, Option<&M>) -> Act<M>) -> bool {
         let Some((now, task)) = self.agenda.next() else { return false };
         self.now = now;
-        if let Some(mut taken) = self.resume(task) {
-            while let Some(message) = self.act(task, next(task, Cycles(now), taken)) {
-                taken = message;
-            }
+        let mut goes_on = self.resume(task);
+        while goes_on {
+            let act = next(task, Cycles(now), self.taken.as_ref());
+            self.taken = None;
+            goes_on = self.act(task, act);
         }
         self.agenda.settle(task);
         if let Some((causes, _)) = self.causes.as_mut().filter(|(causes, _)| causes.is_full()) {
@@ -213,72 +217,72 @@ impl<M: Copy> Events<M> {
         true
     }
 
-    /// A task wakes up. `None` if it has to go on waiting, else the message that it waited for, if it did.
-    fn resume(&mut self, task: usize) -> Option<Option<M>> {
+    /// A task wakes up. False if it has to go on waiting.
+    fn resume(&mut self, task: usize) -> bool {
         match self.phases[task] {
-            Phase::Busy => Some(None),
+            Phase::Busy => true,
             Phase::Works => {
                 self.lanes.done(task, self.now);
-                Some(None)
+                true
             }
             Phase::Sends(message) => self.send(task, message),
             Phase::Holds { arrives, state, .. } => {
                 self.lanes.spend(task, self.sending, arrives);
                 self.lanes.spend(task, state, self.now);
-                Some(None)
+                true
             }
             Phase::Waits { from, state } => {
                 self.lanes.spend(task, state, self.now);
                 self.receive(task, from, state)
             }
-            Phase::Sleeps(_) | Phase::Ended => None,
+            Phase::Sleeps(_) | Phase::Ended => false,
         }
     }
 
-    /// A task does something. `None` if that takes time, else the message that it took, if it did.
-    fn act(&mut self, task: usize, act: Act<M>) -> Option<Option<M>> {
+    /// A task does something. False if that takes time.
+    fn act(&mut self, task: usize, act: Act<M>) -> bool {
         match act {
-            Act::Spend(state, cycles) => self.spend(task, state, cycles, Phase::Busy).then_some(None),
+            Act::Spend(state, cycles) => self.spend(task, state, cycles, Phase::Busy),
             Act::Work(state, cycles, work) => {
                 if let Some((causes, _)) = &mut self.causes {
                     causes.work(task, cycles, work);
                 }
-                self.spend(task, state, cycles, Phase::Busy).then_some(None)
+                self.spend(task, state, cycles, Phase::Busy)
             }
-            Act::SpendEach(spells) => self.spend_each(task, spells, Phase::Busy).then_some(None),
+            Act::SpendEach(spells) => self.spend_each(task, spells, Phase::Busy),
             Act::Job(job, spells) => {
                 self.lanes.begin(task, job, self.now);
                 let takes_no_time = self.spend_each(task, spells, Phase::Works);
-                takes_no_time.then(|| {
+                if takes_no_time {
                     self.lanes.done(task, self.now);
-                    None
-                })
+                }
+                takes_no_time
             }
-            Act::Send(message) => match self.begin_to_send(task, message) {
-                true => self.send(task, message),
-                false => None,
-            },
+            Act::Send(message) => self.begin_to_send(task, message) && self.send(task, message),
             Act::Receive(from, state) => self.receive(task, from, state),
-            Act::Poll => Some(self.mailboxes[task].take(Sender::Anyone, self.now).map(|mail| self.taken(task, mail))),
+            Act::Poll => {
+                self.take(task, Sender::Anyone);
+                true
+            }
             Act::Sleep(state) => {
                 self.phases[task] = Phase::Sleeps(state);
-                None
+                false
             }
             Act::Wake(other) => {
                 self.wake(task, other);
-                Some(None)
+                true
             }
             Act::Begin(job) => {
                 self.lanes.begin(task, job, self.now);
-                Some(None)
+                true
             }
             Act::Done => {
                 self.lanes.done(task, self.now);
-                Some(None)
+                true
             }
             Act::End => {
                 self.phases[task] = Phase::Ended;
-                None
+                false
             }
         }
     }
@@ -332,8 +336,8 @@ impl<M: Copy> Events<M> {
         }
     }
 
-    /// A message is ready to go.
-    fn send(&mut self, task: usize, message: Message<M>) -> Option<Option<M>> {
+    /// A message is ready to go. False if its sender has to wait.
+    fn send(&mut self, task: usize, message: Message<M>) -> bool {
         match message.delivery {
             Delivery::Post(to) => {
                 self.carry(task, to, false, &message);
@@ -342,10 +346,10 @@ impl<M: Copy> Events<M> {
             Delivery::Hold(to, state) => {
                 let arrives = self.carry(task, to, true, &message);
                 self.phases[task] = Phase::Holds { to, arrives, state };
-                return None;
+                return false;
             }
         }
-        Some(None)
+        true
     }
 
     /// Lets the network carry a message, and tells when it arrives.
@@ -398,27 +402,30 @@ impl<M: Copy> Events<M> {
         self.mailboxes[to].add(mail);
     }
 
-    /// Takes a message, if there is one.
-    fn receive(&mut self, task: usize, from: Sender, state: StateId) -> Option<Option<M>> {
-        if let Some(mail) = self.mailboxes[task].take(from, self.now) {
-            return Some(Some(self.taken(task, mail)));
+    /// Takes a message, if there is one; else waits for it. False if it waits.
+    fn receive(&mut self, task: usize, from: Sender, state: StateId) -> bool {
+        if self.take(task, from) {
+            return true;
         }
         self.phases[task] = Phase::Waits { from, state };
         if let Some(at) = self.mailboxes[task].arrival(from) {
             self.agenda.wake(task, at);
         }
-        None
+        false
     }
 
-    /// What is in a message that a task takes, whose sender may wait for that.
-    fn taken(&mut self, task: usize, mail: Mail<M>) -> M {
+    /// Takes a message, if there is one, whose sender may wait for that.
+    #[inline]
+    fn take(&mut self, task: usize, from: Sender) -> bool {
+        let Some(mail) = self.mailboxes[task].take(from, self.now) else { return false };
         if let Some((causes, _)) = &mut self.causes {
             causes.taken(task, &mail);
         }
         if mail.is_held {
             self.agenda.wake(mail.from, self.now);
         }
-        mail.content
+        self.taken = Some(mail.content);
+        true
     }
 
     /// What the tasks have done so far. Each has come to a cycle of its own.

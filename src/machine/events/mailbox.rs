@@ -61,6 +61,7 @@ impl<M> Mailbox<M> {
     }
 
     /// Takes the first message of a sender, if it has arrived.
+    #[inline]
     pub fn take(&mut self, from: Sender, now: u64) -> Option<Mail<M>> {
         let place = self.0.iter().position(|mail| from.is(mail.from))?;
         match self.0[place].at <= now {

@@ -210,7 +210,7 @@ impl<'a> MemoryNodes<'a> {
     }
 
     /// What a task does next, given the time and the message that it has just taken, if it did.
-    pub fn next(&mut self, task: usize, now: Cycles, taken: Option<PageNote>) -> Act<PageNote> {
+    pub fn next(&mut self, task: usize, now: Cycles, taken: Option<&PageNote>) -> Act<PageNote> {
         let host = self.nodes.len();
         match task {
             task if task < host => self.node(task, now, taken),
@@ -220,11 +220,11 @@ impl<'a> MemoryNodes<'a> {
     }
 
     /// The host takes pixels and gives tiles away until it has all and has told so whoever asks.
-    fn host(&mut self, now: Cycles, taken: Option<PageNote>) -> Act<PageNote> {
+    fn host(&mut self, now: Cycles, taken: Option<&PageNote>) -> Act<PageNote> {
         if let Some(note) = taken {
-            self.host.takes = taken;
+            self.host.takes = Some(*note);
             let (kind, bytes) = match note {
-                PageNote::Pixels(count) => (MessageKind::Calculation, packet_bytes(count)),
+                PageNote::Pixels(count) => (MessageKind::Calculation, packet_bytes(*count)),
                 _ => (MessageKind::Information, TOKEN_BYTES),
             };
             return Act::Work(RECEIVING, self.took(kind, bytes), takes(kind));
@@ -259,8 +259,8 @@ impl<'a> MemoryNodes<'a> {
     }
 
     /// A node's helper serves who wants a page of it.
-    fn serve(&mut self, node: usize, taken: Option<PageNote>) -> Act<PageNote> {
-        if let Some(PageNote::Wants(asker)) = taken {
+    fn serve(&mut self, node: usize, taken: Option<&PageNote>) -> Act<PageNote> {
+        if let Some(&PageNote::Wants(asker)) = taken {
             self.nodes[node].serves = Some(asker);
             return Act::Work(SERVING, self.machine.costs.serve, SERVE);
         }
@@ -274,9 +274,9 @@ impl<'a> MemoryNodes<'a> {
         self.send((node, asker.into()), (MessageKind::RealObject, bytes), Cycles(0), PageNote::Page)
     }
 
-    fn node(&mut self, task: usize, now: Cycles, taken: Option<PageNote>) -> Act<PageNote> {
+    fn node(&mut self, task: usize, now: Cycles, taken: Option<&PageNote>) -> Act<PageNote> {
         let machine = self.machine;
-        if let Some(PageNote::Tile(tile)) = taken {
+        if let Some(&PageNote::Tile(tile)) = taken {
             self.nodes[task].next = Next::GetsTile(tile);
             let time = self.took(MessageKind::Information, WORD_BYTES);
             return Act::Work(RECEIVING, time, takes(MessageKind::Information));

@@ -243,7 +243,7 @@ impl<'a> Farm<'a> {
     }
 
     /// What a task does next, given the message that it has just taken, if it waited for one.
-    pub fn next(&mut self, task: usize, taken: Option<Letter>) -> Act<Letter> {
+    pub fn next(&mut self, task: usize, taken: Option<&Letter>) -> Act<Letter> {
         match task {
             STATION => self.station(taken),
             MASTER => self.master(taken),
@@ -252,7 +252,7 @@ impl<'a> Farm<'a> {
     }
 
     /// Reads the scene, gives it out, and files the colours of all pixels.
-    fn station(&mut self, taken: Option<Letter>) -> Act<Letter> {
+    fn station(&mut self, taken: Option<&Letter>) -> Act<Letter> {
         let costs = &self.machine.costs;
         match self.station {
             Station::Reads => {
@@ -281,13 +281,13 @@ impl<'a> Farm<'a> {
     }
 
     /// Answers one worker after the other, and waits for each.
-    fn master(&mut self, taken: Option<Letter>) -> Act<Letter> {
+    fn master(&mut self, taken: Option<&Letter>) -> Act<Letter> {
         match (self.master, taken) {
             (Master::Begins, _) => {
                 self.master = Master::Listens;
                 Act::Receive(Sender::Task(STATION), WAITING_SCENE)
             }
-            (Master::Listens, Some(Letter::Ready(worker))) => {
+            (Master::Listens, Some(&Letter::Ready(worker))) => {
                 self.master = Master::Answered(worker as usize);
                 let answer = self.answer(worker as usize);
                 self.send(Delivery::Hold(worker as usize, WAITING_ANSWER), self.machine.costs.message, answer)
@@ -318,7 +318,7 @@ impl<'a> Farm<'a> {
     }
 
     /// Asks, computes, and asks again.
-    fn worker(&mut self, worker: usize, taken: Option<Letter>) -> Act<Letter> {
+    fn worker(&mut self, worker: usize, taken: Option<&Letter>) -> Act<Letter> {
         let costs = &self.machine.costs;
         let ready = Letter::Ready((FIRST_WORKER + worker) as u32);
         let (next, act) = match self.workers[worker] {
@@ -326,7 +326,7 @@ impl<'a> Farm<'a> {
             Worker::Asks => (Worker::Listens, self.to_master(ready)),
             Worker::Listens => (Worker::IsTold, Act::Receive(Sender::Task(MASTER), WAITING_ITEM)),
             Worker::IsTold => match taken {
-                Some(Letter::Item(item)) => (Worker::Has(item as usize), self.to_master(ready)),
+                Some(&Letter::Item(item)) => (Worker::Has(item as usize), self.to_master(ready)),
                 _ => (Worker::Ends, self.to_master(ready)),
             },
             Worker::Has(item) => (Worker::SetsUp(item), Act::Begin(item as u32)),

@@ -409,7 +409,7 @@ fn watched_queues(queues: Queues, machine: &Ipsc2, watching: &Watching) -> Queue
 fn drive<P, M: Copy>(
     nodes: &mut P,
     mut events: Events<M>,
-    (next, is_over): (impl Fn(&mut P, usize, Cycles, Option<M>) -> Act<M>, impl Fn(&P) -> bool),
+    (next, is_over): (impl Fn(&mut P, usize, Cycles, Option<&M>) -> Act<M>, impl Fn(&P) -> bool),
     look: &mut impl FnMut(&P, &Events<M>) -> Result<(), Cancelled>,
 ) -> Result<Events<M>, RunError<Infallible>> {
     loop {

@@ -189,8 +189,7 @@ fn run(
     if let Some(window) = &watching.recording {
         events = events.recorded(window.clone(), Recording::MOST_EVENTS);
     }
-    let mut next = |task, _, taken| farm.next(task, taken);
-    let mut step = || events.step(&mut next);
+    let mut step = || events.step(&mut |task, _, taken| farm.next(task, taken));
     while (0..STEPS).all(|_| step()) {
         cancel.check()?;
     }

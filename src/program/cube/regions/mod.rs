@@ -260,7 +260,7 @@ impl<'a> RegionNodes<'a> {
     }
 
     /// What a task does next, given the time and the message that it has just taken, if it did.
-    pub fn next(&mut self, task: usize, now: Cycles, taken: Option<Note>) -> Act<Note> {
+    pub fn next(&mut self, task: usize, now: Cycles, taken: Option<&Note>) -> Act<Note> {
         self.now = now.0;
         if task == self.nodes.len() {
             return self.host(now, taken);
@@ -294,8 +294,8 @@ impl<'a> RegionNodes<'a> {
     }
 
     /// The host takes pixels until it has all.
-    fn host(&mut self, now: Cycles, taken: Option<Note>) -> Act<Note> {
-        if let Some(Note::Pixels(count, is_last)) = taken {
+    fn host(&mut self, now: Cycles, taken: Option<&Note>) -> Act<Note> {
+        if let Some(&Note::Pixels(count, is_last)) = taken {
             let time = self.took(MessageKind::Calculation, packet_bytes(count));
             self.host_takes = count + u32::from(is_last);
             return Act::Work(RECEIVING, time, takes(MessageKind::Calculation));
@@ -312,9 +312,9 @@ impl<'a> RegionNodes<'a> {
     }
 
     /// What has come is put where it belongs.
-    fn take(&mut self, task: usize, note: Note) {
+    fn take(&mut self, task: usize, note: &Note) {
         let node = &mut self.nodes[task];
-        match note {
+        match *note {
             Note::Ray(visit) => {
                 node.account.taken();
                 node.received.push_back(visit);
