@@ -41,7 +41,7 @@ pub struct Ended {
 pub fn run<P, M: Copy>(
     (machine, tasks): (&Ipsc2, usize),
     program: &mut P,
-    next: impl Fn(&mut P, usize, Cycles, Option<M>) -> Act<M>,
+    next: impl Fn(&mut P, usize, Cycles, Option<&M>) -> Act<M>,
     is_over: impl Fn(&P) -> bool,
     rests: impl Fn(&P, usize) -> Option<Cycles>,
     (sending, idle): (StateId, StateId),
@@ -136,7 +136,7 @@ pub fn run<P, M: Copy>(
                 heap.push(Reverse((until, task, all[task].entry)));
                 break;
             }
-            act = next(program, task, Cycles(now), taken);
+            act = next(program, task, Cycles(now), taken.as_ref());
         }
     }
     for (number, task) in all.iter_mut().enumerate() {
