@@ -5,6 +5,7 @@ use std::convert::Infallible;
 use std::fmt::Write;
 use std::path::Path;
 
+use crate::programs_agree::folder_with;
 use crate::support::command::{Folder, run_in};
 use crate::support::{bits, cell_options, machine, ops, program, scene, spent};
 use pcs_sim::geometry::Ray;
@@ -499,16 +500,8 @@ fn run_from(mesh: &Mesh, rays: &[Ray], options: &CellOptions) -> Outcome {
 /// What an order of instructions that minds the pipeline gains, as docs/cell-programs.md tells: the same bits, and fewer waits.
 #[test]
 fn side_by_side_slabs_wait_less() {
-    let folder = Folder::new();
-    for inside in ["", "kernels"] {
-        let from = Path::new("pcs-programs/cells").join(inside);
-        std::fs::create_dir_all(folder.path("cells").join(inside)).unwrap();
-        for path in std::fs::read_dir(from).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_file()) {
-            std::fs::copy(&path, folder.path("cells").join(inside).join(path.file_name().unwrap())).unwrap();
-        }
-    }
-    let place = folder.path("cells/kernels/slabs-test.pcs");
-    std::fs::write(&place, side_by_side(&std::fs::read_to_string(&place).unwrap())).unwrap();
+    let test = std::fs::read_to_string("pcs-programs/cells/kernels/slabs-test.pcs").unwrap();
+    let folder = folder_with("kernels/slabs-test.pcs", &side_by_side(&test));
     let spec: MachineSpec = fpu().spec;
     let cycles = fpu().instructions.unwrap();
     let standard = CellOptions { cycles, ..cell_options() };

@@ -281,8 +281,8 @@ fn machine_files_are_calibrated() {
     }
 }
 
-/// A folder of programs in place of the standard ones.
-fn folder_with(name: &str, text: &str) -> Folder {
+/// A folder with the standard programs in `cells`, of which one is replaced.
+pub fn folder_with(name: &str, text: &str) -> Folder {
     let folder = Folder::new();
     for inside in ["", "kernels"] {
         let from = Path::new("pcs-programs/cells").join(inside);

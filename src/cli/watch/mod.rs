@@ -69,8 +69,8 @@ impl Live {
 }
 
 impl Watch {
-    /// For a machine whose cells run what the names tell, as far as that is known. It is looked at first as soon as it has done something, as
-    /// it may be done itself before a pause is over.
+    /// For a machine whose cells run what the names tell, as far as that is known. The first look waits for no pause: a short run
+    /// would be over before.
     pub fn new(clock: Clock, cell_names: Vec<String>) -> Watch {
         Watch { clock, cell_names, before: SoFar::default(), due: Instant::now() }
     }
