@@ -33,18 +33,27 @@ impl Cell {
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, ledger, |now, op, left, ledger| match op.kind() {
-            OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, ledger),
-            OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, ledger),
-            OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
-            OpKind::WriteX => now.write(left, Channel::X, output, ledger),
-            OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
-            OpKind::ReadZ | OpKind::WriteZ => {
-                let (then, done) = now.moved_back(op, left, input, output, ledger);
-                *now = then;
-                done
+        self.now.run(ops, ledger, |now, op, resume, ledger| {
+            // Most ops of a pipeline: nothing can be left of them but the whole.
+            match op {
+                Op::READ_Y_WORD => return now.read_word(1, Channel::Y, &mut input.y, ledger),
+                Op::WRITE_Y_WORD => return now.write_word(1, Channel::Y, output, ledger),
+                _ => {}
             }
-            OpKind::Await | OpKind::Work(_) => Err(Halt::NotReturned),
+            let left = resume.left_of(op);
+            match op.kind() {
+                OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, ledger),
+                OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, ledger),
+                OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
+                OpKind::WriteX => now.write(left, Channel::X, output, ledger),
+                OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
+                OpKind::ReadZ | OpKind::WriteZ => {
+                    let (then, done) = now.moved_back(op, left, input, output, ledger);
+                    *now = then;
+                    done
+                }
+                OpKind::Await | OpKind::Work(_) => Err(Halt::NotReturned),
+            }
         })
     }
 
@@ -58,10 +67,10 @@ impl Cell {
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, ledger, |now, op, left, ledger| match op.kind() {
-            OpKind::WriteX => now.write(left, Channel::X, output, ledger),
-            OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
-            OpKind::Await => now.wait_for_return(left, returned, ledger),
+        self.now.run(ops, ledger, |now, op, resume, ledger| match op.kind() {
+            OpKind::WriteX => now.write(resume.left_of(op), Channel::X, output, ledger),
+            OpKind::WriteY => now.write(resume.left_of(op), Channel::Y, output, ledger),
+            OpKind::Await => now.wait_for_return(resume.left_of(op), returned, ledger),
             OpKind::PassX | OpKind::ReadX | OpKind::ReadY | OpKind::ReadZ | OpKind::WriteZ | OpKind::Work(_) => {
                 Err(Halt::NoWord)
             }

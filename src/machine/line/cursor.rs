@@ -37,6 +37,18 @@ pub(super) struct Cursor {
     pub limit: u64,
 }
 
+/// How much was left of the op when the cell halted in the middle of it; 0 if it did not.
+#[derive(Clone, Copy)]
+pub(super) struct Resume(u64);
+
+impl Resume {
+    /// How much of an op that moves words or waits is left to do.
+    #[inline(always)]
+    pub fn left_of(self, op: Op) -> u64 {
+        if self.0 > 0 { self.0 } else { op.words() }
+    }
+}
+
 /// Where a cell's cycles are entered.
 pub(super) struct Ledger<'a, W> {
     pub prices: &'a Prices,
@@ -61,27 +73,26 @@ impl Cursor {
         Cursor { clock: 0, done: 0, left: 0, limit }
     }
 
-    /// Does one op after the other until one halts. `step` does one that moves words or waits, of which so much is left to do.
+    /// Does one op after the other until one halts. `step` does one that moves words or waits, or what is left of it.
     #[inline(always)]
     pub fn run<W: Watcher>(
         &mut self,
         ops: &[Op],
         ledger: &mut Ledger<'_, W>,
-        mut step: impl FnMut(&mut Cursor, Op, u64, &mut Ledger<'_, W>) -> Done,
+        mut step: impl FnMut(&mut Cursor, Op, Resume, &mut Ledger<'_, W>) -> Done,
     ) -> Halt {
         let mut now = *self;
-        let mut resume = std::mem::take(&mut now.left);
+        let mut resume = Resume(std::mem::take(&mut now.left));
         let halt = loop {
             if let Err(why) = now.work(ops, ledger) {
                 break why;
             }
             let Some(&op) = ops.get(now.done) else { break Halt::OutOfOps };
-            let left = if resume > 0 { resume } else { op.words() };
             ledger.watcher.began(now.done, now.clock);
-            if let Err(why) = step(&mut now, op, left, ledger) {
+            if let Err(why) = step(&mut now, op, resume, ledger) {
                 break why;
             }
-            resume = 0;
+            resume = Resume(0);
             now.done += 1;
         };
         *self = now;
@@ -125,12 +136,25 @@ impl Cursor {
                 self.clock += left;
                 return Ok(());
             }
-            let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
-            self.stall(ready, (Hold::Word(channel), left), ledger)?;
-            input.read_one(self.clock, ready);
-            self.clock += 1;
+            self.read_word(left, channel, input, ledger)?;
             left -= 1;
         }
+        Ok(())
+    }
+
+    /// Reads the next word of an op of which so many are left.
+    #[inline(always)]
+    pub fn read_word(
+        &mut self,
+        left: u64,
+        channel: Channel,
+        input: &mut Fifo,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
+        let Some(ready) = input.ready() else { return self.halt(Halt::NoWord, left) };
+        self.stall(ready, (Hold::Word(channel), left), ledger)?;
+        input.read_one(self.clock, ready);
+        self.clock += 1;
         Ok(())
     }
 
@@ -148,12 +172,30 @@ impl Cursor {
                 self.clock += left;
                 return Ok(());
             }
-            let Some(room) = output.fifo(channel).room() else { return self.halt(Halt::NoRoom, left) };
-            self.stall_for_room(channel, room, output, left, ledger)?;
-            output.write_one(channel, self.clock);
-            self.clock += 1;
+            self.write_word(left, channel, output, ledger)?;
             left -= 1;
         }
+        Ok(())
+    }
+
+    /// Writes the next word of an op of which so many are left.
+    #[inline(always)]
+    pub fn write_word(
+        &mut self,
+        left: u64,
+        channel: Channel,
+        output: &mut Link,
+        ledger: &mut Ledger<'_, impl Watcher>,
+    ) -> Done {
+        let Some(room) = output.fifo(channel).room() else { return self.halt(Halt::NoRoom, left) };
+        if output.takes_a_word_a_cycle() {
+            self.stall(room, (Hold::Slot(channel), left), ledger)?;
+            output.fifo_mut(channel).write_one(self.clock);
+        } else {
+            self.stall_for_room(channel, room, output, left, ledger)?;
+            output.write_one(channel, self.clock);
+        }
+        self.clock += 1;
         Ok(())
     }
 

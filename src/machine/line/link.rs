@@ -97,6 +97,12 @@ impl Link {
         }
     }
 
+    /// Whether the wires take a word in each cycle, and so whenever the writer has one.
+    #[inline(always)]
+    pub fn takes_a_word_a_cycle(&self) -> bool {
+        self.rate.cycles_per_word == 1
+    }
+
     /// The first cycle in which the wire takes the next word of `channel`.
     #[inline(always)]
     pub fn wire_free(&self, channel: Channel) -> u64 {
@@ -106,7 +112,7 @@ impl Link {
     /// Whether `count` words can be written in as many cycles from `at` on.
     #[inline(always)]
     pub fn can_write(&self, channel: Channel, at: u64, count: u64) -> bool {
-        self.rate.cycles_per_word == 1 && self.fifo(channel).can_write(at, count)
+        self.takes_a_word_a_cycle() && self.fifo(channel).can_write(at, count)
     }
 
     /// Writes a word in cycle `at`, in which there is room in the FIFO and the wire is free.
@@ -114,7 +120,7 @@ impl Link {
     pub fn write_one(&mut self, channel: Channel, at: u64) {
         self.fifo_mut(channel).write_one(at);
         // The writer's own clock keeps words one cycle apart.
-        if self.rate.cycles_per_word > 1 {
+        if !self.takes_a_word_a_cycle() {
             self.occupy_wire(channel, at);
         }
     }
