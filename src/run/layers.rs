@@ -21,7 +21,7 @@ use crate::host::screen::{self, Screen, ScreenRectangles};
 use crate::host::shading::Shader;
 use crate::input::reading;
 use crate::isa::InstructionCycles;
-use crate::machine::{Machine, Observed};
+use crate::machine::{Machine, MachineSpec, Observed};
 use crate::measure::Measured;
 use crate::program::{ArrayProgram, Counts, Layout, NotLaidOut, Sample, Surfaces, Workload, sub_sample, work};
 use crate::scene::Scene;
@@ -87,6 +87,10 @@ impl Keys {
             annex,
             instructions.as_ref().map(InstructionCycles::counts_waits),
         ));
+        // Times are in cycles: of the clock and of rates they know what these make in cycles.
+        let MachineSpec { clock_ns: _, word_bytes: _, link_mb_s: _, rate_counts: _, fifo_words, .. } = array;
+        let MachineSpec { latency, memory_words, channel_words, own_words, .. } = array;
+        let array = (fifo_words, channel_words, own_words, memory_words, array.link_rate(), latency);
         // The host of an image sends what it sends next by what it has read until then.
         let clock = |timing| (timing == Switch::On).then_some((array, times, instructions));
         let image = image.as_ref().map(|image| (image, clock(image.timing)));

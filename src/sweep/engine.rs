@@ -16,6 +16,8 @@ use super::parameters::Points;
 use super::point::{self, Outcome};
 use crate::cancel::Cancelled;
 use crate::machine::Machine;
+use crate::measure::Measured;
+use crate::program::{Counts, Workload};
 use crate::run::{InStep, Key, Keys, Layers, PlannedRun, RecordingMemory, Workers};
 use crate::scene::Scene;
 
@@ -166,7 +168,7 @@ impl Sweep {
                 });
                 Ok(([effective, results].concat(), point.notes().iter().cloned().chain(of_scene).collect()))
             };
-            same_work.par_iter().for_each(|(index, point)| done(*index, run(point)));
+            one_by_one(&same_work).for_each(|(index, point)| done(*index, run(point)));
         }
         workers.cancel.check()
     }
@@ -245,6 +247,11 @@ fn on_threads<T: Send>(workers: &Workers, work: impl FnOnce() -> T + Send) -> T 
     }
 }
 
+/// Each for whichever thread is free next: some take many times as long as others.
+fn one_by_one<T: Sync>(many: &[T]) -> impl ParallelIterator<Item = &T> {
+    many.par_iter().with_max_len(1)
+}
+
 /// A point's number and what is to be run for it.
 type Point = (usize, PlannedRun);
 
@@ -265,38 +272,36 @@ fn run_same_ops(
         let run = |(index, planned): &&Point| done(*index, planned, point::run(planned, layers, workers), scene);
         return points.iter().for_each(run);
     }
-    let traced = match layers.traced_within(first, workers, memory) {
-        Ok(None) => return run_in_step(points, layers, (workers, memory, unkept), scene, done),
-        Ok(Some(traced)) => Ok(traced),
-        Err(error) => Err(point::reason(error)),
+    // Those whose machines are the same in cycles share their times.
+    let same_times = by_key(points.to_vec(), |planned| planned.keys.timed.clone());
+    let tell = |same: &[&Point], stats: Result<Measured, String>, (workload, counts): (&Workload, Counts)| {
+        for (index, planned) in same {
+            let outcome = stats.clone().map(|stats| Outcome::new(planned, workload, stats, counts));
+            done(*index, planned, outcome, scene);
+        }
     };
-    let time = |planned| point::time(planned, traced.as_ref().map_err(String::clone)?, &workers.cancel);
-    points.par_iter().for_each(|(index, planned)| done(*index, planned, time(planned), scene));
-}
-
-/// Runs points whose recording finds no room.
-fn run_in_step(
-    points: &[&Point],
-    layers: &mut Layers,
-    (workers, memory, unkept): (&Workers, RecordingMemory, &mut Unkept),
-    scene: Option<&Scene>,
-    done: &(impl Fn(usize, &PlannedRun, Result<Outcome, String>, Option<&Scene>) + Sync),
-) {
-    let machines: Vec<&Machine> = points.iter().map(|(_, planned)| &planned.machine).collect();
-    match layers.timed_in_step(&points[0].1, &machines, workers, memory) {
-        Ok(InStep { workload, counts, times, rounds }) => {
-            unkept.recordings += 1;
-            unkept.points += points.len();
-            unkept.rounds += rounds;
-            for ((index, planned), stats) in points.iter().zip(times) {
-                let outcome = stats.map(|stats| Outcome::new(planned, &workload, stats, counts));
-                done(*index, planned, outcome.map_err(point::reason), scene);
+    let fail =
+        |reason: String| points.iter().for_each(|(index, planned)| done(*index, planned, Err(reason.clone()), scene));
+    match layers.traced_within(first, workers, memory) {
+        Ok(Some(traced)) => one_by_one(&same_times).for_each(|same| {
+            tell(same, point::time(&same[0].1, &traced, &workers.cancel), (traced.workload(), traced.counts()));
+        }),
+        // The recording finds no room.
+        Ok(None) => {
+            let machines: Vec<&Machine> = same_times.iter().map(|same| &same[0].1.machine).collect();
+            match layers.timed_in_step(first, &machines, workers, memory) {
+                Ok(InStep { workload, counts, times, rounds }) => {
+                    unkept.recordings += 1;
+                    unkept.points += points.len();
+                    unkept.rounds += rounds;
+                    for (same, stats) in same_times.iter().zip(times) {
+                        tell(same, stats.map_err(point::reason), (&workload, counts));
+                    }
+                }
+                Err(error) => fail(point::reason(error)),
             }
         }
-        Err(error) => {
-            let reason = point::reason(error);
-            points.iter().for_each(|(index, planned)| done(*index, planned, Err(reason.clone()), scene));
-        }
+        Err(error) => fail(point::reason(error)),
     }
 }
 

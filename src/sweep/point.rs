@@ -108,9 +108,8 @@ fn render(
 }
 
 /// Times a point whose ops are there.
-pub fn time(point: &PlannedRun, traced: &Traced, cancel: &Cancel) -> Result<Outcome, String> {
-    let (stats, _) = traced.time(&point.machine, &Watching::default(), cancel).map_err(reason)?;
-    Ok(Outcome::new(point, traced.workload(), stats, traced.counts()))
+pub fn time(point: &PlannedRun, traced: &Traced, cancel: &Cancel) -> Result<Measured, String> {
+    traced.time(&point.machine, &Watching::default(), cancel).map(|(stats, _)| stats).map_err(reason)
 }
 
 /// What an image is whose array is timed.

@@ -110,6 +110,17 @@ fn each_parameter_changes_the_layers_that_read_it_and_no_other() {
     }
 }
 
+/// Times are in cycles, and know of rates only what these make in cycles. They do know between which words these count.
+#[test]
+fn rates_that_are_the_same_in_cycles_are_the_same() {
+    let on = |rate: &str, counts: &str| planned(&[("link_mb_s", rate), ("rate_counts", counts)]).keys;
+    assert_eq!(first_change(&on("75", "link"), &on("60", "link")), Layer::None);
+    assert_eq!(first_change(&on("75", "link"), &on("39", "link")), Layer::Timed);
+    assert_eq!(first_change(&on("75", "link"), &on("75", "channel")), Layer::Timed);
+    let words = |bytes: &str, rate: &str| planned(&[("word_bytes", bytes), ("link_mb_s", rate)]).keys;
+    assert_eq!(first_change(&words("4", "80"), &words("8", "160")), Layer::None);
+}
+
 /// Prices are read by the cut that weighs work by them, and by that alone.
 #[test]
 fn a_cut_by_work_reads_the_times_that_it_weighs_by() {
