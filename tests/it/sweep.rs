@@ -57,7 +57,7 @@ fn points_that_share_their_times_tell_their_own() {
     let sweep = |rates: &str| format!("(scene: \"room\", size: \"9x8\", fifo_words: [4, 64], link_mb_s: {rates})");
     folder.file("all.ron", &sweep("[80, 75, 60, 27]"));
     folder.run("sweep all.ron --table all.csv").success();
-    folder.run("sweep all.ron --table step.csv --recording-memory 1B").success();
+    folder.run("sweep all.ron --table step.csv --recording-memory 1kB").success();
     let all = rows(&folder.read("all.csv"));
     assert_eq!(rows(&folder.read("step.csv")), all);
     let cycles = column(&all, "cycles");
