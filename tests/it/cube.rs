@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 
 use pcs_sim::host::shading::RayKind;
-use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, WireTimes};
+use pcs_sim::machine::events::{Act, Cube, Delivery, Events, Message, Sender, Turn, WireTimes};
 use pcs_sim::machine::{Cycles, HostTimes, Ipsc2, Ipsc2File, KernelTimes, MessageTimes, NodeCosts, Times};
 use pcs_sim::measure::{
     Actor, Cause, Clock, CriticalPath, LinkMessages, LinkStats, Measured, Observed, Recording, StateId, StateTimes,
@@ -108,7 +108,7 @@ fn run_watched(
     let all = || (Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
     let mut events = events.probed().recorded(all().0, all().1);
     nodes.queues = nodes.queues.probed(machine.nodes + 1).recorded(all().0, all().1);
-    while !nodes.is_over() && events.step(&mut |task, now, taken| nodes.next(task, now, taken)) {}
+    while !nodes.is_over() && events.step(&mut |task, now, turn| nodes.next(task, now, turn)) {}
     if !nodes.is_over() {
         return Err(nodes.stuck());
     }
@@ -125,7 +125,7 @@ fn run_explained(machine: &Ipsc2, graph: &TaskGraph, owners: &[u16], rules: Rule
     let explanation = nodes.explain();
     let events = Events::new(nodes.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
     let mut events = events.explained(explanation, RegionNodes::sending);
-    while !nodes.is_over() && events.step(&mut |task, now, taken| nodes.next(task, now, taken)) {}
+    while !nodes.is_over() && events.step(&mut |task, now, turn| nodes.next(task, now, turn)) {}
     let (mut stats, mut observed) = events.stop(|task| nodes.rests(task));
     nodes.queues.tell(&mut stats, &mut observed);
     (stats, observed.path.unwrap(), nodes.seen)
@@ -382,7 +382,7 @@ proptest! {
         let (topology, states) = (memory.topology(), MemoryNodes::SENDING_AND_IDLE);
         let events = Events::with_helpers(topology, memory.helpers(), machine.cube(), states);
         let mut events = events.recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
-        while !memory.is_over() && events.step(&mut |task, now, taken| memory.next(task, now, taken)) {}
+        while !memory.is_over() && events.step(&mut |task, now, turn| { let taken = turn.taken(); turn.act(memory.next(task, now, taken.as_ref())); }) {}
         let (stats, observed) = events.stop(|task| memory.rests(task));
         let found = ticked(nodes, &stats, &observed.recording.unwrap(), &memory.seen);
         prop_assert_eq!(found, expected);
@@ -441,14 +441,14 @@ fn another_scheduler_comes_to_the_same() {
         let nodes = || RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules);
         let mut own = nodes();
         let mut events = Events::new(own.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
-        while !own.is_over() && events.step(&mut |task, now, taken| own.next(task, now, taken)) {}
+        while !own.is_over() && events.step(&mut |task, now, turn| own.next(task, now, turn)) {}
         assert!(own.is_over(), "{flow:?}");
         let (stats, _) = events.stop(|task| own.rests(task));
         let mut other = nodes();
         let ended = heap_events::run(
             (&machine, machine.nodes + 1),
             &mut other,
-            RegionNodes::next,
+            |nodes, task, now, turn| nodes.next(task, now, turn),
             RegionNodes::is_over,
             RegionNodes::rests,
             RegionNodes::SENDING_AND_IDLE,
@@ -463,12 +463,26 @@ fn another_scheduler_comes_to_the_same() {
     let mut own = nodes();
     let states = MemoryNodes::SENDING_AND_IDLE;
     let mut events = Events::with_helpers(own.topology(), own.helpers(), machine.cube(), states);
-    while !own.is_over() && events.step(&mut |task, now, taken| own.next(task, now, taken)) {}
+    while !own.is_over()
+        && events.step(&mut |task, now, turn| {
+            let taken = turn.taken();
+            turn.act(own.next(task, now, taken.as_ref()));
+        })
+    {}
     let (stats, _) = events.stop(|task| own.rests(task));
     let mut other = nodes();
     let tasks = machine.nodes + 1 + other.helpers();
-    let (next, is_over, rests) = (MemoryNodes::next, MemoryNodes::is_over, MemoryNodes::rests);
-    let mut ended = heap_events::run((&machine, tasks), &mut other, next, is_over, rests, states);
+    let mut ended = heap_events::run(
+        (&machine, tasks),
+        &mut other,
+        |nodes, task, now, turn| {
+            let taken = turn.taken();
+            turn.act(nodes.next(task, now, taken.as_ref()));
+        },
+        MemoryNodes::is_over,
+        MemoryNodes::rests,
+        states,
+    );
     ended.spent.truncate(machine.nodes + 1);
     assert_eq!(came(&stats), (ended.cycles, ended.spent, ended.links));
     assert_eq!(own.seen, other.seen);
@@ -499,7 +513,7 @@ proptest! {
         let mut run = RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules);
         let mut events = Events::new(run.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
         let mut begun = None;
-        while !run.is_over() && events.step(&mut |task, now, taken| run.next(task, now, taken)) {
+        while !run.is_over() && events.step(&mut |task, now, turn| run.next(task, now, turn)) {
             if run.seen.true_end > Cycles(0) {
                 begun = begun.or(Some(run.seen.probes));
             } else {
@@ -644,13 +658,14 @@ fn messages_wait_for_all_links_of_their_way() {
         let mut takes = [0; 5];
         sends.iter().for_each(|&(_, to, _)| takes[to] += 1);
         let mut arrived = vec![0; sends.len()];
-        while events.step(&mut |task, now, taken: Option<&usize>| {
-            taken.into_iter().for_each(|&number| arrived[number] = now.0);
+        while events.step(&mut |task, now, turn| {
+            turn.taken().into_iter().for_each(|number: usize| arrived[number] = now.0);
             if !lists[task].is_empty() {
-                return lists[task].remove(0);
+                turn.act(lists[task].remove(0));
+                return;
             }
             takes[task] -= 1;
-            if takes[task] >= 0 { Act::Receive(Sender::Anyone, StateId(11)) } else { Act::End }
+            turn.act(if takes[task] >= 0 { Act::Receive(Sender::Anyone, StateId(11)) } else { Act::End });
         }) {}
         events.finish().unwrap();
         arrived

@@ -1,7 +1,7 @@
 //! The engine of events by itself: its order, its rendezvous, its standstill.
 
 use pcs_sim::machine::Cycles;
-use pcs_sim::machine::events::{Act, Buses, Delivery, Events, Message, Sender, Standstill, Waits};
+use pcs_sim::machine::events::{Act, Buses, Delivery, Events, Message, Sender, Standstill, Turn, Waits};
 use pcs_sim::measure::{Measured, Shape, State, StateId, StateKind, States, Topology};
 
 const BUSY: StateId = StateId(0);
@@ -29,10 +29,10 @@ fn run(lists: &[Vec<Act<u32>>]) -> (Result<Measured, Standstill>, Vec<(usize, u3
     let mut events = Events::new(topology(lists.len()), Buses::new(1, 1000), (SENDS, IDLE));
     let mut places = vec![0; lists.len()];
     let mut took = Vec::new();
-    while events.step(&mut |task, _, taken: Option<&u32>| {
-        took.extend(taken.map(|&content| (task, content)));
+    while events.step(&mut |task, _, turn| {
+        took.extend(turn.taken().map(|content: u32| (task, content)));
         places[task] += 1;
-        lists[task].get(places[task] - 1).copied().unwrap_or(Act::End)
+        turn.act(lists[task].get(places[task] - 1).copied().unwrap_or(Act::End));
     }) {}
     (events.finish().map(|(measured, _)| measured), took)
 }
@@ -55,6 +55,23 @@ fn the_first_to_arrive_is_taken_first_and_then_the_lowest_sender() {
     let (_, took) =
         run(&[vec![Act::Receive(Sender::Task(2), WAITS), TAKE, TAKE], post(9, 0, 1), post(9, 0, 2), post(5, 2, 3)]);
     assert_eq!(took, [(0, 2), (0, 3), (0, 1)]);
+}
+
+/// However far apart two times are, the earlier comes first, and of tasks that wake up together the one with the lowest number.
+#[test]
+fn times_far_apart_keep_their_order() {
+    const FAR: u64 = 3 << 61;
+    let spend = |cycles| Act::Spend(BUSY, Cycles(cycles));
+    let post = |content| message(Delivery::Post(0), 0, 0, content);
+    let lists = [
+        vec![TAKE; 6],
+        vec![spend(FAR), post(1), spend(2), post(4)],
+        vec![spend(FAR + 5), post(2)],
+        vec![spend(7), post(3), spend(FAR - 7), post(5), spend(5), post(6)],
+    ];
+    let (measured, took) = run(&lists);
+    assert_eq!(took.into_iter().map(|(_, content)| content).collect::<Vec<_>>(), [3, 1, 5, 4, 2, 6]);
+    assert_eq!(measured.unwrap().cycles, Cycles(FAR + 5));
 }
 
 /// By hand: 3 cycles of work on the message, 4 on the bus, then held until the receiver is done with something else.

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use crate::support::farm_looking_back::{Parts, look_back};
 use crate::support::farm_ticking::{Plan, Ticked, tick, tick_recorded};
 use pcs_sim::cancel::Cancel;
-use pcs_sim::machine::events::{Buses, Events};
+use pcs_sim::machine::events::{Buses, Events, Turn};
 use pcs_sim::machine::{Capitan, CapitanFile, Cycles, HostTimes, KernelTimes, TaskCosts};
 use pcs_sim::measure::{
     Actor, Cause, CriticalPath, JobSpan, Measured, Observed, Recording, StateTimes, StationRecord, Stretch,
@@ -71,7 +71,10 @@ fn run(machine: &Capitan, items: &Items, scene: (u64, SceneBy), workers: (usize,
     let events = Events::new(farm.topology(), machine.buses.clone(), Farm::SENDING_AND_IDLE);
     let events = events.explained(farm.explanation(), Farm::sending);
     let mut events = events.probed().recorded(Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
-    while events.step(&mut |task, _, taken| farm.next(task, taken)) {}
+    while events.step(&mut |task, _, turn| {
+        let taken = turn.taken();
+        turn.act(farm.next(task, taken.as_ref()));
+    }) {}
     events.finish().unwrap()
 }
 
@@ -331,7 +334,7 @@ proptest! {
             let mut farm = Farm::new(&machine, &items, (plan.scene_bytes, plan.scene_by), (plan.workers, plan.hand_out));
             let events = Events::new(farm.topology(), machine.buses.clone(), Farm::SENDING_AND_IDLE);
             let mut events = events.recorded(Cycles(from)..Cycles(u64::MAX), most);
-            while events.step(&mut |task, _, taken| farm.next(task, taken)) {}
+            while events.step(&mut |task, _, turn| { let taken = turn.taken(); turn.act(farm.next(task, taken.as_ref())); }) {}
             events.finish().unwrap().1.recording.unwrap()
         };
         let (whole, part) = (record(usize::MAX / 2), record(most));

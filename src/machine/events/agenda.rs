@@ -4,79 +4,93 @@
 /// wake up together by the one with the lower number.
 #[derive(Debug)]
 pub struct Agenda {
-    /// Who won each match, whose players are the winners of the matches 2n and 2n + 1: the first is the final, the last half are the tasks
-    /// themselves.
-    matches: Vec<Wake>,
+    /// When each task wakes up.
+    times: Vec<u64>,
+    /// Who won each match, by its key. The first is the final, the players of match n are the winners of the matches 2n and 2n + 1, and
+    /// the last half are the tasks themselves. Nobody is before what stands in place 0.
+    matches: Vec<u64>,
+    /// A key is a time from `base` on, or [`Agenda::far`] if that is later, before the number of the task, which has so many bits.
+    base: u64,
+    bits: u32,
 }
 
-/// When a task wakes up, and which that is: the time before the number, in one word, of which the lesser is found without a guess.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Wake(u128);
-
-impl Wake {
-    /// At [`NEVER`], if it does not.
-    fn new(at: u64, task: usize) -> Wake {
-        Wake(u128::from(at) << 64 | task as u128)
-    }
-
-    fn at(self) -> u64 {
-        (self.0 >> 64) as u64
-    }
-
-    fn task(self) -> usize {
-        self.0 as u64 as usize
-    }
-}
-
-const NEVER: u64 = u64::MAX;
+/// When a task wakes up that has to be woken by another.
+pub const NEVER: u64 = u64::MAX;
 
 impl Agenda {
     /// All tasks wake up at time 0.
     pub fn new(tasks: usize) -> Agenda {
         let width = tasks.next_power_of_two();
-        let at = |task: usize| if task < tasks { 0 } else { NEVER };
-        let players = (0..width).map(|task| Wake::new(at(task), task));
-        let mut matches: Vec<Wake> = vec![Wake::new(NEVER, 0); width].into_iter().chain(players).collect();
-        for place in (1..width).rev() {
-            matches[place] = matches[2 * place];
-        }
-        Agenda { matches }
+        let (times, matches) = (vec![0; tasks], vec![u64::MAX; 2 * width]);
+        let mut agenda = Agenda { times, matches, base: 0, bits: width.ilog2() };
+        agenda.play_all();
+        agenda
     }
 
-    /// A task wakes up at that time, unless it does so earlier.
+    /// The first time from `base` on of which keys only tell that it is not earlier.
+    #[inline]
+    fn far(&self) -> u64 {
+        u64::MAX >> self.bits
+    }
+
+    #[inline]
+    fn key(&self, task: usize, at: u64) -> u64 {
+        (at - self.base).min(self.far()) << self.bits | task as u64
+    }
+
+    /// A task wakes up at that time, unless it does so earlier. It is not the one that was the next and is not settled yet.
     #[inline]
     pub fn wake(&mut self, task: usize, at: u64) {
-        let mut place = self.matches.len() / 2 + task;
-        let wake = Wake::new(at, task);
-        if wake >= self.matches[place] {
+        if at >= self.times[task] {
             return;
         }
-        self.matches[place] = wake;
+        self.times[task] = at;
+        let key = self.key(task, at);
         // It wins what it has won before, and may win more; behind a match that it loses nothing changes.
-        while place > 1 && wake < self.matches[place ^ 1] {
+        let mut place = self.matches.len() / 2 + task;
+        while key < self.matches[place] {
+            self.matches[place] = key;
             place /= 2;
-            self.matches[place] = wake;
         }
     }
 
-    /// The next task that wakes up, and when. Of those that wake up together it is the one with the lowest number. What it has won is
-    /// played again by [`Agenda::settle`], when it is known when it wakes up again.
+    /// The next task that wakes up, and when. Of those that wake up together it is the one with the lowest number. [`Agenda::settle`] is
+    /// to be told when it wakes up again.
     #[inline]
     pub fn next(&mut self) -> Option<(u64, usize)> {
-        let (at, task) = (self.matches[1].at(), self.matches[1].task());
-        if at == NEVER {
-            return None;
+        let mut first = self.matches[1];
+        if first >> self.bits == self.far() {
+            first = self.look_far()?;
         }
-        let place = self.matches.len() / 2 + task;
-        self.matches[place] = Wake::new(NEVER, task);
-        Some((at, task))
+        Some((self.base + (first >> self.bits), (first ^ first >> self.bits << self.bits) as usize))
     }
 
-    /// Plays all matches of the task again that was the next.
+    /// The key of the first task, if none wakes up in the time of which keys can tell.
+    #[cold]
+    fn look_far(&mut self) -> Option<u64> {
+        self.base = self.times.iter().copied().min().filter(|&at| at < NEVER)?;
+        self.play_all();
+        Some(self.matches[1])
+    }
+
+    fn play_all(&mut self) {
+        let width = self.matches.len() / 2;
+        for task in 0..self.times.len() {
+            self.matches[width + task] = self.key(task, self.times[task]);
+        }
+        for place in (1..width).rev() {
+            self.matches[place] = self.matches[2 * place].min(self.matches[2 * place + 1]);
+        }
+        self.matches[0] = 0;
+    }
+
+    /// The task that was the next wakes up at that time: plays all its matches again.
     #[inline]
-    pub fn settle(&mut self, task: usize) {
+    pub fn settle(&mut self, task: usize, at: u64) {
+        self.times[task] = at;
+        let mut winner = self.key(task, at);
         let mut place = self.matches.len() / 2 + task;
-        let mut winner = self.matches[place];
+        self.matches[place] = winner;
         while place > 1 {
             winner = winner.min(self.matches[place ^ 1]);
             place /= 2;

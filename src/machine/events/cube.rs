@@ -30,49 +30,71 @@ pub struct Cube {
     /// Bits of a node's number.
     bits: usize,
     times: WireTimes,
-    /// Those out of node 0 by bit, those out of node 1, ..., then the one from the host, then the one to it.
-    links: Vec<Link>,
+    ways: Ways,
+    /// When each link is free: those out of node 0 by bit, those out of node 1, ..., then the one from the host, then the one to it.
+    free: Vec<u64>,
+    /// For how long messages waited for each link.
+    waited: Vec<Cycles>,
+    /// What was carried from each place to each, row by row.
+    carried: Vec<Carried>,
 }
 
-/// A link in one direction.
+/// The links of the ways from each place to each, row by row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Ways {
+    links: Vec<u32>,
+    /// Where each way begins among the links, and behind them where the last ends.
+    starts: Vec<u32>,
+}
+
+/// Messages that were carried.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Link {
-    /// When it is free.
-    free: u64,
-    /// For how long messages had it.
-    busy: u64,
-    messages: LinkMessages,
+struct Carried {
+    messages: u64,
+    bytes: u64,
+    /// For how long they had their links.
+    held: u64,
 }
 
-/// What is left of a message's way, link by link.
-#[derive(Clone, Debug)]
-struct Way {
-    from_host: Option<usize>,
-    /// The node that it has come to, and the bits in which that differs from its receiver's.
-    at: usize,
-    differs: usize,
-    /// Bits of a node's number.
-    bits: usize,
-    to_host: Option<usize>,
+impl Carried {
+    #[inline]
+    fn add(&mut self, more: Carried) {
+        self.messages += more.messages;
+        self.bytes += more.bytes;
+        self.held += more.held;
+    }
 }
 
-impl Iterator for Way {
-    type Item = usize;
+impl Ways {
+    /// Those of so many nodes, whose numbers have so many bits, and the host.
+    fn new(nodes: usize, bits: usize) -> Ways {
+        let mut ways = Ways { links: Vec::new(), starts: vec![0] };
+        for from in 0..=nodes {
+            for to in 0..=nodes {
+                ways.links.extend(way((nodes, bits), from, to).map(|link| link as u32));
+                ways.starts.push(ways.links.len() as u32);
+            }
+        }
+        ways
+    }
 
     #[inline]
-    fn next(&mut self) -> Option<usize> {
-        if self.from_host.is_some() {
-            return self.from_host.take();
-        }
-        if self.differs == 0 {
-            return self.to_host.take();
-        }
-        let bit = self.differs.trailing_zeros() as usize;
-        let link = self.at * self.bits + bit;
-        self.at ^= 1 << bit;
-        self.differs &= self.differs - 1;
-        Some(link)
+    fn of(&self, pair: usize) -> &[u32] {
+        &self.links[self.starts[pair] as usize..self.starts[pair + 1] as usize]
     }
+}
+
+/// The links of a way from place to place, in a cube of so many nodes, whose numbers have so many bits.
+fn way((host, bits): (usize, usize), from: usize, to: usize) -> impl Iterator<Item = usize> {
+    let host_links = bits << bits;
+    let node = |place: usize| if place == host { 0 } else { place };
+    let (start, differs) = (node(from), node(from) ^ node(to));
+    // The bits below have been gone by already.
+    let at = move |bit: usize| start ^ differs & ((1 << bit) - 1);
+    let between = (0..bits).filter(move |bit| differs >> bit & 1 == 1).map(move |bit| at(bit) * bits + bit);
+    let from_host = (from == host).then_some(host_links);
+    let to_host = (to == host).then_some(host_links + 1);
+    from_host.into_iter().chain(between).chain(to_host)
 }
 
 impl Cube {
@@ -80,8 +102,16 @@ impl Cube {
     pub fn new(nodes: usize, times: WireTimes) -> Cube {
         let nodes = nodes.max(1);
         let bits = nodes.next_power_of_two().ilog2() as usize;
-        let links = vec![Link::default(); (bits << bits) + 2];
-        Cube { nodes, bits, times, links }
+        let (links, places) = ((bits << bits) + 2, nodes + 1);
+        Cube {
+            nodes,
+            bits,
+            times,
+            ways: Ways::new(nodes, bits),
+            free: vec![0; links],
+            waited: vec![Cycles(0); links],
+            carried: vec![Carried::default(); places * places],
+        }
     }
 
     /// What the way takes.
@@ -90,24 +120,31 @@ impl Cube {
     }
 
     /// How many links a message passes.
+    #[inline]
     pub fn hops(&self, from: usize, to: usize) -> u64 {
-        let (from, to) = (self.place(from), self.place(to));
-        let at = |place: usize| if place == self.nodes { 0 } else { place };
-        let with_host = u64::from(from == self.nodes) + u64::from(to == self.nodes);
-        u64::from((at(from) ^ at(to)).count_ones()) + with_host
+        self.ways.of(self.pair(from, to)).len() as u64
+    }
+
+    /// The number of a pair of tasks' places, where these are listed row by row.
+    #[inline]
+    pub fn pair(&self, from: usize, to: usize) -> usize {
+        self.place(from) * self.places() + self.place(to)
     }
 
     /// The node that a task is on, or the number behind them for the host. Tasks behind the host are helpers, one on each node.
+    #[inline]
     pub fn place(&self, task: usize) -> usize {
         if task > self.nodes { task - self.nodes - 1 } else { task }
     }
 
     /// How many places there are: the nodes', and the host's behind them.
+    #[inline]
     pub fn places(&self) -> usize {
         self.nodes + 1
     }
 
     /// For how long a message has its links.
+    #[inline]
     fn holds(&self, bytes: u64) -> u64 {
         let set_up = if bytes > self.times.short_bytes { self.times.long.0 } else { 0 };
         set_up + bytes.saturating_mul(self.times.byte_millicycles).div_ceil(1000)
@@ -115,69 +152,58 @@ impl Cube {
 
     /// How many links there are.
     pub(super) fn count(&self) -> usize {
-        self.links.len()
+        self.free.len()
     }
 
     /// Takes a message that is ready to go.
+    #[inline(always)]
     pub(super) fn carry(&mut self, (from, to): (usize, usize), ready: u64, bytes: u64) -> Passage {
-        let (from, to) = (self.place(from), self.place(to));
+        let pair = self.pair(from, to);
+        let way = self.ways.of(pair);
         // It waits for the link that is free last, the first of several.
         let (mut starts, mut last) = (ready, None);
-        let way = self.way(from, to);
-        for link in way.clone() {
-            if self.links[link].free > starts {
-                (starts, last) = (self.links[link].free, Some(link));
+        for &link in way {
+            let free = self.free[link as usize];
+            if free > starts {
+                (starts, last) = (free, Some(link));
             }
         }
         if let Some(link) = last {
-            self.links[link].messages.waited += Cycles(starts - ready);
+            self.waited[link as usize] += Cycles(starts - ready);
         }
-        let holds = self.holds(bytes);
-        let free = starts + holds;
-        for link in way {
-            let link = &mut self.links[link];
-            link.free = free;
-            link.busy += holds;
-            link.messages.sent += 1;
-            link.messages.bytes += bytes;
-        }
-        Passage { bus: 0, starts, free, arrives: free + self.way_after(from, to, bytes) }
+        let held = self.holds(bytes);
+        let free = starts + held;
+        way.iter().for_each(|&link| self.free[link as usize] = free);
+        let arrives = free + self.way_after(way.len() as u64, bytes);
+        self.carried[pair].add(Carried { messages: 1, bytes, held });
+        Passage { bus: 0, starts, free, arrives }
     }
 
     /// How long a message is under way from node to node if nothing is in its way.
     pub fn least_time(&self, from: usize, to: usize, bytes: u64) -> Cycles {
-        Cycles(self.holds(bytes) + self.way_after(from, to, bytes))
+        Cycles(self.holds(bytes) + self.way_after(self.hops(from, to), bytes))
     }
 
-    /// How long a message is still under way when its links are free for others.
-    fn way_after(&self, from: usize, to: usize, bytes: u64) -> u64 {
+    /// How long a message is still under way over so many links when these are free for others.
+    #[inline]
+    fn way_after(&self, hops: u64, bytes: u64) -> u64 {
         let set_up = if bytes > self.times.short_bytes { 0 } else { self.times.short.0 };
-        set_up + self.times.hop.0 * self.hops(from, to).saturating_sub(1)
+        set_up + self.times.hop.0 * hops.saturating_sub(1)
     }
 
     /// The links of a message's way, from task to task: those out of node 0 by bit, those out of node 1, ..., then the one from the
     /// host, then the one to it.
-    pub fn links_between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> + use<> {
-        self.way(self.place(from), self.place(to))
-    }
-
-    /// The links of a message's way, from place to place.
-    #[inline]
-    fn way(&self, from: usize, to: usize) -> Way {
-        let (host, host_links) = (self.nodes, self.links.len() - 2);
-        let (at, end) = (if from == host { 0 } else { from }, if to == host { 0 } else { to });
-        Way {
-            from_host: (from == host).then_some(host_links),
-            at,
-            differs: at ^ end,
-            bits: self.bits,
-            to_host: (to == host).then_some(host_links + 1),
-        }
+    pub fn links_between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> {
+        self.ways.of(self.pair(from, to)).iter().map(|&link| link as usize)
     }
 
     /// How long each link was busy, and with what.
     pub(super) fn stats(&self) -> Vec<LinkStats> {
-        let between = self.links.len() - 2;
+        let mut carried = vec![Carried::default(); self.count()];
+        for (pair, &more) in self.carried.iter().enumerate() {
+            self.ways.of(pair).iter().for_each(|&link| carried[link as usize].add(more));
+        }
+        let between = self.count() - 2;
         let ends = |link: usize| match link {
             link if link < between => {
                 let (node, bit) = (link / self.bits, link % self.bits);
@@ -186,10 +212,12 @@ impl Cube {
             link if link == between => (Actor::Host, Actor::Station(0)),
             _ => (Actor::Station(0), Actor::Host),
         };
-        let stats = |(number, link): (usize, &Link)| {
-            let ((from, into), busy) = (ends(number), Cycles(link.busy));
-            LinkStats { from: Some(from), into: Some(into), busy, read: busy, messages: Some(link.messages) }
+        let stats = |(link, (carried, &waited)): (usize, (Carried, &Cycles))| {
+            let (from, into) = ends(link);
+            let busy = Cycles(carried.held);
+            let messages = LinkMessages { sent: carried.messages, bytes: carried.bytes, waited };
+            LinkStats { from: Some(from), into: Some(into), busy, read: busy, messages: Some(messages) }
         };
-        self.links.iter().enumerate().map(stats).collect()
+        carried.into_iter().zip(&self.waited).enumerate().map(stats).collect()
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::agenda::Agenda;
+use super::agenda::{Agenda, NEVER};
 use super::causes::Causes;
 use super::lanes::Lanes;
 use super::mailbox::{Mail, Mailbox, Sender};
@@ -25,8 +25,6 @@ pub enum Act<M> {
     Send(Message<M>),
     /// Takes a message; until there is one, it is in that state.
     Receive(Sender, StateId),
-    /// Takes the first message that has arrived, and goes on at once if there is none.
-    Poll,
     /// Is in a state until another task wakes it.
     Sleep(StateId),
     /// Wakes another task, if that sleeps or waits for a message: it then goes on without one.
@@ -39,6 +37,18 @@ pub enum Act<M> {
     Done,
     /// Does nothing any more.
     End,
+}
+
+/// The turn of a task, which does one thing after the other as long as that takes no time.
+pub trait Turn<M> {
+    /// Does something. False if that takes time: then its turn is over.
+    fn act(&mut self, act: Act<M>) -> bool;
+
+    /// The message that it has waited for, if it has just taken one.
+    fn taken(&mut self) -> Option<M>;
+
+    /// Takes the first message that has arrived, if there is one.
+    fn poll(&mut self) -> Option<M>;
 }
 
 /// States that a task can spend its time in, one after the other.
@@ -131,6 +141,34 @@ pub struct Events<M> {
     now: u64,
 }
 
+/// The task whose turn it is.
+#[derive(Debug)]
+pub struct Acting<'a, M> {
+    events: &'a mut Events<M>,
+    task: usize,
+    /// When it goes on, if not at once.
+    until: Option<u64>,
+}
+
+impl<M: Copy> Turn<M> for Acting<'_, M> {
+    #[inline(always)]
+    fn act(&mut self, act: Act<M>) -> bool {
+        self.until = self.events.act(self.task, act);
+        self.until.is_none()
+    }
+
+    #[inline(always)]
+    fn taken(&mut self) -> Option<M> {
+        if self.events.taken.is_some() { self.events.taken.take() } else { None }
+    }
+
+    #[inline(always)]
+    fn poll(&mut self) -> Option<M> {
+        let Events { mailboxes, now, .. } = self.events;
+        if mailboxes[self.task].has_any(*now) { self.events.take(self.task, Sender::Anyone) } else { None }
+    }
+}
+
 /// Tasks wait for each other, or for messages that nobody sends.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct Standstill(pub Vec<(usize, Waits)>);
@@ -198,130 +236,125 @@ impl<M: Copy> Events<M> {
         self
     }
 
-    /// Lets the next task do what it can; `next` tells what that is, given the time and what the task has taken. False if no task has
-    /// anything left to do.
+    /// Lets the next task do what it can: `next` is told the task and the time, and lets it act. False if no task has anything left to do.
     #[inline]
-    pub fn step(&mut self, next: &mut impl FnMut(usize, Cycles, Option<&M>) -> Act<M>) -> bool {
+    pub fn step(&mut self, next: &mut impl FnMut(usize, Cycles, &mut Acting<'_, M>)) -> bool {
         let Some((now, task)) = self.agenda.next() else { return false };
         self.now = now;
-        let mut goes_on = self.resume(task);
-        while goes_on {
-            let act = next(task, Cycles(now), self.taken.as_ref());
-            self.taken = None;
-            goes_on = self.act(task, act);
-        }
-        self.agenda.settle(task);
+        let mut pause = self.resume(task);
+        let until = loop {
+            if let Some(until) = pause {
+                break until;
+            }
+            let mut turn = Acting { events: self, task, until: None };
+            next(task, Cycles(now), &mut turn);
+            pause = turn.until;
+        };
+        self.taken = None;
+        self.agenda.settle(task, until);
         if let Some((causes, _)) = self.causes.as_mut().filter(|(causes, _)| causes.is_full()) {
             causes.reckon(self.mailboxes.iter_mut().flat_map(Mailbox::all).map(|mail| &mut mail.cause));
         }
         true
     }
 
-    /// A task wakes up. False if it has to go on waiting.
-    fn resume(&mut self, task: usize) -> bool {
+    /// A task wakes up. Returns when it goes on, if not at once.
+    #[inline]
+    fn resume(&mut self, task: usize) -> Option<u64> {
         match self.phases[task] {
-            Phase::Busy => true,
+            Phase::Busy => None,
             Phase::Works => {
                 self.lanes.done(task, self.now);
-                true
+                None
             }
             Phase::Sends(message) => self.send(task, message),
             Phase::Holds { arrives, state, .. } => {
                 self.lanes.spend(task, self.sending, arrives);
                 self.lanes.spend(task, state, self.now);
-                true
+                None
             }
             Phase::Waits { from, state } => {
                 self.lanes.spend(task, state, self.now);
                 self.receive(task, from, state)
             }
-            Phase::Sleeps(_) | Phase::Ended => false,
+            Phase::Sleeps(_) | Phase::Ended => Some(NEVER),
         }
     }
 
-    /// A task does something. False if that takes time.
-    fn act(&mut self, task: usize, act: Act<M>) -> bool {
+    /// A task does something. Returns when it goes on, if not at once. Where it is known what it does, no more than that is left of this.
+    #[inline(always)]
+    fn act(&mut self, task: usize, act: Act<M>) -> Option<u64> {
         match act {
-            Act::Spend(state, cycles) => self.spend(task, state, cycles, Phase::Busy),
+            Act::Spend(state, cycles) => self.spend(task, (state, cycles), Phase::Busy),
             Act::Work(state, cycles, work) => {
                 if let Some((causes, _)) = &mut self.causes {
                     causes.work(task, cycles, work);
                 }
-                self.spend(task, state, cycles, Phase::Busy)
+                self.spend(task, (state, cycles), Phase::Busy)
             }
-            Act::SpendEach(spells) => self.spend_each(task, spells, Phase::Busy),
+            Act::SpendEach(spells) => self.spend_each(task, &spells, Phase::Busy),
             Act::Job(job, spells) => {
                 self.lanes.begin(task, job, self.now);
-                let takes_no_time = self.spend_each(task, spells, Phase::Works);
-                if takes_no_time {
+                let until = self.spend_each(task, &spells, Phase::Works);
+                if until.is_none() {
                     self.lanes.done(task, self.now);
                 }
-                takes_no_time
+                until
             }
-            Act::Send(message) => self.begin_to_send(task, message) && self.send(task, message),
+            Act::Send(message) => self.begin_to_send(task, message),
             Act::Receive(from, state) => self.receive(task, from, state),
-            Act::Poll => {
-                self.take(task, Sender::Anyone);
-                true
-            }
             Act::Sleep(state) => {
                 self.phases[task] = Phase::Sleeps(state);
-                false
+                Some(NEVER)
             }
             Act::Wake(other) => {
                 self.wake(task, other);
-                true
+                None
             }
             Act::Begin(job) => {
                 self.lanes.begin(task, job, self.now);
-                true
+                None
             }
             Act::Done => {
                 self.lanes.done(task, self.now);
-                true
+                None
             }
             Act::End => {
                 self.phases[task] = Phase::Ended;
-                false
+                Some(NEVER)
             }
         }
     }
 
-    /// A task is at work on a message. True if that takes no time.
-    fn begin_to_send(&mut self, task: usize, message: Message<M>) -> bool {
+    /// A task is at work on a message, which it then sends.
+    #[inline(always)]
+    fn begin_to_send(&mut self, task: usize, message: Message<M>) -> Option<u64> {
         if let Some((causes, sending)) = &mut self.causes
             && let Some(unit) = sending(&message.content)
         {
             causes.work(task, message.time, Work::Unit(unit));
         }
-        self.spend(task, self.sending, message.time, Phase::Sends(message))
+        match message.time {
+            Cycles(0) => self.send(task, message),
+            time => self.spend(task, (self.sending, time), Phase::Sends(message)),
+        }
     }
 
-    /// True if that takes no time.
-    fn spend(&mut self, task: usize, state: StateId, cycles: Cycles, phase: Phase<M>) -> bool {
-        if cycles == Cycles(0) {
-            return true;
-        }
-        let until = self.now + cycles.0;
-        self.lanes.spend(task, state, until);
-        self.agenda.wake(task, until);
-        self.phases[task] = phase;
-        false
+    /// A task spends some time in a state.
+    #[inline(always)]
+    fn spend(&mut self, task: usize, spell: (StateId, Cycles), phase: Phase<M>) -> Option<u64> {
+        self.spend_each(task, &[spell], phase)
     }
 
-    /// The same of several states, one after the other.
-    fn spend_each(&mut self, task: usize, spells: [(StateId, Cycles); MOST_SPELLS], phase: Phase<M>) -> bool {
-        let mut until = self.now;
-        for (state, cycles) in spells {
-            until += cycles.0;
-            self.lanes.spend(task, state, until);
-        }
+    /// The same in several states, one after the other.
+    #[inline(always)]
+    fn spend_each(&mut self, task: usize, spells: &[(StateId, Cycles)], phase: Phase<M>) -> Option<u64> {
+        let until = self.lanes.spend_each(task, spells, self.now);
         if until == self.now {
-            return true;
+            return None;
         }
-        self.agenda.wake(task, until);
         self.phases[task] = phase;
-        false
+        Some(until)
     }
 
     /// A task goes on that sleeps or waits for a message, as another wakes it.
@@ -336,23 +369,24 @@ impl<M: Copy> Events<M> {
         }
     }
 
-    /// A message is ready to go. False if its sender has to wait.
-    fn send(&mut self, task: usize, message: Message<M>) -> bool {
-        match message.delivery {
-            Delivery::Post(to) => {
-                self.carry(task, to, false, &message);
+    /// A message is ready to go. Returns when its sender goes on, if not at once.
+    fn send(&mut self, task: usize, message: Message<M>) -> Option<u64> {
+        let (to, holds) = match message.delivery {
+            Delivery::Post(to) => (to, None),
+            Delivery::Hold(to, state) => (to, Some(state)),
+            Delivery::Broadcast => {
+                self.broadcast(task, &message);
+                return None;
             }
-            Delivery::Broadcast => self.broadcast(task, &message),
-            Delivery::Hold(to, state) => {
-                let arrives = self.carry(task, to, true, &message);
-                self.phases[task] = Phase::Holds { to, arrives, state };
-                return false;
-            }
-        }
-        true
+        };
+        let arrives = self.carry(task, to, holds.is_some(), &message);
+        let state = holds?;
+        self.phases[task] = Phase::Holds { to, arrives, state };
+        Some(NEVER)
     }
 
     /// Lets the network carry a message, and tells when it arrives.
+    #[inline(always)]
     fn carry(&mut self, task: usize, to: usize, is_held: bool, message: &Message<M>) -> u64 {
         let (at, cause) = self.pass(task, to, message.bytes);
         self.set_out(task, to, at);
@@ -377,13 +411,17 @@ impl<M: Copy> Events<M> {
     }
 
     /// A message sets out, and arrives at that time.
+    #[inline]
     fn set_out(&mut self, task: usize, to: usize, at: u64) {
         let Events { lanes, network, now, .. } = self;
-        let [from, to] = [task, to].map(|task| network.place(task));
-        lanes.message(|| MessageSpan { from, to, sent: Cycles(*now), arrived: Cycles(at) });
+        lanes.message(|| {
+            let [from, to] = [task, to].map(|task| network.place(task));
+            MessageSpan { from, to, sent: Cycles(*now), arrived: Cycles(at) }
+        });
     }
 
     /// When a message that is ready to go arrives, and by what chain of causes.
+    #[inline(always)]
     fn pass(&mut self, task: usize, to: usize, bytes: u64) -> (u64, u32) {
         let passage = self.network.carry((task, to), self.now, bytes);
         let cause = self
@@ -393,6 +431,7 @@ impl<M: Copy> Events<M> {
         (passage.arrives, cause)
     }
 
+    #[inline(always)]
     fn deliver(&mut self, to: usize, mail: Mail<M>) {
         if let Phase::Waits { from, .. } = self.phases[to]
             && from.is(mail.from)
@@ -402,30 +441,26 @@ impl<M: Copy> Events<M> {
         self.mailboxes[to].add(mail);
     }
 
-    /// Takes a message, if there is one; else waits for it. False if it waits.
-    fn receive(&mut self, task: usize, from: Sender, state: StateId) -> bool {
-        if self.take(task, from) {
-            return true;
+    /// Takes a message, if there is one; else waits for it. Returns when the task goes on, if not at once.
+    fn receive(&mut self, task: usize, from: Sender, state: StateId) -> Option<u64> {
+        self.taken = self.take(task, from);
+        if self.taken.is_some() {
+            return None;
         }
         self.phases[task] = Phase::Waits { from, state };
-        if let Some(at) = self.mailboxes[task].arrival(from) {
-            self.agenda.wake(task, at);
-        }
-        false
+        Some(self.mailboxes[task].arrival(from).unwrap_or(NEVER))
     }
 
     /// Takes a message, if there is one, whose sender may wait for that.
-    #[inline]
-    fn take(&mut self, task: usize, from: Sender) -> bool {
-        let Some(mail) = self.mailboxes[task].take(from, self.now) else { return false };
+    fn take(&mut self, task: usize, from: Sender) -> Option<M> {
+        let mail = self.mailboxes[task].take(from, self.now)?;
         if let Some((causes, _)) = &mut self.causes {
             causes.taken(task, &mail);
         }
         if mail.is_held {
             self.agenda.wake(mail.from, self.now);
         }
-        self.taken = Some(mail.content);
-        true
+        Some(mail.content)
     }
 
     /// What the tasks have done so far. Each has come to a cycle of its own.

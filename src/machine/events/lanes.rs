@@ -18,7 +18,7 @@ pub struct Lanes {
     idle: StateId,
     lanes: Vec<Lane>,
     jobs: u64,
-    /// Whether there is a probe or a recorder.
+    /// Whether there is a probe or a recorder, or the jobs are noted.
     is_watched: bool,
     probe: Option<Probe>,
     recorder: Option<Recorder>,
@@ -75,6 +75,7 @@ impl Lanes {
 
     /// Notes when each job is begun first, and done last.
     pub fn note_spans(&mut self) {
+        self.is_watched = true;
         self.spans = Some(BTreeMap::new());
     }
 
@@ -92,6 +93,29 @@ impl Lanes {
         }
     }
 
+    /// A task spends some time from `now` on, in one state after the other. Returns until when.
+    #[inline(always)]
+    pub fn spend_each(&mut self, task: usize, spells: &[(StateId, Cycles)], now: u64) -> u64 {
+        let mut until = now;
+        if self.is_watched {
+            for &(state, cycles) in spells {
+                until += cycles.0;
+                self.spend(task, state, until);
+            }
+            return until;
+        }
+        let Some(lane) = self.lanes.get_mut(task) else {
+            return until + spells.iter().map(|&(_, cycles)| cycles).sum::<Cycles>().0;
+        };
+        debug_assert_eq!(lane.now, now);
+        for &(state, cycles) in spells {
+            until += cycles.0;
+            *lane.times.of_mut(state) += cycles;
+        }
+        lane.now = until;
+        until
+    }
+
     /// Tells those who watch what a task has spent. Kept apart from the tasks that nobody watches.
     #[inline(never)]
     fn watch(&mut self, task: usize, state: StateId, time: Range<u64>) {
@@ -104,6 +128,7 @@ impl Lanes {
     }
 
     /// A task begins a job.
+    #[inline]
     pub fn begin(&mut self, task: usize, job: u32, now: u64) {
         let Some(lane) = self.lanes.get_mut(task) else { return };
         lane.job = Some((job, now));
@@ -113,24 +138,34 @@ impl Lanes {
     }
 
     /// A task has done the job that it began last, if it is at any.
+    #[inline]
     pub fn done(&mut self, task: usize, now: u64) {
         let Some((job, since)) = self.lanes.get_mut(task).and_then(|lane| lane.job.take()) else { return };
         self.jobs += 1;
+        if self.is_watched {
+            self.watch_done(task, job, since..now);
+        }
+    }
+
+    /// Tells those who watch what job a task has done.
+    #[inline(never)]
+    fn watch_done(&mut self, task: usize, job: u32, time: Range<u64>) {
         if let Some(probe) = &mut self.probe {
-            probe.done.at(now.saturating_sub(1)).0 += 1;
-            probe.latency.add(now - since);
+            probe.done.at(time.end.saturating_sub(1)).0 += 1;
+            probe.latency.add(time.end - time.start);
         }
         if let Some(recorder) = &mut self.recorder {
-            recorder.done(task, job, since..now);
+            recorder.done(task, job, time.clone());
         }
         if let Some(spans) = &mut self.spans {
-            let new = JobSpan { job, from: Cycles(since), until: Cycles(now) };
+            let new = JobSpan { job, from: Cycles(time.start), until: Cycles(time.end) };
             let span = spans.entry(job).or_insert(new);
             (span.from, span.until) = (span.from.min(new.from), span.until.max(new.until));
         }
     }
 
     /// A message sets out.
+    #[inline]
     pub fn message(&mut self, message: impl FnOnce() -> MessageSpan) {
         if let Some(recorder) = &mut self.recorder {
             recorder.message(message());

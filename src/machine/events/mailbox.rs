@@ -42,12 +42,19 @@ impl<M> Mailbox<M> {
     }
 
     /// Adds a message that was just sent. Most arrive after all others.
+    #[inline]
     pub fn add(&mut self, mail: Mail<M>) {
-        let is_before = |other: &Mail<M>| (other.at, other.from) <= (mail.at, mail.from);
-        match self.0.iter().rposition(is_before).map_or(0, |before| before + 1) {
-            place if place == self.0.len() => self.0.push_back(mail),
-            place => self.0.insert(place, mail),
+        match self.0.back() {
+            Some(last) if (mail.at, mail.from) < (last.at, last.from) => self.add_before(mail),
+            _ => self.0.push_back(mail),
         }
+    }
+
+    /// Adds a message that arrives before others which were sent earlier.
+    #[inline(never)]
+    fn add_before(&mut self, mail: Mail<M>) {
+        let place = self.0.partition_point(|other| (other.at, other.from) <= (mail.at, mail.from));
+        self.0.insert(place, mail);
     }
 
     /// All of them.
@@ -60,14 +67,22 @@ impl<M> Mailbox<M> {
         self.0.iter().find(|mail| from.is(mail.from)).map(|mail| mail.at)
     }
 
-    /// Takes the first message of a sender, if it has arrived.
+    /// Whether any message has arrived.
     #[inline]
+    pub fn has_any(&self, now: u64) -> bool {
+        self.0.front().is_some_and(|mail| mail.at <= now)
+    }
+
+    /// Takes the first message of a sender, if it has arrived.
+    #[inline(always)]
     pub fn take(&mut self, from: Sender, now: u64) -> Option<Mail<M>> {
-        let place = self.0.iter().position(|mail| from.is(mail.from))?;
-        match self.0[place].at <= now {
-            true if place == 0 => self.0.pop_front(),
-            true => self.0.remove(place),
-            false => None,
+        let place = match from {
+            Sender::Anyone => 0,
+            Sender::Task(_) => self.0.iter().position(|mail| from.is(mail.from))?,
+        };
+        if self.0.get(place)?.at > now {
+            return None;
         }
+        if place == 0 { self.0.pop_front() } else { self.0.remove(place) }
     }
 }

@@ -1,7 +1,6 @@
 //! Tasks that act in the order of time: what each does next may depend on whose message came first.
 //!
-//! A machine hands over a function that tells what a task does next, given the message that it has just taken, if it waited for
-//! one: an [`Act`]. [`Events`] knows tasks by their numbers, and neither what they are for nor what is in their messages.
+//! A machine hands over a function that lets a task act whose [`Turn`] it is: what it does are [`Act`]s. [`Events`] knows tasks by their numbers, and neither what they are for nor what is in their messages.
 //!
 //! # Guarantees
 //!
@@ -26,7 +25,9 @@ mod recorder;
 
 pub use buses::Buses;
 pub use cube::{Cube, WireTimes};
-pub use engine::{Act, Delivery, Events, Explanation, MOST_SPELLS, Message, PIECE_UNITS, Standstill, Waits, Work};
+pub use engine::{
+    Act, Acting, Delivery, Events, Explanation, MOST_SPELLS, Message, PIECE_UNITS, Standstill, Turn, Waits, Work,
+};
 pub use mailbox::Sender;
 pub use network::Network;
 pub use queues::Queues;

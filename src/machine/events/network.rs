@@ -40,7 +40,7 @@ impl From<Cube> for Network {
 
 impl Network {
     /// Takes a message that is ready to go from one task to another.
-    #[inline]
+    #[inline(always)]
     pub(super) fn carry(&mut self, (from, to): (usize, usize), ready: u64, bytes: u64) -> Passage {
         match self {
             Network::Buses(buses) => buses.carry(ready, bytes),

@@ -10,7 +10,8 @@ use crate::quantities::{Cycles, Words};
 #[derive(Clone, Debug)]
 pub struct Queues {
     queues: Vec<Queue>,
-    probe: Option<Vec<Lane>>,
+    /// The same over time, if that is seen.
+    probe: Vec<Lane>,
     recorder: Option<Recorder>,
 }
 
@@ -46,13 +47,13 @@ struct Recorder {
 impl Queues {
     /// So many queues, all empty.
     pub fn new(count: usize) -> Queues {
-        Queues { queues: vec![Queue::default(); count], probe: None, recorder: None }
+        Queues { queues: vec![Queue::default(); count], probe: Vec::new(), recorder: None }
     }
 
     /// The same with a probe, which sees them over time: in bins like those of a machine with so many stations.
     pub fn probed(mut self, stations: usize) -> Queues {
         let lane = Lane { timeline: Timeline::new(bins_for(stations)), held: Vec::new() };
-        self.probe = Some(vec![lane; self.queues.len()]);
+        self.probe = vec![lane; self.queues.len()];
         self
     }
 
@@ -64,10 +65,10 @@ impl Queues {
     }
 
     /// From now on so much waits in a queue.
-    #[inline]
+    #[inline(always)]
     pub fn hold(&mut self, queue: usize, holds: u64, now: Cycles) {
-        self.go_on(queue, now.0);
         let at = &mut self.queues[queue];
+        at.go_on(now.0, self.probe.get_mut(queue));
         at.stats.words += Words(holds.saturating_sub(at.holds));
         at.stats.max = at.stats.max.max(Words(holds));
         (at.holds, at.peak) = (holds, at.peak.max(holds));
@@ -77,29 +78,13 @@ impl Queues {
     }
 
     /// From now on a queue has no room for what comes, or has again.
-    #[inline]
+    #[inline(always)]
     pub fn fill(&mut self, queue: usize, is_full: bool, now: Cycles) {
-        if self.queues[queue].is_full != is_full {
-            self.go_on(queue, now.0);
-            self.queues[queue].is_full = is_full;
-        }
-    }
-
-    /// All stays as it is in a queue up to a time.
-    #[inline]
-    fn go_on(&mut self, queue: usize, now: u64) {
         let at = &mut self.queues[queue];
-        let cycles = now - at.since;
-        if cycles == 0 {
-            return;
+        if at.is_full != is_full {
+            at.go_on(now.0, self.probe.get_mut(queue));
+            at.is_full = is_full;
         }
-        at.stats.word_cycles += u128::from(at.holds) * u128::from(cycles);
-        at.stats.full += Cycles(if at.is_full { cycles } else { 0 });
-        at.stats.empty += Cycles(if at.holds == 0 { cycles } else { 0 });
-        if let Some(lanes) = &mut self.probe {
-            lanes[queue].go_on(at, now);
-        }
-        (at.since, at.peak) = (now, at.holds);
     }
 
     /// What each has held so far, and up to which cycle that goes.
@@ -110,10 +95,12 @@ impl Queues {
     /// Adds what was seen of the queues to what was seen of their tasks.
     pub fn tell(mut self, measured: &mut Measured, observed: &mut Observed) {
         let cycles = measured.cycles;
-        (0..self.queues.len()).for_each(|queue| self.go_on(queue, cycles.0));
+        for (queue, at) in self.queues.iter_mut().enumerate() {
+            at.go_on(cycles.0, self.probe.get_mut(queue));
+        }
         measured.fifos = self.queues.iter().map(|queue| queue.stats).collect();
-        if let (Some(profile), Some(lanes)) = (&mut observed.profile, self.probe) {
-            profile.fifos = lanes.into_iter().map(|lane| lane.finish(cycles.0)).collect();
+        if let Some(profile) = &mut observed.profile {
+            profile.fifos = self.probe.into_iter().map(|lane| lane.finish(cycles.0)).collect();
         }
         if let (Some(recording), Some(recorder)) = (&mut observed.recording, self.recorder) {
             recording.end_at(Cycles(recorder.window.end));
@@ -122,7 +109,26 @@ impl Queues {
     }
 }
 
+impl Queue {
+    /// All stays as it is up to a time. `lane` is the queue over time, if that is seen.
+    #[inline]
+    fn go_on(&mut self, now: u64, lane: Option<&mut Lane>) {
+        let cycles = now - self.since;
+        if cycles == 0 {
+            return;
+        }
+        self.stats.word_cycles += u128::from(self.holds) * u128::from(cycles);
+        self.stats.full += Cycles(if self.is_full { cycles } else { 0 });
+        self.stats.empty += Cycles(if self.holds == 0 { cycles } else { 0 });
+        if let Some(lane) = lane {
+            lane.go_on(self, now);
+        }
+        (self.since, self.peak) = (now, self.holds);
+    }
+}
+
 impl Lane {
+    #[inline(never)]
     fn go_on(&mut self, queue: &Queue, now: u64) {
         let (holds, since) = (queue.holds, queue.since);
         if self.held.len() <= holds as usize {
@@ -144,6 +150,7 @@ impl Lane {
 }
 
 impl Recorder {
+    #[inline(never)]
     fn hold(&mut self, queue: usize, holds: u64, now: Cycles) {
         if now.0 >= self.window.end {
             return;

@@ -58,6 +58,15 @@ pub struct Leg {
     pub intersection_tests: u32,
 }
 
+/// A leg, and whether its ray's hit is shaded in its region.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// The leg.
+    pub leg: Leg,
+    /// Whether the hit is shaded.
+    pub shades: bool,
+}
+
 /// The pages that rays read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PageUses {
@@ -100,14 +109,29 @@ impl Leg {
         }
     }
 
-    /// Two legs as one, in the region of the first.
-    pub fn joined(self, other: &Leg) -> Leg {
-        Leg {
-            region: self.region,
-            voxels: self.voxels.saturating_add(other.voxels),
-            slab_tests: self.slab_tests.saturating_add(other.slab_tests),
-            intersection_tests: self.intersection_tests.saturating_add(other.intersection_tests),
+    /// Some legs as one, in the first region.
+    pub fn sum(legs: &[Leg]) -> Leg {
+        let sums = legs.iter().fold([0u64; 3], |[voxels, slab, intersection], leg| {
+            [
+                voxels + u64::from(leg.voxels),
+                slab + u64::from(leg.slab_tests),
+                intersection + u64::from(leg.intersection_tests),
+            ]
+        });
+        let [voxels, slab_tests, intersection_tests] = sums.map(|sum| u32::try_from(sum).unwrap_or(u32::MAX));
+        Leg { region: 0, voxels, slab_tests, intersection_tests }
+    }
+}
+
+impl Share {
+    /// What it takes.
+    #[inline]
+    pub fn time(&self, times: &KernelTimes) -> WorkTimes {
+        let mut time = self.leg.time(times);
+        if self.shades {
+            time.shading = times.host.hit;
         }
+        time
     }
 }
 
@@ -159,14 +183,16 @@ impl TaskGraph {
         self.legs[self.rays[ray as usize].first_leg as usize].region
     }
 
-    /// What a leg takes, with the shading of its ray's hit if it is the last.
+    /// What a ray makes a region do in one of its legs, with the shading of its hit if that is the last.
     #[inline]
+    pub fn share(&self, ray: u32, leg: u32) -> Share {
+        let shades = self.rays[ray as usize].shaded & (leg + 1 == self.legs_end(ray));
+        Share { leg: self.legs[leg as usize], shades }
+    }
+
+    /// What a leg takes, with the shading of its ray's hit if it is the last.
     pub fn time(&self, ray: u32, leg: u32, times: &KernelTimes) -> WorkTimes {
-        let mut time = self.legs[leg as usize].time(times);
-        if self.rays[ray as usize].shaded && leg + 1 == self.legs_end(ray) {
-            time.shading = times.host.hit;
-        }
-        time
+        self.share(ray, leg).time(times)
     }
 
     /// What a ray takes where all of the scene is one region.
@@ -178,8 +204,7 @@ impl TaskGraph {
 
     /// What a ray does there, as one leg.
     pub(super) fn in_one(&self, ray: u32) -> Leg {
-        let added_up = || self.legs_of(ray).iter().fold(Leg::default(), Leg::joined);
-        self.in_one.get(ray as usize).copied().unwrap_or_else(added_up)
+        self.in_one.get(ray as usize).copied().unwrap_or_else(|| Leg::sum(self.legs_of(ray)))
     }
 
     /// Tells what is wrong with a graph that was read from a file: nothing in it may lead out of it.
@@ -227,14 +252,12 @@ impl TaskGraph {
         }
     }
 
-    /// The most regions that the line of a ray meets.
-    pub fn most_regions_of_a_line(&self) -> u32 {
-        let met = |(ray, task): (usize, &RayTask)| u32::from(task.hop) + self.legs_of(ray as u32).len() as u32;
-        self.rays.iter().enumerate().map(met).max().unwrap_or(1).max(1)
-    }
-
-    /// How often light turns at the most.
-    pub fn most_turns(&self) -> u32 {
-        self.rays.iter().map(|ray| u32::from(ray.turns)).max().unwrap_or(0)
+    /// The most regions that the line of a ray meets, and how often light turns at the most.
+    pub fn most_regions_and_turns(&self) -> (u32, u32) {
+        let ends = self.rays.iter().skip(1).map(|ray| ray.first_leg).chain([self.legs.len() as u32]);
+        self.rays.iter().zip(ends).fold((1, 0), |(regions, turns), (ray, end)| {
+            let met = u32::from(ray.hop) + (end - ray.first_leg);
+            (regions.max(met), turns.max(u32::from(ray.turns)))
+        })
     }
 }

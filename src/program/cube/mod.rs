@@ -21,7 +21,7 @@ mod stuck;
 mod token;
 mod walker;
 
-pub use graph::{Leg, PageUses, RayTask, TaskGraph, WorkTimes};
+pub use graph::{Leg, PageUses, RayTask, Share, TaskGraph, WorkTimes};
 pub use mapping::{gray_order, swapped};
 pub use memory::{Dealt, MemoryNodes, PageNote};
 pub use messages::{
@@ -29,7 +29,7 @@ pub use messages::{
 };
 pub use phases::{Part, Phases, Preparation};
 pub use pool::Flow;
-pub use regions::{Ends, Note, RegionNodes, Rules, Visit, highest_rank};
+pub use regions::{Ends, Follower, Note, RegionNodes, Rules, Visit, highest_rank};
 pub use seen::{NodeSeen, Seen};
 pub use states::topology;
 pub use stuck::{Stuck, Waiting};

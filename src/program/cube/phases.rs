@@ -46,7 +46,7 @@ impl<'a> Preparation<'a> {
     }
 
     /// What a task does next. The last is the host.
-    pub fn next(&mut self, task: usize, now: Cycles, _taken: Option<&()>) -> Act<()> {
+    pub fn next(&mut self, task: usize, now: Cycles) -> Act<()> {
         let step = self.steps[task];
         self.steps[task] += 1;
         if task == self.machine.nodes { self.host(step) } else { self.node(task, step, now) }

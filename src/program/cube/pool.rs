@@ -10,9 +10,9 @@
 //! That node is not empty, and all its rays are stuck; let s be the rank of the one that got its slot last. Then at least R - s were
 //! free, and slots only came free since: R - s <= R - r - 1, so s > r, against what was taken.
 
-use std::collections::{BinaryHeap, VecDeque};
+use std::collections::VecDeque;
 
-use super::regions::Visit;
+use super::regions::{Follower, Visit};
 
 /// How rays find room in the queues of nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,12 +38,48 @@ pub struct Placing {
     pub placed: u32,
 }
 
-/// A placing that was put aside: by rank, then the oldest first.
+/// A placing that waits for a slot, for what it places next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Aside {
-    rank: u32,
-    age: u64,
-    placing: Placing,
+pub struct Aside {
+    /// The placing.
+    pub placing: Placing,
+    /// What it places next.
+    pub follower: Follower,
+    /// What is older has a lower number.
+    pub age: u64,
+}
+
+/// Placings that wait for slots, by the rank of what they place next: in each the oldest first.
+#[derive(Clone, Debug, Default)]
+struct Ranks {
+    queues: Vec<VecDeque<Aside>>,
+    /// Above the highest rank of any.
+    above: usize,
+}
+
+impl Ranks {
+    fn push(&mut self, rank: u32, aside: Aside) {
+        let rank = rank as usize;
+        if self.queues.len() <= rank {
+            self.queues.resize_with(rank + 1, VecDeque::new);
+        }
+        self.queues[rank].push_back(aside);
+        self.above = self.above.max(rank + 1);
+    }
+
+    /// Of those of the highest rank the oldest, and that rank.
+    fn first(&self) -> Option<(u32, &Aside)> {
+        let rank = self.above.checked_sub(1)?;
+        self.queues[rank].front().map(|aside| (rank as u32, aside))
+    }
+
+    fn pop(&mut self) -> Option<Aside> {
+        let popped = self.queues[self.above.checked_sub(1)?].pop_front();
+        while self.above > 0 && self.queues[self.above - 1].is_empty() {
+            self.above -= 1;
+        }
+        popped
+    }
 }
 
 /// Who waits for the slots of a node, and for what others' slots it waits.
@@ -52,34 +88,22 @@ pub struct Slots {
     /// Nodes that wait to send to it, in the order in which they came, under blocking.
     pub waiting: VecDeque<u16>,
     /// What others have asked for a slot for and not been given one.
-    asked: BinaryHeap<Aside>,
+    asked: Ranks,
     /// For each node, what this one has put aside for want of a slot there.
-    aside: Vec<BinaryHeap<Aside>>,
+    aside: Vec<Ranks>,
     /// The nodes for which there is any, a bit each.
     wanted: u128,
-}
-
-impl PartialOrd for Aside {
-    fn partial_cmp(&self, other: &Aside) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Aside {
-    fn cmp(&self, other: &Aside) -> std::cmp::Ordering {
-        (self.rank, std::cmp::Reverse(self.age)).cmp(&(other.rank, std::cmp::Reverse(other.age)))
-    }
 }
 
 impl Slots {
     /// The slots of one of so many nodes.
     pub fn new(nodes: usize) -> Slots {
-        Slots { aside: vec![BinaryHeap::new(); nodes], ..Slots::default() }
+        Slots { aside: vec![Ranks::default(); nodes], ..Slots::default() }
     }
 
-    /// Puts a placing aside that wants a slot of a rank at a node.
-    pub fn put_aside(&mut self, to: usize, rank: u32, age: u64, placing: Placing) {
-        self.aside[to].push(Aside { rank, age, placing });
+    /// Puts a placing aside that wants a slot of a rank at a node. It is younger than all others.
+    pub fn put_aside(&mut self, to: usize, rank: u32, aside: Aside) {
+        self.aside[to].push(rank, aside);
         self.wanted |= 1 << to;
     }
 
@@ -94,43 +118,44 @@ impl Slots {
     }
 
     /// Of all that can go on, what has the highest rank, and of that the oldest; `may` tells of a node and a rank.
-    pub fn take_movable(&mut self, may: impl Fn(usize, u32) -> bool) -> Option<Placing> {
-        let mut best: Option<(Aside, usize)> = None;
+    pub fn take_movable(&mut self, may: impl Fn(usize, u32) -> bool) -> Option<Aside> {
+        let mut best: Option<(u32, u64, usize)> = None;
         let mut wanted = self.wanted;
         while wanted != 0 {
             let node = wanted.trailing_zeros() as usize;
             wanted &= wanted - 1;
-            let Some(&first) = self.aside[node].peek() else { continue };
-            if may(node, first.rank) && best.is_none_or(|(known, _)| known < first) {
-                best = Some((first, node));
+            let Some((rank, &Aside { age, .. })) = self.aside[node].first() else { continue };
+            let is_before = best.is_none_or(|(known, other, _)| rank > known || rank == known && age < other);
+            if is_before && may(node, rank) {
+                best = Some((rank, age, node));
             }
         }
-        let (_, node) = best?;
+        let (.., node) = best?;
         let taken = self.aside[node].pop();
-        if self.aside[node].is_empty() {
+        if self.aside[node].above == 0 {
             self.wanted &= !(1 << node);
         }
-        taken.map(|aside| aside.placing)
+        taken
     }
 
-    /// Another node's placing waits for a slot of a rank here.
-    pub fn wait(&mut self, rank: u32, age: u64, placing: Placing) {
-        self.asked.push(Aside { rank, age, placing });
+    /// Another node's placing waits for a slot of a rank here. It is younger than all others.
+    pub fn wait(&mut self, rank: u32, aside: Aside) {
+        self.asked.push(rank, aside);
     }
 
     /// Of what others wait for slots for, what has the highest rank, if it may have one; `may` tells of a rank.
     pub fn take_waiting(&mut self, may: impl Fn(u32) -> bool) -> Option<Placing> {
-        self.asked.peek().filter(|first| may(first.rank))?;
+        self.asked.first().filter(|&(rank, _)| may(rank))?;
         self.asked.pop().map(|first| first.placing)
     }
 
     /// One of those for which others wait.
     pub fn waiting_of(&self, is_meant: impl Fn(Placing) -> bool) -> Option<Placing> {
-        self.asked.iter().map(|aside| aside.placing).find(|&placing| is_meant(placing))
+        self.asked.queues.iter().flatten().map(|aside| aside.placing).find(|&placing| is_meant(placing))
     }
 
     /// The first that is put aside for a node.
     pub fn first_aside(&self) -> Option<(usize, Placing)> {
-        self.aside.iter().enumerate().find_map(|(node, heap)| Some((node, heap.peek()?.placing)))
+        self.aside.iter().enumerate().find_map(|(node, ranks)| Some((node, ranks.first()?.1.placing)))
     }
 }

@@ -25,7 +25,7 @@ pub struct Seen {
 
 impl Seen {
     /// A message of a kind is sent over links of a cube, between two tasks, of which one spends some time on it.
-    #[inline]
+    #[inline(always)]
     pub(super) fn send(
         &mut self,
         cube: &Cube,
@@ -34,7 +34,7 @@ impl Seen {
         time: Cycles,
     ) {
         self.messages[kind as usize].send(bytes, cube.hops(from, to), time);
-        let pair = &mut self.pairs[cube.place(from) * cube.places() + cube.place(to)][kind as usize];
+        let pair = &mut self.pairs[cube.pair(from, to)][kind as usize];
         pair.messages += 1;
         pair.bytes += bytes;
     }

@@ -21,7 +21,7 @@ use crate::error::InputError;
 use crate::geometry::{CellPlane, Eye, Hit, Pyramids, Regions};
 use crate::host::order::Order;
 use crate::host::sampling::Pass;
-use crate::machine::events::{Act, Events, Queues};
+use crate::machine::events::{Acting, Events, Queues, Turn};
 use crate::machine::{Cycles, Ipsc2, Ipsc2File};
 use crate::measure::{Measured, Observed, Recording, SoFar, Topology};
 use crate::program::cube::{
@@ -323,7 +323,10 @@ impl CubeSpec {
                     show(&|| SoFar { fifos: nodes.queues.so_far(), ..events.so_far() });
                     Ok(())
                 };
-                let events = drive(&mut nodes, events, (RegionNodes::next, RegionNodes::is_over), &mut show)?;
+                let next = |nodes: &mut RegionNodes<'_>, task, now, turn: &mut Acting<'_, _>| {
+                    nodes.next(task, now, turn);
+                };
+                let events = drive(&mut nodes, events, (next, RegionNodes::is_over), &mut show)?;
                 if !nodes.is_over() {
                     return Err(nodes.stuck().into());
                 }
@@ -345,7 +348,11 @@ impl CubeSpec {
                     show(&|| events.so_far());
                     Ok(())
                 };
-                let events = drive(&mut nodes, events, (MemoryNodes::next, MemoryNodes::is_over), &mut show)?;
+                let next = |nodes: &mut MemoryNodes<'_>, task, now, turn: &mut Acting<'_, _>| {
+                    let taken = turn.taken();
+                    turn.act(nodes.next(task, now, taken.as_ref()));
+                };
+                let events = drive(&mut nodes, events, (next, MemoryNodes::is_over), &mut show)?;
                 let (stats, mut observed) = events.stop(|task| nodes.rests(task));
                 observed.path.iter_mut().for_each(|path| nodes.told_of_nodes(path));
                 (stats, observed, nodes.seen)
@@ -381,7 +388,9 @@ fn one_node(graph: &TaskGraph, machine: &Ipsc2) -> Result<Cycles, InputError> {
 fn prepare(machine: &Ipsc2, parts: &[Part]) -> Phases {
     let mut preparation = Preparation::new(machine, parts);
     let mut events = Events::new(topology(machine.nodes, "block"), machine.cube(), RegionNodes::SENDING_AND_IDLE);
-    while events.step(&mut |task, now, taken| preparation.next(task, now, taken)) {}
+    while events.step(&mut |task, now, turn| {
+        turn.act(preparation.next(task, now));
+    }) {}
     preparation.phases
 }
 
@@ -404,17 +413,17 @@ fn watched_queues(queues: Queues, machine: &Ipsc2, watching: &Watching) -> Queue
     }
 }
 
-/// Lets nodes run until all is over, or none can go on. Of them is known what a task does next, and whether all is over; `look` sees them now
-/// and then.
+/// Lets nodes run until all is over, or none can go on. Of them is known how a task acts, and whether all is over; `look` sees them now and
+/// then.
 fn drive<P, M: Copy>(
     nodes: &mut P,
     mut events: Events<M>,
-    (next, is_over): (impl Fn(&mut P, usize, Cycles, Option<&M>) -> Act<M>, impl Fn(&P) -> bool),
+    (next, is_over): (impl Fn(&mut P, usize, Cycles, &mut Acting<'_, M>), impl Fn(&P) -> bool),
     look: &mut impl FnMut(&P, &Events<M>) -> Result<(), Cancelled>,
 ) -> Result<Events<M>, RunError<Infallible>> {
     loop {
         for _ in 0..STEPS {
-            if is_over(nodes) || !events.step(&mut |task, now, taken| next(nodes, task, now, taken)) {
+            if is_over(nodes) || !events.step(&mut |task, now, turn| next(nodes, task, now, turn)) {
                 return Ok(events);
             }
         }

@@ -162,7 +162,8 @@ impl Grower<'_> {
                 let uses = pages.as_mut().map_or(&mut unread, |pages| &mut pages.uses);
                 let mut hit = walker.trace(leaving, legs, uses);
                 if *has_own_grids {
-                    in_one.push(legs.drain(first..).fold(Leg::default(), |all, leg| all.joined(&leg)));
+                    in_one.push(Leg::sum(&legs[first..]));
+                    legs.truncate(first);
                     walker.spared = dropped;
                     hit = walker.trace_own(leaving, legs);
                 }

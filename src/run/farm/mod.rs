@@ -9,7 +9,7 @@ use std::convert::Infallible;
 use super::{RunError, Watching, Workers};
 use crate::cancel::Cancel;
 use crate::error::InputError;
-use crate::machine::events::Events;
+use crate::machine::events::{Events, Turn};
 use crate::machine::{Capitan, Cycles};
 use crate::measure::{Measured, Observed, Recording};
 use crate::program::farm::{Farm, Items, PixelWork, Pixels, UNITS};
@@ -189,7 +189,12 @@ fn run(
     if let Some(window) = &watching.recording {
         events = events.recorded(window.clone(), Recording::MOST_EVENTS);
     }
-    let mut step = || events.step(&mut |task, _, taken| farm.next(task, taken));
+    let mut step = || {
+        events.step(&mut |task, _, turn| {
+            let taken = turn.taken();
+            turn.act(farm.next(task, taken.as_ref()));
+        })
+    };
     while (0..STEPS).all(|_| step()) {
         cancel.check()?;
     }

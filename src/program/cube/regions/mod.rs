@@ -7,20 +7,24 @@
 //! which adds results up and sends pixels that are done to the host.
 
 mod ending;
+mod node;
 mod placing;
+mod visit;
 
-use std::collections::VecDeque;
+use node::{Next, Node};
+use visit::Ahead;
+pub use visit::{Follower, Visit};
 
 use super::causes::{self, PIXEL, takes};
 use super::graph::TaskGraph;
 use super::mapping::gray_order;
 use super::messages::{MessageKind, RESULT_BYTES, WORD_BYTES, packet_bytes};
-use super::pool::{Flow, Placing, Slots};
+use super::pool::{Aside, Flow, Placing, Slots};
 use super::seen::{NodeSeen, Seen};
 use super::states::{BLOCKED, GRID, IDLE, INTERSECTION, PIXELS, RECEIVING, SENDING, SHADING, SLABS, WAITING, topology};
-use super::token::{Account, Token};
+use super::token::Token;
 use crate::host::shading::RayKind;
-use crate::machine::events::{Act, Cube, Delivery, Explanation, Message, Queues, Sender, Work};
+use crate::machine::events::{Act, Cube, Delivery, Explanation, MOST_SPELLS, Message, Queues, Sender, Turn, Work};
 use crate::machine::{Cycles, Ipsc2};
 use crate::measure::{Actor, FifoInfo, StateId, Topology};
 use crate::seam::Unit;
@@ -45,15 +49,6 @@ pub struct Rules {
     pub asks_for_slots: bool,
     /// Whether a node begins all its pixels before it works on rays of others.
     pub pixels_first: bool,
-}
-
-/// A ray in a region.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Visit {
-    /// The ray.
-    pub ray: u32,
-    /// Its leg, among all.
-    pub leg: u32,
 }
 
 /// What is in a message.
@@ -116,53 +111,6 @@ pub struct RegionNodes<'a> {
     pub queues: Queues,
 }
 
-#[derive(Clone, Debug)]
-struct Node {
-    next: Next,
-    /// What it does before it goes on.
-    script: VecDeque<Act<Note>>,
-    own: Vec<Visit>,
-    received: VecDeque<Visit>,
-    results: VecDeque<u32>,
-    /// What others ask it for slots for, and what it has been given slots for; so many it has asked for and not got.
-    requests: VecDeque<Placing>,
-    given: VecDeque<Placing>,
-    asked: u32,
-    /// Its pixels, as trees, in the order in which they are begun; so many have been, and so many are done.
-    pixels: Vec<u32>,
-    begun: usize,
-    done: usize,
-    /// Pixels that are done and not sent to the host.
-    packet: u32,
-    slots: Slots,
-    account: Account,
-    has_stopped: bool,
-    /// Since when it has nothing to do.
-    rests: Option<Cycles>,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Next {
-    /// Looks at what has come.
-    Looks,
-    /// Has seen all that has come, and chooses.
-    Chooses,
-    /// Has been asked for a slot.
-    Answers(Placing),
-    /// Places what follows from a ray.
-    Places(Placing),
-    /// The same, and has been given the slot that it waited for.
-    PlacesGranted(Placing),
-    /// Has begun a pixel.
-    Began(u32),
-    /// Has taken a result.
-    Counts(u32),
-    /// Has taken the token.
-    Passes,
-    /// Has been told that all is done.
-    Stops,
-}
-
 impl<'a> RegionNodes<'a> {
     /// Nodes at the start: each region of a graph on the node that `node_of` tells, each tree begun by the node in `owners`, which has
     /// them in the order in which `order` lists them.
@@ -174,8 +122,7 @@ impl<'a> RegionNodes<'a> {
         rules: Rules,
     ) -> RegionNodes<'a> {
         let count = machine.nodes;
-        let most_regions = graph.most_regions_of_a_line();
-        let ranks = (most_regions, highest_rank(graph));
+        let ranks = ranks(graph);
         let free = match rules.flow {
             Flow::Block(slots) | Flow::Classes(slots) => slots,
             Flow::Unlimited | Flow::Window(_) => u32::MAX,
@@ -259,64 +206,74 @@ impl<'a> RegionNodes<'a> {
         self.nodes.get(task).and_then(|node| node.rests)
     }
 
-    /// What a task does next, given the time and the message that it has just taken, if it did.
-    pub fn next(&mut self, task: usize, now: Cycles, taken: Option<&Note>) -> Act<Note> {
+    /// Lets a task act.
+    pub fn next(&mut self, task: usize, now: Cycles, turn: &mut impl Turn<Note>) {
         self.now = now.0;
         if task == self.nodes.len() {
-            return self.host(now, taken);
+            return self.host(now, turn);
         }
-        if let Some(note) = taken {
-            self.take(task, note);
-            self.nodes[task].next = Next::Chooses;
-            return Act::Poll;
+        if let Some(note) = turn.taken() {
+            self.take(task, &note);
         }
-        if let Some(act) = self.nodes[task].script.pop_front() {
-            return act;
-        }
-        match self.nodes[task].next {
-            Next::Chooses => self.choose(task, now),
-            Next::Looks => self.look(task),
+        while match self.nodes[task].script.pop_front() {
+            Some(act) => turn.act(act),
+            None => self.go_on(task, now, turn),
+        } {}
+    }
+
+    /// Lets a node act that has nothing else to do before. False if its turn is over.
+    #[inline]
+    fn go_on(&mut self, task: usize, now: Cycles, turn: &mut impl Turn<Note>) -> bool {
+        match std::mem::replace(&mut self.nodes[task].next, Next::Looks) {
+            Next::Looks => {
+                while let Some(note) = turn.poll() {
+                    self.take(task, &note);
+                }
+                self.choose(task, now, turn)
+            }
             Next::Answers(placing) => self.answer(task, placing),
-            Next::Places(placing) => self.place(task, placing, false, now),
-            Next::PlacesGranted(placing) => self.place(task, placing, true, now),
-            Next::Began(tree) => {
-                let ray = self.graph.trees[tree as usize];
-                let visit = Visit { ray, leg: self.graph.rays[ray as usize].first_leg };
-                self.place(task, Placing { visit, is_new: true, placed: 0 }, false, now)
-            }
+            Next::PlacesFirst(placing, follower) => self.place(task, placing, follower, false, turn),
+            Next::Places(placing) => self.place(task, placing, self.graph.follower(placing), false, turn),
+            Next::PlacesGranted(placing) => self.place(task, placing, self.graph.follower(placing), true, turn),
             Next::Counts(tree) => {
-                self.count(task, tree, now);
-                self.look(task)
+                self.count(task, tree);
+                true
             }
-            Next::Passes => self.pass(task, now),
+            Next::Passes => self.pass(task, now, turn),
             Next::Stops => self.stop(task),
         }
     }
 
     /// The host takes pixels until it has all.
-    fn host(&mut self, now: Cycles, taken: Option<&Note>) -> Act<Note> {
-        if let Some(&Note::Pixels(count, is_last)) = taken {
+    fn host(&mut self, now: Cycles, turn: &mut impl Turn<Note>) {
+        if let Some(Note::Pixels(count, is_last)) = turn.taken() {
             let time = self.took(MessageKind::Calculation, packet_bytes(count));
             self.host_takes = count + u32::from(is_last);
-            return Act::Work(RECEIVING, time, takes(MessageKind::Calculation));
+            turn.act(Act::Work(RECEIVING, time, takes(MessageKind::Calculation)));
+            return;
         }
         self.host_waits -= std::mem::take(&mut self.host_takes) as usize;
         if self.host_waits > 0 {
-            return Act::Receive(Sender::Anyone, WAITING);
+            turn.act(Act::Receive(Sender::Anyone, WAITING));
+            return;
         }
         self.over = true;
         if self.rules.ends == Ends::Credit {
             self.seen.told_at = now;
         }
-        Act::End
+        turn.act(Act::End);
     }
 
     /// What has come is put where it belongs.
+    #[inline]
     fn take(&mut self, task: usize, note: &Note) {
         let node = &mut self.nodes[task];
         match *note {
             Note::Ray(visit) => {
                 node.account.taken();
+                if node.received.is_empty() {
+                    node.ahead = self.graph.ahead(visit);
+                }
                 node.received.push_back(visit);
                 self.note_queue(task);
             }
@@ -332,6 +289,7 @@ impl<'a> RegionNodes<'a> {
         }
     }
 
+    #[inline(always)]
     fn note_queue(&mut self, task: usize) {
         let node = &self.nodes[task];
         let waiting = node.own.len() + node.received.len();
@@ -339,6 +297,7 @@ impl<'a> RegionNodes<'a> {
     }
 
     /// Some slots of a node are taken or free.
+    #[inline(always)]
     fn note_slots(&mut self, task: usize) {
         let is_full = match self.rules.flow {
             Flow::Block(_) => self.free[task] == 0,
@@ -348,60 +307,60 @@ impl<'a> RegionNodes<'a> {
         self.queues.fill(task, is_full, Cycles(self.now));
     }
 
-    /// Looks at what has come, then chooses.
-    fn look(&mut self, task: usize) -> Act<Note> {
-        let node = &mut self.nodes[task];
-        if let Some(act) = node.script.pop_front() {
-            node.next = Next::Looks;
-            return act;
-        }
-        node.next = Next::Chooses;
-        Act::Poll
-    }
-
-    /// Takes the first that there is to do.
-    fn choose(&mut self, task: usize, now: Cycles) -> Act<Note> {
+    /// Does the first that there is to do. False if its turn is over.
+    #[inline]
+    fn choose(&mut self, task: usize, now: Cycles, turn: &mut impl Turn<Note>) -> bool {
         let was_resting = self.nodes[task].rests.take();
-        self.blocked &= !(1 << task);
+        if was_resting.is_some() {
+            self.set_blocked(task, false);
+        }
         if let Some(tree) = self.nodes[task].results.pop_front() {
             let time = self.took(MessageKind::Calculation, RESULT_BYTES) + self.machine.costs.result;
             self.nodes[task].next = Next::Counts(tree);
-            return Act::Work(RECEIVING, time, takes(MessageKind::Calculation));
+            return turn.act(Act::Work(RECEIVING, time, takes(MessageKind::Calculation)));
         }
         if self.rules.asks_for_slots
-            && let Some(act) = self.about_slots(task)
+            && let Some(goes_on) = self.about_slots(task, turn)
         {
-            return act;
+            return goes_on;
         }
-        if let Some(placing) = self.movable(task) {
-            return self.place(task, placing, false, now);
+        if let Some(Aside { placing, follower, .. }) = self.movable(task) {
+            return self.place(task, placing, Some(follower), false, turn);
         }
         let chosen = match self.rules.pixels_first {
-            false => self.work(task).or_else(|| self.pixel(task)),
-            true => self.pixel(task).or_else(|| self.work(task)),
+            false => self.work(task, turn).or_else(|| self.pixel(task, turn)),
+            true => self.pixel(task, turn).or_else(|| self.work(task, turn)),
         };
-        if let Some(act) = chosen {
-            return act;
+        if let Some(goes_on) = chosen {
+            return goes_on;
         }
         if self.nodes[task].has_stopped {
             self.nodes[task].has_stopped = false;
             self.nodes[task].next = Next::Stops;
             let time = self.took(MessageKind::Information, WORD_BYTES);
-            return Act::Work(RECEIVING, time, takes(MessageKind::Information));
+            return turn.act(Act::Work(RECEIVING, time, takes(MessageKind::Information)));
         }
-        if let Some(act) = self.token(task) {
-            return act;
+        if let Some(goes_on) = self.token(task, turn) {
+            return goes_on;
         }
         let node = &mut self.nodes[task];
         node.rests = was_resting.or(Some(now));
-        node.next = Next::Looks;
         let is_blocked = node.slots.wants_any() || node.asked > 0;
-        self.blocked |= u128::from(is_blocked) << task;
-        Act::Receive(Sender::Anyone, if is_blocked { BLOCKED } else { WAITING })
+        if is_blocked {
+            self.set_blocked(task, true);
+        }
+        turn.act(Act::Receive(Sender::Anyone, if is_blocked { BLOCKED } else { WAITING }));
+        false
+    }
+
+    /// A node has nothing else to do than to wait for a slot somewhere, or has again.
+    #[inline(never)]
+    fn set_blocked(&mut self, task: usize, is_blocked: bool) {
+        self.blocked = self.blocked & !(1 << task) | u128::from(is_blocked) << task;
     }
 
     /// What was put aside and can go on.
-    fn movable(&mut self, task: usize) -> Option<Placing> {
+    fn movable(&mut self, task: usize) -> Option<Aside> {
         if !self.nodes[task].slots.wants_any() {
             return None;
         }
@@ -409,24 +368,27 @@ impl<'a> RegionNodes<'a> {
         self.nodes[task].slots.take_movable(|node, rank| free[node] > highest - rank)
     }
 
-    /// Works on a ray, if there is one.
-    fn work(&mut self, task: usize) -> Option<Act<Note>> {
+    /// Works on a ray, if there is one. False if its turn is over.
+    #[inline]
+    fn work(&mut self, task: usize, turn: &mut impl Turn<Note>) -> Option<bool> {
         let node = &mut self.nodes[task];
         let own = node.own.pop();
         let is_own = own.is_some();
-        let visit = own.or_else(|| node.received.pop_front())?;
+        let (visit, Ahead { share, follower }) = match own {
+            Some(visit) => (visit, self.graph.ahead(visit)),
+            None => node.first_received(self.graph)?,
+        };
         self.note_queue(task);
         let mut receiving = Cycles(0);
         if !is_own {
             receiving = self.took(MessageKind::VirtualObject, self.graph.ray_bytes());
             if let Flow::Block(_) = self.rules.flow {
-                self.grant(task);
+                self.grant(task, turn);
             }
         }
-        let time = self.graph.time(visit.ray, visit.leg, &self.machine.times);
+        let time = share.time(&self.machine.times);
         self.seen.nodes[task].legs += 1;
-        let node = &mut self.nodes[task];
-        node.next = Next::Places(Placing { visit, is_new: false, placed: 0 });
+        self.nodes[task].next = Next::PlacesFirst(Placing { visit, is_new: false, placed: 0 }, follower);
         let spells = [
             (RECEIVING, receiving),
             (GRID, time.grid),
@@ -435,26 +397,26 @@ impl<'a> RegionNodes<'a> {
             (SHADING, time.shading),
         ];
         if self.explains {
-            let work = Act::Work(GRID, Cycles(0), Work::Piece(visit.leg));
-            let taken = Act::Work(RECEIVING, receiving, takes(MessageKind::VirtualObject));
-            let mut spells = spells;
-            spells[0].1 = Cycles(0);
-            node.script.push_back(Act::Begin(visit.ray));
-            node.script.extend((!is_own).then_some(taken));
-            node.script.extend([work, Act::SpendEach(spells), Act::Done]);
-            return node.script.pop_front();
+            self.explain_work(task, visit, is_own, spells);
+            return Some(true);
         }
-        let job = Act::Job(visit.ray, spells);
-        if node.script.is_empty() {
-            return Some(job);
-        }
-        // Whom the free slot is given to is woken first.
-        node.script.push_back(job);
-        node.script.pop_front()
+        Some(turn.act(Act::Job(visit.ray, spells)))
     }
 
-    /// Begins a pixel, if there is one and it may.
-    fn pixel(&mut self, task: usize) -> Option<Act<Note>> {
+    /// Tells what the work on a ray consists of, as it does it.
+    fn explain_work(&mut self, task: usize, visit: Visit, is_own: bool, mut spells: [(StateId, Cycles); MOST_SPELLS]) {
+        let receiving = std::mem::take(&mut spells[0].1);
+        let taken = Act::Work(RECEIVING, receiving, takes(MessageKind::VirtualObject));
+        let work = Act::Work(GRID, Cycles(0), Work::Piece(visit.leg));
+        let script = &mut self.nodes[task].script;
+        script.push_back(Act::Begin(visit.ray));
+        script.extend((!is_own).then_some(taken));
+        script.extend([work, Act::SpendEach(spells), Act::Done]);
+    }
+
+    /// Begins a pixel, if there is one and it may. False if its turn is over.
+    #[inline]
+    fn pixel(&mut self, task: usize, turn: &mut impl Turn<Note>) -> Option<bool> {
         let node = &self.nodes[task];
         let may = match self.rules.flow {
             Flow::Unlimited | Flow::Block(_) => true,
@@ -462,12 +424,15 @@ impl<'a> RegionNodes<'a> {
             Flow::Classes(_) => self.free[task] > self.ranks.1,
         };
         let tree = *node.pixels.get(node.begun).filter(|_| may)?;
+        let visit = self.graph.first_visit(self.graph.trees[tree as usize]);
+        let placing = Placing { visit, is_new: true, placed: 0 };
         let node = &mut self.nodes[task];
         node.begun += 1;
-        node.next = Next::Began(tree);
-        Some(Act::Work(PIXELS, self.machine.costs.pixel, PIXEL))
+        node.next = Next::PlacesFirst(placing, self.graph.follower(placing));
+        Some(turn.act(Act::Work(PIXELS, self.machine.costs.pixel, PIXEL)))
     }
 
+    #[inline(always)]
     fn send(&mut self, task: usize, to: usize, (kind, bytes): (MessageKind, u64), content: Note) -> Act<Note> {
         let time = self.machine.messages.of(bytes);
         self.seen.send(&self.cube, (task, to), (kind, bytes), time);
@@ -475,6 +440,7 @@ impl<'a> RegionNodes<'a> {
     }
 
     /// What it takes to take a message.
+    #[inline]
     fn took(&mut self, kind: MessageKind, bytes: u64) -> Cycles {
         let time = self.machine.messages.of(bytes);
         self.seen.messages[kind as usize].take(time);
@@ -489,28 +455,11 @@ impl<'a> RegionNodes<'a> {
 
 /// R, the highest rank of any ray of a graph: nodes need one slot more, for none to stick.
 pub fn highest_rank(graph: &TaskGraph) -> u32 {
-    (graph.most_turns() + 1).saturating_mul(graph.most_regions_of_a_line()) - 1
+    ranks(graph).1
 }
 
-impl Node {
-    fn new(slots: Slots) -> Node {
-        Node {
-            next: Next::Looks,
-            script: VecDeque::new(),
-            own: Vec::new(),
-            received: VecDeque::new(),
-            results: VecDeque::new(),
-            requests: VecDeque::new(),
-            given: VecDeque::new(),
-            asked: 0,
-            pixels: Vec::new(),
-            begun: 0,
-            done: 0,
-            packet: 0,
-            slots,
-            account: Account::default(),
-            has_stopped: false,
-            rests: None,
-        }
-    }
+/// The most regions of a line, and R.
+fn ranks(graph: &TaskGraph) -> (u32, u32) {
+    let (regions, turns) = graph.most_regions_and_turns();
+    (regions, (turns + 1).saturating_mul(regions) - 1)
 }

@@ -1,12 +1,11 @@
 //! Where rays go on that follow from one that has done its work, and how they get slots there.
 
-use super::{Next, Node, Note, RegionNodes, Visit};
+use super::{Follower, Next, Node, Note, RegionNodes, Visit};
 use crate::host::shading::RayKind;
-use crate::machine::Cycles;
-use crate::machine::events::Act;
+use crate::machine::events::{Act, Turn};
 use crate::program::cube::causes::takes;
 use crate::program::cube::messages::{MessageKind, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES};
-use crate::program::cube::pool::{Flow, Placing};
+use crate::program::cube::pool::{Aside, Flow, Placing};
 use crate::program::cube::states::{BLOCKED, RECEIVING};
 use crate::program::cube::stuck::{Stuck, Waiting};
 
@@ -20,6 +19,7 @@ impl RegionNodes<'_> {
         self.note_queue(task);
     }
 
+    #[inline(always)]
     fn take_slot(&mut self, node: usize) {
         let free = &mut self.free[node];
         *free = free.saturating_sub(1);
@@ -31,11 +31,11 @@ impl RegionNodes<'_> {
     }
 
     /// A ray leaves the queue, and the node that has waited longest may send.
-    pub(super) fn grant(&mut self, task: usize) {
+    pub(super) fn grant(&mut self, task: usize, turn: &mut impl Turn<Note>) {
         let node = &mut self.nodes[task];
         match node.slots.waiting.pop_front() {
             Some(other) => {
-                node.script.push_back(Act::Wake(other.into()));
+                turn.act(Act::Wake(other.into()));
                 let other = &mut self.nodes[usize::from(other)];
                 if let Next::Places(placing) = other.next {
                     other.next = Next::PlacesGranted(placing);
@@ -49,17 +49,20 @@ impl RegionNodes<'_> {
     }
 
     /// A ray has placed all that follows from it.
-    pub(super) fn leave(&mut self, task: usize) {
+    #[inline]
+    pub(super) fn leave(&mut self, task: usize, turn: &mut impl Turn<Note>) {
         if let Flow::Classes(_) = self.rules.flow {
             self.free[task] += 1;
             self.note_slots(task);
-            self.give(task);
+            if self.rules.asks_for_slots {
+                self.give(task);
+            }
             let mut blocked = self.blocked;
             while blocked != 0 {
                 let other = blocked.trailing_zeros() as usize;
                 blocked &= blocked - 1;
                 if self.nodes[other].slots.wants(task) {
-                    self.nodes[task].script.push_back(Act::Wake(other));
+                    turn.act(Act::Wake(other));
                 }
             }
         }
@@ -75,102 +78,107 @@ impl RegionNodes<'_> {
         self.node_of[usize::from(region)].into()
     }
 
-    /// What of a placing comes next: the ray in its next region, or a ray that its hit asks for.
-    pub(super) fn follows(&self, placing: Placing) -> Option<Visit> {
-        let Visit { ray, leg } = placing.visit;
-        if placing.is_new {
-            return (placing.placed == 0).then_some(placing.visit);
-        }
-        if leg + 1 < self.graph.legs_end(ray) {
-            return (placing.placed == 0).then_some(Visit { ray, leg: leg + 1 });
-        }
-        let (first, count) = self.graph.rays[ray as usize].children;
-        (placing.placed < count).then(|| {
-            let ray = first + placing.placed;
-            Visit { ray, leg: self.graph.rays[ray as usize].first_leg }
-        })
-    }
-
-    /// Places what follows from a ray, until that takes time.
-    pub(super) fn place(&mut self, task: usize, mut placing: Placing, is_granted: bool, now: Cycles) -> Act<Note> {
-        while let Some(visit) = self.follows(placing) {
-            let to = self.node(self.graph.legs[visit.leg as usize].region);
+    /// Places what follows from a ray, of which the next is known, until that takes time. False if its turn is over.
+    pub(super) fn place(
+        &mut self,
+        task: usize,
+        mut placing: Placing,
+        mut next: Option<Follower>,
+        is_granted: bool,
+        turn: &mut impl Turn<Note>,
+    ) -> bool {
+        while let Some(follower) = next {
+            let (visit, to) = (follower.visit, self.node(follower.region));
             if to == task && self.is_the_rest(placing, visit) {
                 // It has its line and its slot in common with the ray that met a blocker.
                 self.nodes[task].own.push(visit);
                 self.note_queue(task);
-                return self.end(task, placing, now);
+                return self.end(task, placing, turn);
             }
-            if let Some(act) = self.wait_for_slot(task, (to, visit), placing, is_granted) {
-                return act;
+            if !is_granted && self.lacks_slot(task, to, visit) {
+                return self.wait_for_slot(task, (to, follower), placing, turn);
             }
             placing.placed += 1;
             if to == task {
                 self.keep(task, visit);
+                next = self.graph.follower(placing);
                 continue;
             }
             if !is_granted && self.free[to] != u32::MAX {
                 self.take_slot(to);
             }
             self.nodes[task].next = Next::Places(placing);
-            return self.send_ray(task, to, visit);
+            return turn.act(self.send_ray(task, to, visit));
         }
         if !placing.is_new {
-            self.leave(task);
+            self.leave(task, turn);
         }
-        self.end(task, placing, now)
+        self.end(task, placing, turn)
     }
 
     /// Whether a ray is the rest of a shadow ray behind what it has hit.
     fn is_the_rest(&self, placing: Placing, visit: Visit) -> bool {
         let kind = |ray: u32| self.graph.rays[ray as usize].kind;
-        kind(visit.ray) == RayKind::Shadow
+        visit.ray != placing.visit.ray
+            && kind(visit.ray) == RayKind::Shadow
             && kind(placing.visit.ray) == RayKind::Shadow
-            && visit.ray != placing.visit.ray
     }
 
-    /// All that follows from a ray is placed: if it has ended, it makes a result.
-    pub(super) fn end(&mut self, task: usize, placing: Placing, now: Cycles) -> Act<Note> {
+    /// All that follows from a ray is placed: if it has ended, it makes a result. False if its turn is over.
+    #[inline]
+    pub(super) fn end(&mut self, task: usize, placing: Placing, turn: &mut impl Turn<Note>) -> bool {
         let Visit { ray, leg } = placing.visit;
-        if !placing.is_new && leg + 1 == self.graph.legs_end(ray) {
-            let tree = self.graph.rays[ray as usize].tree;
-            let owner = usize::from(self.owners[tree as usize]);
-            if owner != task {
-                self.nodes[task].account.sent();
-                let result = self.send(task, owner, (MessageKind::Calculation, RESULT_BYTES), Note::Result(tree));
-                // Who waits for the slot that is free now goes first.
-                self.nodes[task].script.push_back(result);
-                return self.look(task);
-            }
-            self.count(task, tree, now);
+        if placing.is_new || leg + 1 < self.graph.legs_end(ray) {
+            return true;
         }
-        self.look(task)
+        let tree = self.graph.rays[ray as usize].tree;
+        let owner = usize::from(self.owners[tree as usize]);
+        if owner == task {
+            self.count(task, tree);
+            return true;
+        }
+        self.nodes[task].account.sent();
+        let result = self.send(task, owner, (MessageKind::Calculation, RESULT_BYTES), Note::Result(tree));
+        // Who has been given the slot that is free now is told first.
+        if self.nodes[task].script.is_empty() {
+            return turn.act(result);
+        }
+        self.nodes[task].script.push_back(result);
+        true
     }
 
-    /// What a node does that has to wait for a slot, if it has to.
+    /// Whether a ray has to wait for a slot at a node, or to ask for one.
+    #[inline]
+    fn lacks_slot(&self, task: usize, to: usize, visit: Visit) -> bool {
+        match self.rules.flow {
+            Flow::Block(_) => to != task && self.free[to] == 0,
+            Flow::Classes(_) => (to != task && self.rules.asks_for_slots) || !self.has_room(to, self.rank(visit)),
+            Flow::Unlimited | Flow::Window(_) => false,
+        }
+    }
+
+    /// What a node does then. False if its turn is over.
     fn wait_for_slot(
         &mut self,
         task: usize,
-        (to, visit): (usize, Visit),
+        (to, follower): (usize, Follower),
         placing: Placing,
-        is_granted: bool,
-    ) -> Option<Act<Note>> {
+        turn: &mut impl Turn<Note>,
+    ) -> bool {
         match self.rules.flow {
-            Flow::Block(_) if to != task && !is_granted && self.free[to] == 0 => {
+            Flow::Block(_) => {
                 self.nodes[to].slots.waiting.push_back(task as u16);
                 self.nodes[task].next = Next::Places(placing);
-                Some(Act::Sleep(BLOCKED))
+                turn.act(Act::Sleep(BLOCKED))
             }
-            Flow::Classes(_) if to != task && self.rules.asks_for_slots && !is_granted => {
-                Some(self.ask(task, to, placing))
-            }
-            Flow::Classes(_) if !is_granted && !self.has_room(to, self.rank(visit)) => {
+            _ if to != task && self.rules.asks_for_slots => turn.act(self.ask(task, to, placing)),
+            _ => {
                 self.ages += 1;
-                let (rank, age) = (self.rank(visit), self.ages);
-                self.nodes[task].slots.put_aside(to, rank, age, placing);
-                Some(self.look(task))
+                let aside = Aside { placing, follower, age: self.ages };
+                let rank = self.rank(follower.visit);
+                self.nodes[task].slots.put_aside(to, rank, aside);
+                true
             }
-            _ => None,
         }
     }
 
@@ -179,6 +187,7 @@ impl RegionNodes<'_> {
         self.free[node] > self.ranks.1 - rank
     }
 
+    #[inline(always)]
     fn send_ray(&mut self, task: usize, to: usize, visit: Visit) -> Act<Note> {
         self.nodes[task].account.sent();
         self.seen.sent[task * self.nodes.len() + to] += 1;
@@ -189,12 +198,11 @@ impl RegionNodes<'_> {
     fn ask(&mut self, task: usize, to: usize, placing: Placing) -> Act<Note> {
         let node = &mut self.nodes[task];
         node.asked += 1;
-        node.next = Next::Looks;
         self.send(task, to, (MessageKind::Information, TOKEN_BYTES), Note::Asks(placing))
     }
 
-    /// What a node does that is asked for a slot, or has been given one.
-    pub(super) fn about_slots(&mut self, task: usize) -> Option<Act<Note>> {
+    /// What a node does that is asked for a slot, or has been given one. False if its turn is over.
+    pub(super) fn about_slots(&mut self, task: usize, turn: &mut impl Turn<Note>) -> Option<bool> {
         let node = &mut self.nodes[task];
         let (next, bytes) = match (node.requests.pop_front(), node.given.is_empty()) {
             (Some(placing), _) => (Next::Answers(placing), TOKEN_BYTES),
@@ -205,18 +213,20 @@ impl RegionNodes<'_> {
             }
         };
         node.next = next;
-        Some(Act::Work(RECEIVING, self.took(MessageKind::Information, bytes), takes(MessageKind::Information)))
+        let time = self.took(MessageKind::Information, bytes);
+        Some(turn.act(Act::Work(RECEIVING, time, takes(MessageKind::Information))))
     }
 
     /// A node has taken a request for a slot: it gives one, or remembers who waits.
-    pub(super) fn answer(&mut self, task: usize, placing: Placing) -> Act<Note> {
-        if let Some(visit) = self.follows(placing) {
+    pub(super) fn answer(&mut self, task: usize, placing: Placing) -> bool {
+        if let Some(follower) = self.graph.follower(placing) {
             self.ages += 1;
-            let (rank, age) = (self.rank(visit), self.ages);
-            self.nodes[task].slots.wait(rank, age, placing);
+            let aside = Aside { placing, follower, age: self.ages };
+            let rank = self.rank(follower.visit);
+            self.nodes[task].slots.wait(rank, aside);
         }
         self.give(task);
-        self.look(task)
+        true
     }
 
     /// Gives slots to those who wait for them, as far as there are any.
@@ -250,13 +260,10 @@ impl RegionNodes<'_> {
     pub fn stuck(&self) -> Stuck {
         let waits = |(node, state): (usize, &Node)| {
             let (to, placing) = match (self.rules.flow, state.next) {
-                (Flow::Block(_), Next::Places(placing)) => {
-                    let visit = self.follows(placing)?;
-                    (self.node(self.graph.legs[visit.leg as usize].region), placing)
-                }
+                (Flow::Block(_), Next::Places(placing)) => (self.node(self.graph.follower(placing)?.region), placing),
                 _ => state.slots.first_aside().or_else(|| self.asked_for(node))?,
             };
-            let visit = self.follows(placing)?;
+            let visit = self.graph.follower(placing)?.visit;
             let ray = &self.graph.rays[visit.ray as usize];
             Some(Waiting { node, ray: visit.ray, kind: ray.kind, tree: ray.tree, to })
         };

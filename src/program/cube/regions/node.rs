@@ -1,0 +1,95 @@
+//! What a node has come to.
+
+use std::collections::VecDeque;
+
+use super::Note;
+use super::visit::{Ahead, Follower, Visit};
+use crate::machine::Cycles;
+use crate::machine::events::Act;
+use crate::program::cube::graph::TaskGraph;
+use crate::program::cube::pool::{Placing, Slots};
+use crate::program::cube::token::Account;
+
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub next: Next,
+    /// What it does before it goes on.
+    pub script: VecDeque<Act<Note>>,
+    pub own: Vec<Visit>,
+    pub received: VecDeque<Visit>,
+    /// What the first of these has to do here, and what follows from it first.
+    pub ahead: Ahead,
+    pub results: VecDeque<u32>,
+    /// What others ask it for slots for, and what it has been given slots for; so many it has asked for and not got.
+    pub requests: VecDeque<Placing>,
+    pub given: VecDeque<Placing>,
+    pub asked: u32,
+    /// Its pixels, as trees, in the order in which they are begun; so many have been, and so many are done.
+    pub pixels: Vec<u32>,
+    pub begun: usize,
+    pub done: usize,
+    /// Pixels that are done and not sent to the host.
+    pub packet: u32,
+    pub slots: Slots,
+    pub account: Account,
+    pub has_stopped: bool,
+    /// Since when it has nothing to do.
+    pub rests: Option<Cycles>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Next {
+    /// Looks at what has come, and chooses.
+    Looks,
+    /// Has been asked for a slot.
+    Answers(Placing),
+    /// Places what follows from a ray, of which the first is known.
+    PlacesFirst(Placing, Option<Follower>),
+    /// Places what follows from a ray.
+    Places(Placing),
+    /// The same, and has been given the slot that it waited for.
+    PlacesGranted(Placing),
+    /// Has taken a result.
+    Counts(u32),
+    /// Has taken the token.
+    Passes,
+    /// Has been told that all is done.
+    Stops,
+}
+
+impl Node {
+    /// A node at the start.
+    pub fn new(slots: Slots) -> Node {
+        Node {
+            next: Next::Looks,
+            script: VecDeque::new(),
+            own: Vec::new(),
+            received: VecDeque::new(),
+            ahead: Ahead::default(),
+            results: VecDeque::new(),
+            requests: VecDeque::new(),
+            given: VecDeque::new(),
+            asked: 0,
+            pixels: Vec::new(),
+            begun: 0,
+            done: 0,
+            packet: 0,
+            slots,
+            account: Account::default(),
+            has_stopped: false,
+            rests: None,
+        }
+    }
+
+    /// Takes the first of those that have come, and reads ahead what the next one has to do: by the time that it is asked for, that has come
+    /// from memory, while other nodes went on.
+    #[inline(always)]
+    pub fn first_received(&mut self, graph: &TaskGraph) -> Option<(Visit, Ahead)> {
+        let visit = self.received.pop_front()?;
+        let ahead = self.ahead;
+        if let Some(&next) = self.received.front() {
+            self.ahead = graph.ahead(next);
+        }
+        Some((visit, ahead))
+    }
+}
