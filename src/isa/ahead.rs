@@ -1,18 +1,19 @@
 //! Running ahead: instructions between registers and memory, chain by chain.
 //!
-//! Nothing is counted from instruction to instruction. What a way through the program comes to is told by the places where it leaves
-//! the straight line: [`Executable::before`] the one that leads elsewhere, without what is before the one that it leads to.
+//! Nothing is counted from instruction to instruction. What a way through a program comes to is told by where it leaves the straight
+//! line: all that stands [before](Executable::before) the place that it leaves, without what stands before that which it comes to.
 
 use super::executable::Executable;
 use super::processor::{Flow, Processor};
 use super::tally::Tally;
-use crate::seam::OpStream;
+use crate::seam::{Activity, OpStream};
 
-/// Where a cell is, with its counts less what is before its address, so that they stay as they are along a straight line.
+/// Where a cell is. Its counts are less what stands before its address, so that they stay as they are along a straight line.
 struct Way {
     address: u32,
     tally: Tally,
     executed: u64,
+    /// At more executed instructions than these, there is something else to do.
     horizon: u64,
 }
 
@@ -83,7 +84,7 @@ impl Processor<'_> {
     }
 
     /// What is to be done before an instruction that is an edge, or works for another kernel than the one before it.
-    fn cross_edge(&mut self, work: crate::seam::Activity, ops: &mut OpStream) {
+    fn cross_edge(&mut self, work: Activity, ops: &mut OpStream) {
         self.turn_to(work, ops);
         self.count_events();
         self.count_up_in_time();

@@ -57,7 +57,7 @@ macro_rules! chains {
             /// Executes the chain that begins some steps, the first of which is at an address, until an instruction of it does
             /// not lead to the next. Tells how many have led to the next, and where the one behind them leads.
             #[inline(always)]
-            #[allow(unused_assignments, unused_mut, unused_variables)]
+            #[allow(unused_assignments, unused_mut, unused_variables, reason = "chains without blocks, branches or registers")]
             pub(super) fn execute_chain(&mut self, steps: &[Step], address: u32) -> (usize, Flow) {
                 let Some(first) = steps.first() else { return (0, Flow::Next) };
                 match first.chain {
@@ -142,7 +142,8 @@ impl Processor<'_> {
     }
 }
 
-// The loops of the standard programs' kernels. A block may not store: what has been stored would be loaded when it is executed again.
+// What the standard programs execute most often. Names are those of their source where it helps; any register can have any of them.
+// A block may not store: when it is executed again, it would load what it has stored.
 chains! {
     GridStart: { Lw a zero } Beq a zero { Mov limit t_max, Lw endless zero, Lw unity zero, Fabs a o_x, Fabs b o_y, Fabs c o_z,
         Fmax a a b, Fmax a a c, Lw b zero } Fble a b;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::chains::Chain;
 use super::cycles::InstructionCycles;
-use super::encoding::Instruction;
+use super::encoding::{Instruction, InvalidInstruction};
 use super::field::Field;
 use super::float_pipe::Waits;
 use super::kernels::OTHER;
@@ -48,7 +48,7 @@ pub(super) struct Moves {
     /// Those that it reads, each by the slot where its word goes, from the first of them on.
     pub reads: [Option<Queue>; QUEUE_SLOTS.len()],
     pub writes: Option<Queue>,
-    /// Whether they are all that the instruction does.
+    /// Whether they are all that the instruction does, and nothing of it is counted.
     pub are_all: bool,
 }
 
@@ -104,7 +104,7 @@ pub struct Executable {
     /// The waits of each instruction; none where floating-point results have no latency.
     pub(super) waits: Vec<Waits>,
     /// The instructions, or why a word is none.
-    pub(super) instructions: Vec<Result<Instruction, super::InvalidInstruction>>,
+    pub(super) instructions: Vec<Result<Instruction, InvalidInstruction>>,
     /// Addresses whose execution is counted, with the number of the counter, where tallies do not count it.
     pub(super) counted: Vec<(u32, usize)>,
     counters: Vec<String>,
@@ -140,24 +140,8 @@ impl Executable {
         }
         let before = before(&steps, &waits, &tallied);
         let turns = steps.iter().enumerate().map(|(address, step)| Turn::new(address, step, &before)).collect();
-        let moves = |decoded: &Result<Instruction, _>| decoded.as_ref().map(Moves::new).unwrap_or_default();
-        let moves = instructions.iter().map(moves).collect();
-        let mut executable = Executable {
-            cycles: *cycles,
-            program,
-            before,
-            turns,
-            steps,
-            moves,
-            waits,
-            instructions,
-            counted,
-            counters,
-        };
-        for address in 0..executable.steps.len() {
-            executable.moves[address].are_all = executable.only_moves(address as u32);
-        }
-        executable
+        let moves = moves(&instructions, &before, &counted);
+        Executable { cycles: *cycles, program, before, turns, steps, moves, waits, instructions, counted, counters }
     }
 
     /// The program.
@@ -175,13 +159,6 @@ impl Executable {
     #[inline(always)]
     pub(super) fn before(&self, address: u32) -> Tally {
         tally_before(&self.before, address)
-    }
-
-    /// Whether an instruction moves words and does nothing that is counted.
-    fn only_moves(&self, address: u32) -> bool {
-        let step = &self.steps[address as usize];
-        let is_counted = self.counted.iter().any(|&(at, _)| at == address);
-        step.special && step.opcode == Opcode::Mov && self.tally_at(address) == Tally::default() && !is_counted
     }
 
     /// What an instruction alone comes to.
@@ -238,6 +215,20 @@ fn before(steps: &[Step], waits: &[Waits], tallied: &BTreeSet<(u32, usize)>) -> 
         before.push(events.fold(tally, Tally::with));
     }
     before
+}
+
+/// The queues of each instruction.
+fn moves(
+    instructions: &[Result<Instruction, InvalidInstruction>],
+    before: &[Tally],
+    counted: &[(u32, usize)],
+) -> Vec<Moves> {
+    let moves = |((decoded, tallies), address): ((&Result<Instruction, _>, &[Tally]), u32)| {
+        let Ok(instruction) = decoded else { return Moves::default() };
+        let is_counted = tallies[0] != tallies[1] || counted.iter().any(|&(at, _)| at == address);
+        Moves { are_all: instruction.opcode == Opcode::Mov && !is_counted, ..Moves::new(instruction) }
+    };
+    instructions.iter().zip(before.windows(2)).zip(0..).map(moves).collect()
 }
 
 #[inline(always)]

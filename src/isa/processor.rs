@@ -57,9 +57,10 @@ pub struct Processor<'a> {
     pub(super) work: Activity,
     /// Instructions executed since they were counted up or put down as ops the last time.
     pub(super) tally: Tally,
-    /// Those that have been counted up and not put down, if there are any; and how many there were at the last time.
-    owed: Option<Classes>,
+    /// How many had been executed before those.
     counted_up: u64,
+    /// Those that have been counted up, but not put down; if there are any.
+    owed: Option<Classes>,
     /// Those of the message that have been put down.
     told: Classes,
     instruction_limit: u64,
