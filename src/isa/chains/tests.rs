@@ -285,13 +285,14 @@ fn running_ahead_does_what_single_steps_do() {
 fn long_ways_are_counted_exactly() {
     let add = |by: i32| instruction(Opcode::Addi, [register(1); 3], by);
     let fadd = instruction(Opcode::Fadd, [register(2); 3], 0);
-    let line = std::iter::repeat_n([add(1), fadd], 40_000).flatten();
-    let looped = [add(-1), fadd, instruction(Opcode::Bne, [register(1), Register::ZERO, Register::ZERO], -2)];
+    let line = std::iter::repeat_n([add(1), add(1), add(1), fadd], 30_000).flatten();
+    let back = instruction(Opcode::Bne, [register(1), Register::ZERO, Register::ZERO], -8);
+    let looped = [add(-7), add(1), add(1), add(1), add(1), add(1), add(1), fadd, back];
     let code: Vec<Instruction> = line.chain(looped).chain([Instruction::new(Opcode::Done)]).collect();
     let code = code.iter().map(Instruction::encode).collect();
     let executable = Executable::new(Program { code, ..Program::default() }, &cycles());
     let mut judge = Judge::default();
-    for limit in [1_000_000, 199_000, 80_001, 80_003] {
+    for limit in [1_000_000, 199_000, 120_008, 120_009] {
         compare(&executable, limit, &mut judge).unwrap_or_else(|error| panic!("{error}"));
     }
     assert_eq!((judge.ends, judge.limits), (3, 3));
