@@ -83,6 +83,9 @@ pub(super) struct Turn {
     pub tally: Tally,
 }
 
+/// The address of an instruction that is an event, and the number of its counter.
+type Event = (u32, usize);
+
 /// The place behind all classes: of waits for floating-point results.
 pub(super) const WAIT: u8 = Class::ALL.len() as u8;
 
@@ -105,8 +108,8 @@ pub struct Executable {
     pub(super) waits: Vec<Waits>,
     /// The instructions, or why a word is none.
     pub(super) instructions: Vec<Result<Instruction, InvalidInstruction>>,
-    /// Addresses whose execution is counted, with the number of the counter, where tallies do not count it.
-    pub(super) counted: Vec<(u32, usize)>,
+    /// The events that tallies do not count.
+    pub(super) counted: Vec<Event>,
     counters: Vec<String>,
 }
 
@@ -116,7 +119,7 @@ impl Executable {
         let instructions: Vec<_> = program.code.iter().map(|&word| Instruction::decode(word)).collect();
         let counters: Vec<String> = program.counted.keys().cloned().collect();
         let addresses = |(number, name)| program.counted[name].iter().map(move |&address| (address, number));
-        let counted: Vec<(u32, usize)> = counters.iter().enumerate().flat_map(addresses).collect();
+        let counted: Vec<Event> = counters.iter().enumerate().flat_map(addresses).collect();
         let (tallied, counted) = in_tallies(counted);
         let step = |(address, decoded): (usize, &Result<Instruction, _>)| {
             let mut step = match decoded {
@@ -197,17 +200,17 @@ impl Executable {
     }
 }
 
-/// Addresses and the counters of their events: those that tallies count, and all others.
-fn in_tallies(counted: Vec<(u32, usize)>) -> (BTreeSet<(u32, usize)>, Vec<(u32, usize)>) {
+/// The events that tallies count, and all others.
+fn in_tallies(counted: Vec<Event>) -> (BTreeSet<Event>, Vec<Event>) {
     let mut tallied = BTreeSet::new();
     // Whatever stands there twice is counted twice.
-    let is_other = |event: &(u32, usize)| event.1 >= Tally::EVENTS || !tallied.insert(*event);
+    let is_other = |event: &Event| event.1 >= Tally::EVENTS || !tallied.insert(*event);
     let others = counted.into_iter().filter(is_other).collect();
     (tallied, others)
 }
 
 /// All instructions before each address, and before the one behind the last.
-fn before(steps: &[Step], waits: &[Waits], tallied: &BTreeSet<(u32, usize)>) -> Vec<Tally> {
+fn before(steps: &[Step], waits: &[Waits], tallied: &BTreeSet<Event>) -> Vec<Tally> {
     let mut before = vec![Tally::default()];
     for ((step, waits), address) in steps.iter().zip(waits).zip(0..) {
         let events = tallied.range((address, 0)..(address + 1, 0)).map(|&(_, event)| Tally::event(event));
@@ -218,11 +221,7 @@ fn before(steps: &[Step], waits: &[Waits], tallied: &BTreeSet<(u32, usize)>) -> 
 }
 
 /// The queues of each instruction.
-fn moves(
-    instructions: &[Result<Instruction, InvalidInstruction>],
-    before: &[Tally],
-    counted: &[(u32, usize)],
-) -> Vec<Moves> {
+fn moves(instructions: &[Result<Instruction, InvalidInstruction>], before: &[Tally], counted: &[Event]) -> Vec<Moves> {
     let moves = |((decoded, tallies), address): ((&Result<Instruction, _>, &[Tally]), u32)| {
         let Ok(instruction) = decoded else { return Moves::default() };
         let is_counted = tallies[0] != tallies[1] || counted.iter().any(|&(at, _)| at == address);
