@@ -1,18 +1,24 @@
 //! A program made ready to run: decoded once, with what each instruction costs.
 
+use std::collections::BTreeSet;
+
 use super::chains::Chain;
 use super::cycles::InstructionCycles;
-use super::encoding::Instruction;
+use super::encoding::{Instruction, InvalidInstruction};
 use super::field::Field;
 use super::float_pipe::Waits;
 use super::kernels::OTHER;
 use super::program::Program;
 use super::register::{Queue, Register};
 use super::table::{Class, Opcode};
+use super::tally::Tally;
 use crate::seam::Activity;
 
 /// Where an instruction finds a word that it has read from a queue, by the field that names the queue.
 pub(super) const QUEUE_SLOTS: [u8; 3] = [60, 61, 62];
+
+/// An address that no program has, nor the one before it; what leads beyond it leads there.
+pub(super) const OUTSIDE: u32 = u32::MAX - 1;
 
 /// Where a result goes that is for a queue, or for nobody (`r0`).
 pub(super) const RESULT_SLOT: u8 = 63;
@@ -26,9 +32,11 @@ pub(super) struct Step {
     pub work: Activity,
     /// Whether it needs more than its opcode says: an invalid word, queues, an end.
     pub special: bool,
+    /// Whether something is to be done before it: it is special, or counted, or tallies are looked at. No chain goes on across it.
+    pub is_edge: bool,
     /// The class that it is counted in, or [`UNCOUNTED`].
     pub class: u8,
-    /// With which instructions behind it, up to the end of its run, it is executed as one.
+    /// With which instructions behind it it is executed as one.
     pub chain: Chain,
     /// The constant, or the target's address.
     pub constant: i32,
@@ -40,6 +48,8 @@ pub(super) struct Moves {
     /// Those that it reads, each by the slot where its word goes, from the first of them on.
     pub reads: [Option<Queue>; QUEUE_SLOTS.len()],
     pub writes: Option<Queue>,
+    /// Whether they are all that the instruction does, and nothing of it is counted.
+    pub are_all: bool,
 }
 
 impl Moves {
@@ -52,82 +62,29 @@ impl Moves {
     }
 }
 
-/// Instructions that are executed one after the other once the first of them is, unless one fails or branches: all work for the
-/// same kernel, and none is special.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
-    /// How many; 0 if the first one is special.
-    pub length: u32,
-    pub work: Activity,
-    /// Whether events are counted at the first one. None are at the others.
-    pub is_counted: bool,
-    /// How often they wait for floating-point results.
-    pub waits: u16,
-    /// How many of each class.
-    pub classes: Tally,
-}
-
-/// Numbers of instructions by class, at most [`Tally::MOST`] of them in all: 12 bits a class, so that adding them all up is two
-/// additions.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally([u64; 2]);
-
-impl Tally {
-    pub const MOST: u32 = (1 << Tally::BITS) - 1;
-    const BITS: u32 = 12;
-    const IN_A_WORD: u8 = 5;
-
-    /// One instruction of a class.
-    fn one(class: u8) -> Tally {
-        let mut tally = Tally::default();
-        tally.0[(class / Tally::IN_A_WORD) as usize] = 1 << (u32::from(class % Tally::IN_A_WORD) * Tally::BITS);
-        tally
-    }
-
-    /// Both together.
-    #[inline(always)]
-    pub fn and(self, other: Tally) -> Tally {
-        Tally([self.0[0] + other.0[0], self.0[1] + other.0[1]])
-    }
-
-    /// Without some that are part of it.
-    pub fn without(self, other: Tally) -> Tally {
-        Tally([self.0[0] - other.0[0], self.0[1] - other.0[1]])
-    }
-
-    /// How many of each class, in the order of [`Class::ALL`].
-    pub fn numbers(self) -> [u64; Class::ALL.len()] {
-        std::array::from_fn(|class| {
-            let (word, place) = (class / Tally::IN_A_WORD as usize, class as u32 % u32::from(Tally::IN_A_WORD));
-            self.0[word] >> (place * Tally::BITS) & u64::from(Tally::MOST)
-        })
-    }
-}
-
-/// The runs that begin at each address.
-fn runs(steps: &[Step], waits: &[Waits], counted: &[(u32, usize)]) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::with_capacity(steps.len());
-    for (address, step) in steps.iter().enumerate().rev() {
-        let is_counted = counted.iter().any(|&(at, _)| at as usize == address);
-        let mut run = Run { length: 0, work: step.work, is_counted, waits: 0, classes: Tally::default() };
-        if !step.special {
-            (run.length, run.classes) = (1, Tally::one(step.class));
-            run.waits = waits[address].count() as u16;
-            let next = runs.last().filter(|next| !step.jumps() && !next.is_counted && next.work == run.work);
-            if let Some(next) = next.filter(|next| next.length < LONGEST_RUN) {
-                run.length += next.length;
-                run.waits += next.waits;
-                run.classes = run.classes.and(next.classes);
-            }
+/// Up to where chains that begin at each address can go: to the next instruction that is an edge or works for another kernel.
+fn ends(steps: &[Step]) -> Vec<usize> {
+    let mut ends: Vec<usize> = (1..=steps.len()).collect();
+    for (address, pair) in steps.windows(2).enumerate().rev() {
+        if !pair[1].is_edge && pair[0].work == pair[1].work {
+            ends[address] = ends[address + 1];
         }
-        runs.push(run);
     }
-    runs.reverse();
-    runs
+    ends
 }
 
-/// The most instructions of a run.
-const LONGEST_RUN: u32 = Tally::MOST / 16;
+/// At how many instructions at most an edge follows the one before, so that tallies are looked at.
+pub(super) const EDGE_EVERY: usize = 4096;
+
+/// What it comes to, to leave the straight line behind an instruction for its target.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    pub to: u32,
+    pub tally: Tally,
+}
+
+/// The address of an instruction that is an event, and the number of its counter.
+type Event = (u32, usize);
 
 /// The place behind all classes: of waits for floating-point results.
 pub(super) const WAIT: u8 = Class::ALL.len() as u8;
@@ -141,16 +98,18 @@ pub struct Executable {
     cycles: InstructionCycles,
     pub(super) program: Program,
     pub(super) steps: Vec<Step>,
-    /// For each address the run of instructions that begins there.
-    pub(super) runs: Vec<Run>,
+    /// For each address, and the one behind the last, all instructions before it, with their waits and events.
+    before: Vec<Tally>,
+    /// For each address the turn that its instruction takes, if it is one that does.
+    pub(super) turns: Vec<Turn>,
     /// The queues of each instruction.
     pub(super) moves: Vec<Moves>,
     /// The waits of each instruction; none where floating-point results have no latency.
     pub(super) waits: Vec<Waits>,
     /// The instructions, or why a word is none.
-    pub(super) instructions: Vec<Result<Instruction, super::InvalidInstruction>>,
-    /// Addresses whose execution is counted, with the number of the counter.
-    pub(super) counted: Vec<(u32, usize)>,
+    pub(super) instructions: Vec<Result<Instruction, InvalidInstruction>>,
+    /// The events that tallies do not count.
+    pub(super) counted: Vec<Event>,
     counters: Vec<String>,
 }
 
@@ -160,13 +119,16 @@ impl Executable {
         let instructions: Vec<_> = program.code.iter().map(|&word| Instruction::decode(word)).collect();
         let counters: Vec<String> = program.counted.keys().cloned().collect();
         let addresses = |(number, name)| program.counted[name].iter().map(move |&address| (address, number));
-        let counted: Vec<(u32, usize)> = counters.iter().enumerate().flat_map(addresses).collect();
+        let counted: Vec<Event> = counters.iter().enumerate().flat_map(addresses).collect();
+        let (tallied, counted) = in_tallies(counted);
         let step = |(address, decoded): (usize, &Result<Instruction, _>)| {
             let mut step = match decoded {
                 Ok(instruction) => Step::new(instruction, address),
                 Err(_) => Step::INVALID,
             };
             step.work = program.work.get(address).copied().unwrap_or(OTHER);
+            let is_counted = counted.iter().any(|&(at, _)| at as usize == address);
+            step.is_edge = step.special || is_counted || address % EDGE_EVERY == 0;
             step
         };
         let mut steps: Vec<Step> = instructions.iter().enumerate().map(step).collect();
@@ -174,13 +136,15 @@ impl Executable {
             Some(_) => Waits::of(&instructions),
             None => vec![Waits::default(); steps.len()],
         };
-        let runs = runs(&steps, &waits, &counted);
-        for (address, run) in runs.iter().enumerate() {
-            steps[address].chain = Chain::of(&steps[address..][..run.length as usize]);
+        for (address, end) in ends(&steps).into_iter().enumerate() {
+            if !steps[address].special {
+                steps[address].chain = Chain::of(&steps[address..end]);
+            }
         }
-        let moves = |decoded: &Result<Instruction, _>| decoded.as_ref().map(Moves::new).unwrap_or_default();
-        let moves = instructions.iter().map(moves).collect();
-        Executable { cycles: *cycles, program, runs, steps, moves, waits, instructions, counted, counters }
+        let before = before(&steps, &waits, &tallied);
+        let turns = steps.iter().enumerate().map(|(address, step)| Turn::new(address, step, &before)).collect();
+        let moves = moves(&instructions, &before, &counted);
+        Executable { cycles: *cycles, program, before, turns, steps, moves, waits, instructions, counted, counters }
     }
 
     /// The program.
@@ -191,6 +155,18 @@ impl Executable {
     /// The names of the events that are counted.
     pub fn counters(&self) -> &[String] {
         &self.counters
+    }
+
+    /// All instructions before an address: what is executed from one to another, one after the other, is what is before the other
+    /// without what is before the one.
+    #[inline(always)]
+    pub(super) fn before(&self, address: u32) -> Tally {
+        tally_before(&self.before, address)
+    }
+
+    /// What an instruction alone comes to.
+    pub(super) fn tally_at(&self, address: u32) -> Tally {
+        self.before(address + 1).without(self.before(address))
     }
 
     /// Cycles of an instruction of a class, by its place among them, or of a [`WAIT`].
@@ -224,21 +200,59 @@ impl Executable {
     }
 }
 
+/// The events that tallies count, and all others.
+fn in_tallies(counted: Vec<Event>) -> (BTreeSet<Event>, Vec<Event>) {
+    let mut tallied = BTreeSet::new();
+    // Whatever stands there twice is counted twice.
+    let is_other = |event: &Event| event.1 >= Tally::EVENTS || !tallied.insert(*event);
+    let others = counted.into_iter().filter(is_other).collect();
+    (tallied, others)
+}
+
+/// All instructions before each address, and before the one behind the last.
+fn before(steps: &[Step], waits: &[Waits], tallied: &BTreeSet<Event>) -> Vec<Tally> {
+    let mut before = vec![Tally::default()];
+    for ((step, waits), address) in steps.iter().zip(waits).zip(0..) {
+        let events = tallied.range((address, 0)..(address + 1, 0)).map(|&(_, event)| Tally::event(event));
+        let tally = before[before.len() - 1].with(Tally::one(step.class)).with(Tally::waits(waits.count()));
+        before.push(events.fold(tally, Tally::with));
+    }
+    before
+}
+
+/// The queues of each instruction.
+fn moves(instructions: &[Result<Instruction, InvalidInstruction>], before: &[Tally], counted: &[Event]) -> Vec<Moves> {
+    let moves = |((decoded, tallies), address): ((&Result<Instruction, _>, &[Tally]), u32)| {
+        let Ok(instruction) = decoded else { return Moves::default() };
+        let is_counted = tallies[0] != tallies[1] || counted.iter().any(|&(at, _)| at == address);
+        Moves { are_all: instruction.opcode == Opcode::Mov && !is_counted, ..Moves::new(instruction) }
+    };
+    instructions.iter().zip(before.windows(2)).zip(0..).map(moves).collect()
+}
+
+#[inline(always)]
+fn tally_before(before: &[Tally], address: u32) -> Tally {
+    before.get(address as usize).copied().unwrap_or_default()
+}
+
+impl Turn {
+    fn new(address: usize, step: &Step, before: &[Tally]) -> Turn {
+        let to = step.constant as u32;
+        Turn { to, tally: before[address + 1].without(tally_before(before, to)) }
+    }
+}
+
 impl Step {
     const INVALID: Step = Step {
         opcode: Opcode::Halt,
         slots: [RESULT_SLOT; 3],
         work: OTHER,
         special: true,
+        is_edge: true,
         class: UNCOUNTED,
         chain: Chain::One,
         constant: 0,
     };
-
-    /// Whether it never leads to the next address.
-    fn jumps(&self) -> bool {
-        matches!(self.opcode, Opcode::Jmp | Opcode::Call | Opcode::Jr)
-    }
 
     fn new(instruction: &Instruction, address: usize) -> Step {
         use super::table::Format;
@@ -267,9 +281,13 @@ impl Step {
             slots,
             work: OTHER,
             special: queues || matches!(instruction.opcode, Opcode::Done | Opcode::Halt),
+            is_edge: true,
             class: if free { UNCOUNTED } else { entry.class as u8 },
             chain: Chain::One,
-            constant: if targets { instruction.constant.wrapping_add(address as i32) } else { instruction.constant },
+            constant: match instruction.constant.wrapping_add(address as i32) {
+                target if targets => (target as u32).min(OUTSIDE) as i32,
+                _ => instruction.constant,
+            },
         }
     }
 }

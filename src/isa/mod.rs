@@ -19,9 +19,11 @@
 //! it was loaded; `done` ends the message. So nothing passes from one message to the next. A program that never says
 //! `done`, as a filter on a stream, takes all words for one message.
 
+mod ahead;
 mod assembler;
 mod chains;
 mod cycles;
+mod effects;
 pub mod encoding;
 mod executable;
 mod fault;
@@ -36,6 +38,7 @@ mod queues;
 mod register;
 mod stepper;
 pub mod table;
+mod tally;
 pub mod words;
 
 pub use assembler::{Sources, assemble};

@@ -25,6 +25,9 @@ impl Queues {
     #[inline]
     pub(super) fn missing(&self, moves: &Moves) -> Option<Queue> {
         let (mut x, mut y) = (self.x.len() - self.x_read, self.y.len() - self.y_read);
+        if x.min(y) >= moves.reads.len() {
+            return None;
+        }
         moves.reads.into_iter().flatten().find(|&queue| {
             let left = if is_x(queue) { &mut x } else { &mut y };
             let enough = left.checked_sub(1);

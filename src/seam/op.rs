@@ -175,7 +175,8 @@ impl Op {
     /// Whether an op is of a kind.
     #[inline]
     fn is(self, kind: OpKind) -> bool {
-        self.0 - self.count() == kind.code()
+        // Equal but for the count.
+        self.0 ^ kind.code() <= kind.max_count()
     }
 }
 
