@@ -55,7 +55,7 @@ fn a_point_is_what_a_run_with_its_flags_is() {
 fn points_that_share_their_times_tell_their_own() {
     let folder = Folder::new();
     let sweep = |rates: &str| format!("(scene: \"room\", size: \"9x8\", fifo_words: [4, 64], link_mb_s: {rates})");
-    folder.file("all.ron", &sweep("[80, 75, 60, 27]"));
+    folder.file("all.ron", sweep("[80, 75, 60, 27]"));
     folder.run("sweep all.ron --table all.csv").success();
     folder.run("sweep all.ron --table step.csv --recording-memory 1kB").success();
     let all = rows(&folder.read("all.csv"));
@@ -63,7 +63,7 @@ fn points_that_share_their_times_tell_their_own() {
     let cycles = column(&all, "cycles");
     assert_eq!((&cycles[1], &cycles[5]), (&cycles[2], &cycles[6]), "75 and 60 are two cycles a word");
     for (place, rate) in ["80", "75", "60", "27"].into_iter().enumerate() {
-        folder.file("one.ron", &sweep(rate));
+        folder.file("one.ron", sweep(rate));
         folder.run("sweep one.ron --table one.csv --force").success();
         assert_eq!(rows(&folder.read("one.csv"))[1..], [all[1 + place].clone(), all[5 + place].clone()], "{rate}");
     }
