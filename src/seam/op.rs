@@ -119,14 +119,9 @@ const MOVE_BITS: u32 = 28;
 pub struct Op(u32);
 
 impl Op {
-    /// Reads a word from Y.
-    pub(crate) const READ_Y_WORD: Op = Op::new(OpKind::ReadY, 1);
-    /// Writes a word to the right neighbour's Y.
-    pub(crate) const WRITE_Y_WORD: Op = Op::new(OpKind::WriteY, 1);
-
     /// An op of `count` units or words, at most [`OpKind::max_count`].
     #[inline]
-    pub const fn new(kind: OpKind, count: u32) -> Op {
+    pub fn new(kind: OpKind, count: u32) -> Op {
         debug_assert!(count <= kind.max_count());
         Op(kind.code() | count)
     }

@@ -33,27 +33,21 @@ impl Cell {
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, ledger, |now, op, resume, ledger| {
+        self.now.run(ops, ledger, |now, op, resume, ledger| match op.kind() {
+            OpKind::PassX if !is_last => now.pass_on(resume.left_of(op), &mut input.x, output, ledger),
+            OpKind::PassX | OpKind::ReadX => now.read(resume.left_of(op), Channel::X, &mut input.x, ledger),
             // Most ops of a pipeline: nothing can be left of them but the whole.
-            match op {
-                Op::READ_Y_WORD => return now.read_word(1, Channel::Y, &mut input.y, ledger),
-                Op::WRITE_Y_WORD => return now.write_word(1, Channel::Y, output, ledger),
-                _ => {}
+            OpKind::ReadY if op.words() == 1 => now.read_word(1, Channel::Y, &mut input.y, ledger),
+            OpKind::ReadY => now.read(resume.left_of(op), Channel::Y, &mut input.y, ledger),
+            OpKind::WriteX => now.write(resume.left_of(op), Channel::X, output, ledger),
+            OpKind::WriteY if op.words() == 1 => now.write_word(1, Channel::Y, output, ledger),
+            OpKind::WriteY => now.write(resume.left_of(op), Channel::Y, output, ledger),
+            OpKind::ReadZ | OpKind::WriteZ => {
+                let (then, done) = now.moved_back(op, resume.left_of(op), input, output, ledger);
+                *now = then;
+                done
             }
-            let left = resume.left_of(op);
-            match op.kind() {
-                OpKind::PassX if !is_last => now.pass_on(left, &mut input.x, output, ledger),
-                OpKind::PassX | OpKind::ReadX => now.read(left, Channel::X, &mut input.x, ledger),
-                OpKind::ReadY => now.read(left, Channel::Y, &mut input.y, ledger),
-                OpKind::WriteX => now.write(left, Channel::X, output, ledger),
-                OpKind::WriteY => now.write(left, Channel::Y, output, ledger),
-                OpKind::ReadZ | OpKind::WriteZ => {
-                    let (then, done) = now.moved_back(op, left, input, output, ledger);
-                    *now = then;
-                    done
-                }
-                OpKind::Await | OpKind::Work(_) => Err(Halt::NotReturned),
-            }
+            OpKind::Await | OpKind::Work(_) => Err(Halt::NotReturned),
         })
     }
 
