@@ -34,8 +34,8 @@ pub struct Placing {
     pub visit: Visit,
     /// Whether it is a pixel's new ray, which has no slot yet and itself wants the first.
     pub is_new: bool,
-    /// How many of the rays that follow have a slot.
-    pub placed: u32,
+    /// Where the ray stands in the itinerary that wants a slot next, or 0 if all have one.
+    pub next: u32,
 }
 
 /// A placing that waits for a slot, for what it places next.

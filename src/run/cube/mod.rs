@@ -312,7 +312,12 @@ impl CubeSpec {
                 self.check_slots(slots, highest_rank)?;
                 let rules = spec.rules(slots.unwrap_or(0));
                 let order = order(spec, scene.graph.trees.len());
-                let mut nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), rules);
+                let nodes = RegionNodes::new(machine, &scene.graph, &node_of, (&owners, &order), rules);
+                let Some(mut nodes) = nodes else {
+                    return Err(InputError::new("there are more rays than can be counted")
+                        .help("make the image smaller")
+                        .into());
+                };
                 nodes.queues = watched_queues(nodes.queues, machine, watching);
                 let mut events = watched(nodes.topology(), 0, machine, watching);
                 if watching.path {

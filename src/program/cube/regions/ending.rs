@@ -22,7 +22,9 @@ impl RegionNodes<'_> {
         let node = &mut self.nodes[task];
         node.done += 1;
         node.packet += 1;
-        if self.rules.ends == Ends::Credit && (node.packet == PACKET_PIXELS || node.done == node.pixels.len()) {
+        if self.rules.ends == Ends::Credit
+            && (node.packet == PACKET_PIXELS || (node.pixels.is_empty() && node.done == node.begun))
+        {
             self.send_packet(task, false);
         }
     }
@@ -37,7 +39,7 @@ impl RegionNodes<'_> {
     /// Takes the token if it is here and there is nothing else to do. False if its turn is over.
     pub(super) fn token(&mut self, task: usize, turn: &mut impl Turn<Note>) -> Option<bool> {
         let node = &self.nodes[task];
-        let is_passive = node.begun == node.pixels.len() && !node.slots.wants_any() && node.asked == 0;
+        let is_passive = node.pixels.is_empty() && !node.slots.wants_any() && node.asked == 0;
         node.account.token.filter(|_| is_passive)?;
         self.nodes[task].next = Next::Passes;
         // Node 0 has the first token without having been sent it. A token that took no time would go round for ever while a ray is

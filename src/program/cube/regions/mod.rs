@@ -7,13 +7,13 @@
 //! which adds results up and sends pixels that are done to the host.
 
 mod ending;
+mod itinerary;
 mod node;
 mod placing;
-mod visit;
 
+use itinerary::{Ahead, Itinerary};
+pub use itinerary::{Follower, Visit};
 use node::{Next, Node};
-use visit::Ahead;
-pub use visit::{Follower, Visit};
 
 use super::causes::{self, PIXEL, takes};
 use super::graph::TaskGraph;
@@ -23,7 +23,6 @@ use super::pool::{Aside, Flow, Placing, Slots};
 use super::seen::{NodeSeen, Seen};
 use super::states::{BLOCKED, GRID, IDLE, INTERSECTION, PIXELS, RECEIVING, SENDING, SHADING, SLABS, WAITING, topology};
 use super::token::Token;
-use crate::host::shading::RayKind;
 use crate::machine::events::{Act, Cube, Delivery, Explanation, MOST_SPELLS, Message, Queues, Sender, Turn, Work};
 use crate::machine::{Cycles, Ipsc2};
 use crate::measure::{Actor, FifoInfo, StateId, Topology};
@@ -77,10 +76,8 @@ pub struct RegionNodes<'a> {
     graph: &'a TaskGraph,
     cube: Cube,
     rules: Rules,
-    /// Each region's node.
-    node_of: Vec<u16>,
-    /// Each tree's node.
-    owners: &'a [u16],
+    itinerary: Itinerary,
+    ray_bytes: u64,
     nodes: Vec<Node>,
     /// For each node, how many of its slots are free.
     free: Vec<u32>,
@@ -92,8 +89,8 @@ pub struct RegionNodes<'a> {
     host_waits: usize,
     /// The host takes a packet with so many of them.
     host_takes: u32,
-    /// The most regions of a line, and R, the highest rank.
-    ranks: (u32, u32),
+    /// R, the highest rank of any ray.
+    highest_rank: u32,
     /// The order of nodes in which the token goes round.
     ring: Vec<u16>,
     ages: u64,
@@ -113,22 +110,22 @@ pub struct RegionNodes<'a> {
 
 impl<'a> RegionNodes<'a> {
     /// Nodes at the start: each region of a graph on the node that `node_of` tells, each tree begun by the node in `owners`, which has
-    /// them in the order in which `order` lists them.
+    /// them in the order in which `order` lists them. None if there are more rays and legs than can be counted.
     pub fn new(
         machine: &'a Ipsc2,
         graph: &'a TaskGraph,
         node_of: &[u16],
-        (owners, order): (&'a [u16], &[u32]),
+        (owners, order): (&[u16], &[u32]),
         rules: Rules,
-    ) -> RegionNodes<'a> {
+    ) -> Option<RegionNodes<'a>> {
         let count = machine.nodes;
-        let ranks = ranks(graph);
+        let (most_regions, highest_rank) = ranks(graph);
         let free = match rules.flow {
             Flow::Block(slots) | Flow::Classes(slots) => slots,
             Flow::Unlimited | Flow::Window(_) => u32::MAX,
         };
         let mut nodes: Vec<Node> = (0..count).map(|_| Node::new(Slots::new(count))).collect();
-        order.iter().for_each(|&tree| nodes[usize::from(owners[tree as usize])].pixels.push(tree));
+        let order = by_owner(order, owners, &mut nodes);
         if rules.ends == Ends::Token {
             nodes[0].account.is_black = true;
             nodes[0].account.token = Some(Token::default());
@@ -140,20 +137,20 @@ impl<'a> RegionNodes<'a> {
             pairs: vec![Default::default(); (count + 1) * (count + 1)],
             ..Seen::default()
         };
-        RegionNodes {
+        Some(RegionNodes {
             machine,
             graph,
             cube: machine.cube(),
             rules,
-            node_of: node_of.to_vec(),
-            owners,
+            itinerary: Itinerary::new(graph, (&order, owners), node_of, most_regions)?,
+            ray_bytes: graph.ray_bytes(),
             nodes,
             free: vec![free; count],
-            left: (0..graph.trees.len()).map(|tree| graph.tree(tree).len() as u32).collect(),
+            left: order.iter().map(|&tree| graph.tree(tree as usize).len() as u32).collect(),
             trees_left: graph.trees.len(),
             host_waits: graph.trees.len() + if rules.ends == Ends::Token { count } else { 0 },
             host_takes: 0,
-            ranks,
+            highest_rank,
             ring: gray_order(count),
             ages: 0,
             now: 0,
@@ -162,7 +159,7 @@ impl<'a> RegionNodes<'a> {
             explains: false,
             seen,
             queues: Queues::new(count),
-        }
+        })
     }
 
     /// The nodes, the host, their states and their queues.
@@ -184,7 +181,7 @@ impl<'a> RegionNodes<'a> {
     /// Lets the nodes tell what they spend their time on, and by what names.
     pub fn explain(&mut self) -> Explanation {
         self.explains = true;
-        causes::explanation(self.machine, (0, self.graph.ray_bytes()), causes::of_legs(self.graph))
+        causes::explanation(self.machine, (0, self.ray_bytes), causes::of_legs(self.graph))
     }
 
     /// What a node spends on sending a message, by what is in it.
@@ -233,8 +230,8 @@ impl<'a> RegionNodes<'a> {
             }
             Next::Answers(placing) => self.answer(task, placing),
             Next::PlacesFirst(placing, follower) => self.place(task, placing, follower, false, turn),
-            Next::Places(placing) => self.place(task, placing, self.graph.follower(placing), false, turn),
-            Next::PlacesGranted(placing) => self.place(task, placing, self.graph.follower(placing), true, turn),
+            Next::Places(placing) => self.place(task, placing, self.itinerary.follower(placing), false, turn),
+            Next::PlacesGranted(placing) => self.place(task, placing, self.itinerary.follower(placing), true, turn),
             Next::Counts(tree) => {
                 self.count(task, tree);
                 true
@@ -272,7 +269,7 @@ impl<'a> RegionNodes<'a> {
             Note::Ray(visit) => {
                 node.account.taken();
                 if node.received.is_empty() {
-                    node.ahead = self.graph.ahead(visit);
+                    node.ahead = self.itinerary.ahead(visit);
                 }
                 node.received.push_back(visit);
                 self.note_queue(task);
@@ -301,7 +298,7 @@ impl<'a> RegionNodes<'a> {
     fn note_slots(&mut self, task: usize) {
         let is_full = match self.rules.flow {
             Flow::Block(_) => self.free[task] == 0,
-            Flow::Classes(_) => self.free[task] <= self.ranks.1,
+            Flow::Classes(_) => self.free[task] <= self.highest_rank,
             Flow::Unlimited | Flow::Window(_) => return,
         };
         self.queues.fill(task, is_full, Cycles(self.now));
@@ -364,7 +361,7 @@ impl<'a> RegionNodes<'a> {
         if !self.nodes[task].slots.wants_any() {
             return None;
         }
-        let (free, highest) = (&self.free, self.ranks.1);
+        let (free, highest) = (&self.free, self.highest_rank);
         self.nodes[task].slots.take_movable(|node, rank| free[node] > highest - rank)
     }
 
@@ -374,21 +371,21 @@ impl<'a> RegionNodes<'a> {
         let node = &mut self.nodes[task];
         let own = node.own.pop();
         let is_own = own.is_some();
-        let (visit, Ahead { share, follower }) = match own {
-            Some(visit) => (visit, self.graph.ahead(visit)),
-            None => node.first_received(self.graph)?,
+        let (visit, Ahead { ray, leg, follower }) = match own {
+            Some(visit) => (visit, self.itinerary.ahead(visit)),
+            None => node.first_received(&self.itinerary)?,
         };
         self.note_queue(task);
         let mut receiving = Cycles(0);
         if !is_own {
-            receiving = self.took(MessageKind::VirtualObject, self.graph.ray_bytes());
+            receiving = self.took(MessageKind::VirtualObject, self.ray_bytes);
             if let Flow::Block(_) = self.rules.flow {
                 self.grant(task, turn);
             }
         }
-        let time = share.time(&self.machine.times);
+        let time = self.itinerary.time(leg, &self.machine.times);
         self.seen.nodes[task].legs += 1;
-        self.nodes[task].next = Next::PlacesFirst(Placing { visit, is_new: false, placed: 0 }, follower);
+        self.nodes[task].next = Next::PlacesFirst(self.itinerary.placing(visit, leg), follower);
         let spells = [
             (RECEIVING, receiving),
             (GRID, time.grid),
@@ -397,19 +394,26 @@ impl<'a> RegionNodes<'a> {
             (SHADING, time.shading),
         ];
         if self.explains {
-            self.explain_work(task, visit, is_own, spells);
+            self.explain_work(task, (ray, self.itinerary.legs_before(visit)), is_own, spells);
             return Some(true);
         }
-        Some(turn.act(Act::Job(visit.ray, spells)))
+        Some(turn.act(Act::Job(ray, spells)))
     }
 
     /// Tells what the work on a ray consists of, as it does it.
-    fn explain_work(&mut self, task: usize, visit: Visit, is_own: bool, mut spells: [(StateId, Cycles); MOST_SPELLS]) {
+    fn explain_work(
+        &mut self,
+        task: usize,
+        (ray, legs_before): (u32, u32),
+        is_own: bool,
+        mut spells: [(StateId, Cycles); MOST_SPELLS],
+    ) {
         let receiving = std::mem::take(&mut spells[0].1);
         let taken = Act::Work(RECEIVING, receiving, takes(MessageKind::VirtualObject));
-        let work = Act::Work(GRID, Cycles(0), Work::Piece(visit.leg));
+        let leg = self.graph.rays[ray as usize].first_leg + legs_before;
+        let work = Act::Work(GRID, Cycles(0), Work::Piece(leg));
         let script = &mut self.nodes[task].script;
-        script.push_back(Act::Begin(visit.ray));
+        script.push_back(Act::Begin(ray));
         script.extend((!is_own).then_some(taken));
         script.extend([work, Act::SpendEach(spells), Act::Done]);
     }
@@ -421,14 +425,15 @@ impl<'a> RegionNodes<'a> {
         let may = match self.rules.flow {
             Flow::Unlimited | Flow::Block(_) => true,
             Flow::Window(window) => node.begun - node.done < window as usize,
-            Flow::Classes(_) => self.free[task] > self.ranks.1,
+            Flow::Classes(_) => self.free[task] > self.highest_rank,
         };
-        let tree = *node.pixels.get(node.begun).filter(|_| may)?;
-        let visit = self.graph.first_visit(self.graph.trees[tree as usize]);
-        let placing = Placing { visit, is_new: true, placed: 0 };
+        if !may {
+            return None;
+        }
         let node = &mut self.nodes[task];
+        let placing = self.itinerary.begin(node.pixels.next()?);
         node.begun += 1;
-        node.next = Next::PlacesFirst(placing, self.graph.follower(placing));
+        node.next = Next::PlacesFirst(placing, self.itinerary.follower(placing));
         Some(turn.act(Act::Work(PIXELS, self.machine.costs.pixel, PIXEL)))
     }
 
@@ -446,11 +451,23 @@ impl<'a> RegionNodes<'a> {
         self.seen.messages[kind as usize].take(time);
         time
     }
+}
 
-    /// What kind a ray is of.
-    pub fn kind(&self, ray: u32) -> RayKind {
-        self.graph.rays[ray as usize].kind
+/// The trees of an order, those that belong to the first node before those of the second and so on. Each node is told its own.
+fn by_owner(order: &[u32], owners: &[u16], nodes: &mut [Node]) -> Vec<u32> {
+    owners.iter().for_each(|&owner| nodes[usize::from(owner)].pixels.end += 1);
+    let mut end = 0;
+    for Node { pixels, .. } in nodes.iter_mut() {
+        (pixels.start, end) = (end, end + pixels.end);
+        pixels.end = pixels.start;
     }
+    let mut sorted = vec![0; order.len()];
+    for &tree in order {
+        let pixels = &mut nodes[usize::from(owners[tree as usize])].pixels;
+        sorted[pixels.end as usize] = tree;
+        pixels.end += 1;
+    }
+    sorted
 }
 
 /// R, the highest rank of any ray of a graph: nodes need one slot more, for none to stick.

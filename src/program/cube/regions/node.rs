@@ -1,12 +1,12 @@
 //! What a node has come to.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 use super::Note;
-use super::visit::{Ahead, Follower, Visit};
+use super::itinerary::{Ahead, Follower, Itinerary, Visit};
 use crate::machine::Cycles;
 use crate::machine::events::Act;
-use crate::program::cube::graph::TaskGraph;
 use crate::program::cube::pool::{Placing, Slots};
 use crate::program::cube::token::Account;
 
@@ -24,8 +24,8 @@ pub(super) struct Node {
     pub requests: VecDeque<Placing>,
     pub given: VecDeque<Placing>,
     pub asked: u32,
-    /// Its pixels, as trees, in the order in which they are begun; so many have been, and so many are done.
-    pub pixels: Vec<u32>,
+    /// Its pixels that are not begun, as trees; so many have been, and so many are done.
+    pub pixels: Range<u32>,
     pub begun: usize,
     pub done: usize,
     /// Pixels that are done and not sent to the host.
@@ -70,7 +70,7 @@ impl Node {
             requests: VecDeque::new(),
             given: VecDeque::new(),
             asked: 0,
-            pixels: Vec::new(),
+            pixels: 0..0,
             begun: 0,
             done: 0,
             packet: 0,
@@ -84,11 +84,11 @@ impl Node {
     /// Takes the first of those that have come, and reads ahead what the next one has to do: by the time that it is asked for, that has come
     /// from memory, while other nodes went on.
     #[inline(always)]
-    pub fn first_received(&mut self, graph: &TaskGraph) -> Option<(Visit, Ahead)> {
+    pub fn first_received(&mut self, itinerary: &Itinerary) -> Option<(Visit, Ahead)> {
         let visit = self.received.pop_front()?;
         let ahead = self.ahead;
         if let Some(&next) = self.received.front() {
-            self.ahead = graph.ahead(next);
+            self.ahead = itinerary.ahead(next);
         }
         Some((visit, ahead))
     }

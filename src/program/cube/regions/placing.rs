@@ -1,7 +1,6 @@
 //! Where rays go on that follow from one that has done its work, and how they get slots there.
 
 use super::{Follower, Next, Node, Note, RegionNodes, Visit};
-use crate::host::shading::RayKind;
 use crate::machine::events::{Act, Turn};
 use crate::program::cube::causes::takes;
 use crate::program::cube::messages::{MessageKind, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES};
@@ -68,16 +67,6 @@ impl RegionNodes<'_> {
         }
     }
 
-    /// The rank of a ray in a region.
-    fn rank(&self, visit: Visit) -> u32 {
-        let ray = &self.graph.rays[visit.ray as usize];
-        u32::from(ray.turns) * self.ranks.0 + u32::from(ray.hop) + visit.leg - ray.first_leg
-    }
-
-    fn node(&self, region: u16) -> usize {
-        self.node_of[usize::from(region)].into()
-    }
-
     /// Places what follows from a ray, of which the next is known, until that takes time. False if its turn is over.
     pub(super) fn place(
         &mut self,
@@ -88,7 +77,7 @@ impl RegionNodes<'_> {
         turn: &mut impl Turn<Note>,
     ) -> bool {
         while let Some(follower) = next {
-            let (visit, to) = (follower.visit, self.node(follower.region));
+            let (visit, to) = (follower.visit, usize::from(follower.node));
             if to == task && self.is_the_rest(placing, visit) {
                 // It has its line and its slot in common with the ray that met a blocker.
                 self.nodes[task].own.push(visit);
@@ -98,10 +87,10 @@ impl RegionNodes<'_> {
             if !is_granted && self.lacks_slot(task, to, visit) {
                 return self.wait_for_slot(task, (to, follower), placing, turn);
             }
-            placing.placed += 1;
+            placing = self.itinerary.after(placing);
             if to == task {
                 self.keep(task, visit);
-                next = self.graph.follower(placing);
+                next = self.itinerary.follower(placing);
                 continue;
             }
             if !is_granted && self.free[to] != u32::MAX {
@@ -118,21 +107,17 @@ impl RegionNodes<'_> {
 
     /// Whether a ray is the rest of a shadow ray behind what it has hit.
     fn is_the_rest(&self, placing: Placing, visit: Visit) -> bool {
-        let kind = |ray: u32| self.graph.rays[ray as usize].kind;
-        visit.ray != placing.visit.ray
-            && kind(visit.ray) == RayKind::Shadow
-            && kind(placing.visit.ray) == RayKind::Shadow
+        let is_shadow = |visit| self.itinerary.is_shadow(visit);
+        visit.head != placing.visit.head && is_shadow(visit) && is_shadow(placing.visit)
     }
 
     /// All that follows from a ray is placed: if it has ended, it makes a result. False if its turn is over.
     #[inline]
     pub(super) fn end(&mut self, task: usize, placing: Placing, turn: &mut impl Turn<Note>) -> bool {
-        let Visit { ray, leg } = placing.visit;
-        if placing.is_new || leg + 1 < self.graph.legs_end(ray) {
+        if placing.is_new || !self.itinerary.leg(placing.visit).is_last() {
             return true;
         }
-        let tree = self.graph.rays[ray as usize].tree;
-        let owner = usize::from(self.owners[tree as usize]);
+        let (tree, owner) = self.itinerary.tree(placing.visit);
         if owner == task {
             self.count(task, tree);
             return true;
@@ -152,7 +137,9 @@ impl RegionNodes<'_> {
     fn lacks_slot(&self, task: usize, to: usize, visit: Visit) -> bool {
         match self.rules.flow {
             Flow::Block(_) => to != task && self.free[to] == 0,
-            Flow::Classes(_) => (to != task && self.rules.asks_for_slots) || !self.has_room(to, self.rank(visit)),
+            Flow::Classes(_) => {
+                (to != task && self.rules.asks_for_slots) || !self.has_room(to, self.itinerary.rank(visit))
+            }
             Flow::Unlimited | Flow::Window(_) => false,
         }
     }
@@ -175,7 +162,7 @@ impl RegionNodes<'_> {
             _ => {
                 self.ages += 1;
                 let aside = Aside { placing, follower, age: self.ages };
-                let rank = self.rank(follower.visit);
+                let rank = self.itinerary.rank(follower.visit);
                 self.nodes[task].slots.put_aside(to, rank, aside);
                 true
             }
@@ -184,14 +171,14 @@ impl RegionNodes<'_> {
 
     /// Whether a node has a slot for such a rank.
     fn has_room(&self, node: usize, rank: u32) -> bool {
-        self.free[node] > self.ranks.1 - rank
+        self.free[node] > self.highest_rank - rank
     }
 
     #[inline(always)]
     fn send_ray(&mut self, task: usize, to: usize, visit: Visit) -> Act<Note> {
         self.nodes[task].account.sent();
         self.seen.sent[task * self.nodes.len() + to] += 1;
-        self.send(task, to, (MessageKind::VirtualObject, self.graph.ray_bytes()), Note::Ray(visit))
+        self.send(task, to, (MessageKind::VirtualObject, self.ray_bytes), Note::Ray(visit))
     }
 
     /// Asks another node for a slot for what follows next from a ray.
@@ -219,10 +206,10 @@ impl RegionNodes<'_> {
 
     /// A node has taken a request for a slot: it gives one, or remembers who waits.
     pub(super) fn answer(&mut self, task: usize, placing: Placing) -> bool {
-        if let Some(follower) = self.graph.follower(placing) {
+        if let Some(follower) = self.itinerary.follower(placing) {
             self.ages += 1;
             let aside = Aside { placing, follower, age: self.ages };
-            let rank = self.rank(follower.visit);
+            let rank = self.itinerary.rank(follower.visit);
             self.nodes[task].slots.wait(rank, aside);
         }
         self.give(task);
@@ -231,7 +218,7 @@ impl RegionNodes<'_> {
 
     /// Gives slots to those who wait for them, as far as there are any.
     fn give(&mut self, task: usize) {
-        let highest = self.ranks.1;
+        let highest = self.highest_rank;
         while let Some(placing) = self.nodes[task].slots.take_waiting(|rank| self.free[task] > highest - rank) {
             self.take_slot(task);
             let to = self.asker(placing);
@@ -242,10 +229,9 @@ impl RegionNodes<'_> {
 
     /// The node that places something.
     fn asker(&self, placing: Placing) -> usize {
-        let Visit { ray, leg } = placing.visit;
         match placing.is_new {
-            true => self.owners[self.graph.rays[ray as usize].tree as usize].into(),
-            false => self.node(self.graph.legs[leg as usize].region),
+            true => self.itinerary.tree(placing.visit).1,
+            false => self.itinerary.leg(placing.visit).node().into(),
         }
     }
 
@@ -260,18 +246,18 @@ impl RegionNodes<'_> {
     pub fn stuck(&self) -> Stuck {
         let waits = |(node, state): (usize, &Node)| {
             let (to, placing) = match (self.rules.flow, state.next) {
-                (Flow::Block(_), Next::Places(placing)) => (self.node(self.graph.follower(placing)?.region), placing),
+                (Flow::Block(_), Next::Places(placing)) => (self.itinerary.follower(placing)?.node.into(), placing),
                 _ => state.slots.first_aside().or_else(|| self.asked_for(node))?,
             };
-            let visit = self.graph.follower(placing)?.visit;
-            let ray = &self.graph.rays[visit.ray as usize];
-            Some(Waiting { node, ray: visit.ray, kind: ray.kind, tree: ray.tree, to })
+            let ray = self.itinerary.ray(self.itinerary.follower(placing)?.visit);
+            let task = &self.graph.rays[ray as usize];
+            Some(Waiting { node, ray, kind: task.kind, tree: task.tree, to })
         };
         let slots = match self.rules.flow {
             Flow::Block(slots) | Flow::Classes(slots) => slots,
             Flow::Unlimited | Flow::Window(_) => 0,
         };
         let waiting: Vec<Waiting> = self.nodes.iter().enumerate().filter_map(waits).collect();
-        Stuck::new(&waiting, slots, self.ranks.1 + 1)
+        Stuck::new(&waiting, slots, self.highest_rank + 1)
     }
 }
