@@ -7,7 +7,7 @@ pub struct Agenda {
     /// When each task wakes up.
     times: Vec<u64>,
     /// Who won each match, by its key. The first is the final, the players of match n are the winners of the matches 2n and 2n + 1, and
-    /// the last half are the tasks themselves. Nobody is before what stands in place 0.
+    /// the last half are the tasks themselves. Nobody is before what stands in place 0. A single task has won without a match.
     matches: Vec<u64>,
     /// A key is a time from `base` on, or [`Agenda::far`] if that is later, before the number of the task, which has so many bits.
     base: u64,
@@ -20,9 +20,8 @@ pub const NEVER: u64 = u64::MAX;
 impl Agenda {
     /// All tasks wake up at time 0.
     pub fn new(tasks: usize) -> Agenda {
-        let width = tasks.next_power_of_two();
-        let (times, matches) = (vec![0; tasks], vec![u64::MAX; 2 * width]);
-        let mut agenda = Agenda { times, matches, base: 0, bits: width.ilog2() };
+        let (times, matches) = (vec![0; tasks], vec![u64::MAX; 2 * tasks.max(1)]);
+        let mut agenda = Agenda { times, matches, base: 0, bits: tasks.next_power_of_two().ilog2() };
         agenda.play_all();
         agenda
     }

@@ -267,7 +267,7 @@ impl<M: Copy> Events<M> {
                 self.lanes.done(task, self.now);
                 None
             }
-            Phase::Sends(message) => self.send(task, message),
+            Phase::Sends(_) => self.send(task),
             Phase::Holds { arrives, state, .. } => {
                 self.lanes.spend(task, self.sending, arrives);
                 self.lanes.spend(task, state, self.now);
@@ -334,9 +334,10 @@ impl<M: Copy> Events<M> {
         {
             causes.work(task, message.time, Work::Unit(unit));
         }
+        self.phases[task] = Phase::Sends(message);
         match message.time {
-            Cycles(0) => self.send(task, message),
-            time => self.spend(task, (self.sending, time), Phase::Sends(message)),
+            Cycles(0) => self.send(task),
+            time => Some(self.lanes.spend_each(task, &[(self.sending, time)], self.now)),
         }
     }
 
@@ -369,48 +370,47 @@ impl<M: Copy> Events<M> {
         }
     }
 
-    /// A message is ready to go. Returns when its sender goes on, if not at once.
-    fn send(&mut self, task: usize, message: Message<M>) -> Option<u64> {
-        let (to, holds) = match message.delivery {
-            Delivery::Post(to) => (to, None),
-            Delivery::Hold(to, state) => (to, Some(state)),
-            Delivery::Broadcast => {
-                self.broadcast(task, &message);
-                return None;
+    /// The message that a task sends is ready to go. Returns when its sender goes on, if not at once.
+    fn send(&mut self, task: usize) -> Option<u64> {
+        let Phase::Sends(Message { delivery, bytes, .. }) = self.phases[task] else { return None };
+        match delivery {
+            Delivery::Post(to) => {
+                self.carry(task, to, bytes, false);
+                None
             }
-        };
-        let arrives = self.carry(task, to, holds.is_some(), &message);
-        let state = holds?;
-        self.phases[task] = Phase::Holds { to, arrives, state };
-        Some(NEVER)
+            Delivery::Hold(to, state) => {
+                let arrives = self.carry(task, to, bytes, true);
+                self.phases[task] = Phase::Holds { to, arrives, state };
+                Some(NEVER)
+            }
+            Delivery::Broadcast => {
+                self.broadcast(task, bytes);
+                None
+            }
+        }
     }
 
-    /// Lets the network carry a message, and tells when it arrives.
+    /// Lets the network carry a task's message, and tells when it arrives.
     #[inline(always)]
-    fn carry(&mut self, task: usize, to: usize, is_held: bool, message: &Message<M>) -> u64 {
-        let (at, cause) = self.pass(task, to, message.bytes);
-        self.set_out(task, to, at);
-        self.deliver(to, Mail { at, cause, from: task, is_held, content: message.content });
-        at
+    fn carry(&mut self, task: usize, to: usize, bytes: u64, is_held: bool) -> u64 {
+        let passed = self.pass(task, to, bytes);
+        self.deliver(task, to, passed, is_held);
+        passed.0
     }
 
-    /// A message goes to all others: at once if the network can, else to one after the other.
-    fn broadcast(&mut self, task: usize, message: &Message<M>) {
+    /// A task's message goes to all others: at once if the network can, else to one after the other.
+    #[inline(never)]
+    fn broadcast(&mut self, task: usize, bytes: u64) {
         let others = (0..self.phases.len()).filter(|&other| other != task);
         if !self.network.broadcasts() {
             return others.for_each(|other| {
-                self.carry(task, other, false, message);
+                self.carry(task, other, bytes, false);
             });
         }
-        let (at, cause) = self.pass(task, task, message.bytes);
-        let mail = Mail { at, cause, from: task, is_held: false, content: message.content };
-        others.for_each(|other| {
-            self.set_out(task, other, at);
-            self.deliver(other, mail.clone());
-        });
+        let passed = self.pass(task, task, bytes);
+        others.for_each(|other| self.deliver(task, other, passed, false));
     }
 
-    /// A message sets out, and arrives at that time.
     #[inline]
     fn set_out(&mut self, task: usize, to: usize, at: u64) {
         let Events { lanes, network, now, .. } = self;
@@ -431,14 +431,18 @@ impl<M: Copy> Events<M> {
         (passage.arrives, cause)
     }
 
+    /// A task's message sets out, and arrives at that time by that chain of causes.
     #[inline(always)]
-    fn deliver(&mut self, to: usize, mail: Mail<M>) {
+    fn deliver(&mut self, task: usize, to: usize, (at, cause): (u64, u32), is_held: bool) {
+        self.set_out(task, to, at);
         if let Phase::Waits { from, .. } = self.phases[to]
-            && from.is(mail.from)
+            && from.is(task)
         {
-            self.agenda.wake(to, mail.at);
+            self.agenda.wake(to, at);
         }
-        self.mailboxes[to].add(mail);
+        // It is copied from where it was written long ago: what was written just now in smaller pieces takes longer to read.
+        let Phase::Sends(Message { ref content, .. }) = self.phases[task] else { return };
+        self.mailboxes[to].add((at, task), || Mail { at, cause, from: task, is_held, content: *content });
     }
 
     /// Takes a message, if there is one; else waits for it. Returns when the task goes on, if not at once.
@@ -452,15 +456,19 @@ impl<M: Copy> Events<M> {
     }
 
     /// Takes a message, if there is one, whose sender may wait for that.
+    #[inline(always)]
     fn take(&mut self, task: usize, from: Sender) -> Option<M> {
-        let mail = self.mailboxes[task].take(from, self.now)?;
+        let mailbox = &mut self.mailboxes[task];
+        let (place, mail) = mailbox.first(from, self.now)?;
         if let Some((causes, _)) = &mut self.causes {
-            causes.taken(task, &mail);
+            causes.taken(task, mail);
         }
         if mail.is_held {
             self.agenda.wake(mail.from, self.now);
         }
-        Some(mail.content)
+        let content = mail.content;
+        mailbox.remove(place);
+        Some(content)
     }
 
     /// What the tasks have done so far. Each has come to a cycle of its own.

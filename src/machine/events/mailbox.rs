@@ -41,12 +41,12 @@ impl<M> Mailbox<M> {
         Mailbox(VecDeque::new())
     }
 
-    /// Adds a message that was just sent. Most arrive after all others.
-    #[inline]
-    pub fn add(&mut self, mail: Mail<M>) {
+    /// Adds a message that was just sent, which arrives at that time from that task. Most arrive after all others.
+    #[inline(always)]
+    pub fn add(&mut self, arrival: (u64, usize), mail: impl Fn() -> Mail<M>) {
         match self.0.back() {
-            Some(last) if (mail.at, mail.from) < (last.at, last.from) => self.add_before(mail),
-            _ => self.0.push_back(mail),
+            Some(last) if arrival < (last.at, last.from) => self.add_before(mail()),
+            _ => self.0.push_back(mail()),
         }
     }
 
@@ -73,16 +73,23 @@ impl<M> Mailbox<M> {
         self.0.front().is_some_and(|mail| mail.at <= now)
     }
 
-    /// Takes the first message of a sender, if it has arrived.
+    /// The first message of a sender and its place, if it has arrived.
     #[inline(always)]
-    pub fn take(&mut self, from: Sender, now: u64) -> Option<Mail<M>> {
+    pub fn first(&self, from: Sender, now: u64) -> Option<(usize, &Mail<M>)> {
         let place = match from {
             Sender::Anyone => 0,
             Sender::Task(_) => self.0.iter().position(|mail| from.is(mail.from))?,
         };
-        if self.0.get(place)?.at > now {
-            return None;
-        }
-        if place == 0 { self.0.pop_front() } else { self.0.remove(place) }
+        self.0.get(place).filter(|mail| mail.at <= now).map(|mail| (place, mail))
+    }
+
+    /// Removes the message in a place.
+    #[inline(always)]
+    pub fn remove(&mut self, place: usize) {
+        if place == 0 {
+            self.0.pop_front()
+        } else {
+            self.0.remove(place)
+        };
     }
 }

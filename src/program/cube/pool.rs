@@ -91,6 +91,8 @@ pub struct Slots {
     asked: Ranks,
     /// For each node, what this one has put aside for want of a slot there.
     aside: Vec<Ranks>,
+    /// The rank and the age of the first of that, for each node for which there is any.
+    firsts: Vec<(u32, u64)>,
     /// The nodes for which there is any, a bit each.
     wanted: u128,
 }
@@ -98,11 +100,14 @@ pub struct Slots {
 impl Slots {
     /// The slots of one of so many nodes.
     pub fn new(nodes: usize) -> Slots {
-        Slots { aside: vec![Ranks::default(); nodes], ..Slots::default() }
+        Slots { aside: vec![Ranks::default(); nodes], firsts: vec![(0, 0); nodes], ..Slots::default() }
     }
 
     /// Puts a placing aside that wants a slot of a rank at a node. It is younger than all others.
     pub fn put_aside(&mut self, to: usize, rank: u32, aside: Aside) {
+        if !self.wants(to) || rank > self.firsts[to].0 {
+            self.firsts[to] = (rank, aside.age);
+        }
         self.aside[to].push(rank, aside);
         self.wanted |= 1 << to;
     }
@@ -124,7 +129,7 @@ impl Slots {
         while wanted != 0 {
             let node = wanted.trailing_zeros() as usize;
             wanted &= wanted - 1;
-            let Some((rank, &Aside { age, .. })) = self.aside[node].first() else { continue };
+            let (rank, age) = self.firsts[node];
             let is_before = best.is_none_or(|(known, other, _)| rank > known || rank == known && age < other);
             if is_before && may(node, rank) {
                 best = Some((rank, age, node));
@@ -132,8 +137,9 @@ impl Slots {
         }
         let (.., node) = best?;
         let taken = self.aside[node].pop();
-        if self.aside[node].above == 0 {
-            self.wanted &= !(1 << node);
+        match self.aside[node].first() {
+            Some((rank, first)) => self.firsts[node] = (rank, first.age),
+            None => self.wanted &= !(1 << node),
         }
         taken
     }
