@@ -32,10 +32,12 @@ pub enum Flow {
 pub struct Placing {
     /// The ray, and its leg that is done.
     pub visit: Visit,
-    /// Whether it is a pixel's new ray, which has no slot yet and itself wants the first.
-    pub is_new: bool,
     /// Where the ray stands in the itinerary that wants a slot next, or 0 if all have one.
     pub next: u32,
+    /// Whether it is a pixel's new ray, which has no slot yet and itself wants the first.
+    pub is_new: bool,
+    /// Whether the leg was the ray's last.
+    pub is_last: bool,
 }
 
 /// A placing that waits for a slot, for what it places next.

@@ -1,5 +1,7 @@
 //! Rays as nodes read them: where each goes, what it makes them do there, and what follows from it.
 
+use std::ops::Range;
+
 use crate::host::shading::RayKind;
 use crate::machine::KernelTimes;
 use crate::program::cube::graph::{Leg, RayTask, Share, TaskGraph, WorkTimes};
@@ -21,17 +23,6 @@ pub struct Follower {
     pub visit: Visit,
     /// The node that has the region.
     pub node: u16,
-}
-
-/// What is known of a visit before its node begins with it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Ahead {
-    /// The ray, by its number in the graph.
-    pub ray: u32,
-    /// What it makes the node do.
-    pub leg: LegWord,
-    /// What follows from it first.
-    pub follower: Option<Follower>,
 }
 
 /// The trees of a graph, node by node, in the order in which each node begins its own.
@@ -228,25 +219,34 @@ impl Itinerary {
     #[inline]
     pub fn begin(&self, tree: u32) -> Placing {
         let head = self.trees[tree as usize];
-        Placing { visit: Visit { head, leg: head + HEAD }, is_new: true, next: head }
+        Placing { visit: Visit { head, leg: head + HEAD }, next: head, is_new: true, is_last: false }
     }
 
-    #[inline]
-    pub fn ahead(&self, visit: Visit) -> Ahead {
-        let leg = self.leg(visit);
-        Ahead { ray: self.ray(visit), leg, follower: self.follower(self.placing(visit, leg)) }
+    /// Looks at some visits, so that they are at hand when they are worked on: for what is asked for together nodes wait but once.
+    #[inline(always)]
+    pub fn look_at(&self, visits: impl Iterator<Item = Visit>) {
+        let all = visits.fold(0, |all, visit| all ^ self.word(visit.head) ^ self.word(visit.leg));
+        std::hint::black_box(all);
+    }
+
+    /// Looks at some trees in the same way.
+    #[inline(always)]
+    pub fn look_at_trees(&self, trees: Range<u32>) {
+        let place = |tree: u32| self.trees.get(tree as usize).map_or(self.words.len(), |&place| place as usize);
+        let words = &self.words[place(trees.start)..place(trees.end)];
+        std::hint::black_box(words.iter().step_by(8).fold(0, |all, word| all ^ word));
     }
 
     /// What follows from a visit is to be placed.
     #[inline]
     pub fn placing(&self, visit: Visit, leg: LegWord) -> Placing {
         let next = if leg.is_last() { high(self.word(visit.head + 1)) } else { visit.head };
-        Placing { visit, is_new: false, next }
+        Placing { visit, next, is_new: false, is_last: leg.is_last() }
     }
 
     /// What of a placing comes next: the ray in its next region, or a ray that its hit asks for.
     #[inline]
-    pub fn follower(&self, Placing { visit, is_new, next }: Placing) -> Option<Follower> {
+    pub fn follower(&self, Placing { visit, next, is_new, .. }: Placing) -> Option<Follower> {
         let leg = if next == visit.head { visit.leg + u32::from(!is_new) } else { next + HEAD };
         let visit = Visit { head: next, leg };
         (next != 0).then(|| Follower { visit, node: self.leg(visit).node() })

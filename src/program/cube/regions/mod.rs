@@ -11,7 +11,7 @@ mod itinerary;
 mod node;
 mod placing;
 
-use itinerary::{Ahead, Itinerary};
+use itinerary::Itinerary;
 pub use itinerary::{Follower, Visit};
 use node::{Next, Node};
 
@@ -229,7 +229,6 @@ impl<'a> RegionNodes<'a> {
                 self.choose(task, now, turn)
             }
             Next::Answers(placing) => self.answer(task, placing),
-            Next::PlacesFirst(placing, follower) => self.place(task, placing, follower, false, turn),
             Next::Places(placing) => self.place(task, placing, self.itinerary.follower(placing), false, turn),
             Next::PlacesGranted(placing) => self.place(task, placing, self.itinerary.follower(placing), true, turn),
             Next::Counts(tree) => {
@@ -268,9 +267,6 @@ impl<'a> RegionNodes<'a> {
         match *note {
             Note::Ray(visit) => {
                 node.account.taken();
-                if node.received.is_empty() {
-                    node.ahead = self.itinerary.ahead(visit);
-                }
                 node.received.push_back(visit);
                 self.note_queue(task);
             }
@@ -371,10 +367,11 @@ impl<'a> RegionNodes<'a> {
         let node = &mut self.nodes[task];
         let own = node.own.pop();
         let is_own = own.is_some();
-        let (visit, Ahead { ray, leg, follower }) = match own {
-            Some(visit) => (visit, self.itinerary.ahead(visit)),
+        let visit = match own {
+            Some(visit) => visit,
             None => node.first_received(&self.itinerary)?,
         };
+        let (ray, leg) = (self.itinerary.ray(visit), self.itinerary.leg(visit));
         self.note_queue(task);
         let mut receiving = Cycles(0);
         if !is_own {
@@ -385,7 +382,7 @@ impl<'a> RegionNodes<'a> {
         }
         let time = self.itinerary.time(leg, &self.machine.times);
         self.seen.nodes[task].legs += 1;
-        self.nodes[task].next = Next::PlacesFirst(self.itinerary.placing(visit, leg), follower);
+        self.nodes[task].next = Next::Places(self.itinerary.placing(visit, leg));
         let spells = [
             (RECEIVING, receiving),
             (GRID, time.grid),
@@ -431,9 +428,8 @@ impl<'a> RegionNodes<'a> {
             return None;
         }
         let node = &mut self.nodes[task];
-        let placing = self.itinerary.begin(node.pixels.next()?);
-        node.begun += 1;
-        node.next = Next::PlacesFirst(placing, self.itinerary.follower(placing));
+        let tree = node.next_pixel(&self.itinerary)?;
+        node.next = Next::Places(self.itinerary.begin(tree));
         Some(turn.act(Act::Work(PIXELS, self.machine.costs.pixel, PIXEL)))
     }
 

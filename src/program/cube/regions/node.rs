@@ -4,11 +4,14 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use super::Note;
-use super::itinerary::{Ahead, Follower, Itinerary, Visit};
+use super::itinerary::{Itinerary, Visit};
 use crate::machine::Cycles;
 use crate::machine::events::Act;
 use crate::program::cube::pool::{Placing, Slots};
 use crate::program::cube::token::Account;
+
+/// So many rays or trees are looked at together.
+const AT_ONCE: usize = 8;
 
 #[derive(Clone, Debug)]
 pub(super) struct Node {
@@ -17,8 +20,9 @@ pub(super) struct Node {
     pub script: VecDeque<Act<Note>>,
     pub own: Vec<Visit>,
     pub received: VecDeque<Visit>,
-    /// What the first of these has to do here, and what follows from it first.
-    pub ahead: Ahead,
+    /// How many of these have been looked at, and how many of the pixels.
+    pub looked_at: usize,
+    pub looked_at_pixels: usize,
     pub results: VecDeque<u32>,
     /// What others ask it for slots for, and what it has been given slots for; so many it has asked for and not got.
     pub requests: VecDeque<Placing>,
@@ -43,8 +47,6 @@ pub(super) enum Next {
     Looks,
     /// Has been asked for a slot.
     Answers(Placing),
-    /// Places what follows from a ray, of which the first is known.
-    PlacesFirst(Placing, Option<Follower>),
     /// Places what follows from a ray.
     Places(Placing),
     /// The same, and has been given the slot that it waited for.
@@ -65,7 +67,8 @@ impl Node {
             script: VecDeque::new(),
             own: Vec::new(),
             received: VecDeque::new(),
-            ahead: Ahead::default(),
+            looked_at: 0,
+            looked_at_pixels: 0,
             results: VecDeque::new(),
             requests: VecDeque::new(),
             given: VecDeque::new(),
@@ -81,15 +84,29 @@ impl Node {
         }
     }
 
-    /// Takes the first of those that have come, and reads ahead what the next one has to do: by the time that it is asked for, that has come
-    /// from memory, while other nodes went on.
+    /// Takes the first of those that have come.
     #[inline(always)]
-    pub fn first_received(&mut self, itinerary: &Itinerary) -> Option<(Visit, Ahead)> {
-        let visit = self.received.pop_front()?;
-        let ahead = self.ahead;
-        if let Some(&next) = self.received.front() {
-            self.ahead = itinerary.ahead(next);
+    pub fn first_received(&mut self, itinerary: &Itinerary) -> Option<Visit> {
+        if self.looked_at == 0 {
+            itinerary.look_at(self.received.iter().take(AT_ONCE).copied());
+            self.looked_at = AT_ONCE.min(self.received.len());
         }
-        Some((visit, ahead))
+        let visit = self.received.pop_front()?;
+        self.looked_at -= 1;
+        Some(visit)
+    }
+
+    /// Begins its next pixel.
+    #[inline(always)]
+    pub fn next_pixel(&mut self, itinerary: &Itinerary) -> Option<u32> {
+        if self.looked_at_pixels == 0 {
+            let count = AT_ONCE.min(self.pixels.len());
+            itinerary.look_at_trees(self.pixels.start..self.pixels.start + count as u32);
+            self.looked_at_pixels = count;
+        }
+        let tree = self.pixels.next()?;
+        self.looked_at_pixels -= 1;
+        self.begun += 1;
+        Some(tree)
     }
 }

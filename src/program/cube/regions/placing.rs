@@ -114,7 +114,7 @@ impl RegionNodes<'_> {
     /// All that follows from a ray is placed: if it has ended, it makes a result. False if its turn is over.
     #[inline]
     pub(super) fn end(&mut self, task: usize, placing: Placing, turn: &mut impl Turn<Note>) -> bool {
-        if placing.is_new || !self.itinerary.leg(placing.visit).is_last() {
+        if !placing.is_last {
             return true;
         }
         let (tree, owner) = self.itinerary.tree(placing.visit);
