@@ -47,8 +47,8 @@ pub trait Turn<M> {
     /// The message that it has waited for, if it has just taken one.
     fn taken(&mut self) -> Option<M>;
 
-    /// Takes the first message that has arrived, if there is one.
-    fn poll(&mut self) -> Option<M>;
+    /// Takes the first message that has arrived, if there is one, and tells it.
+    fn poll<T>(&mut self, tell: impl FnOnce(&M) -> T) -> Option<T>;
 }
 
 /// States that a task can spend its time in, one after the other.
@@ -163,9 +163,8 @@ impl<M: Copy> Turn<M> for Acting<'_, M> {
     }
 
     #[inline(always)]
-    fn poll(&mut self) -> Option<M> {
-        let Events { mailboxes, now, .. } = self.events;
-        if mailboxes[self.task].has_any(*now) { self.events.take(self.task, Sender::Anyone) } else { None }
+    fn poll<T>(&mut self, tell: impl FnOnce(&M) -> T) -> Option<T> {
+        self.events.take(self.task, Sender::Anyone, tell)
     }
 }
 
@@ -329,12 +328,13 @@ impl<M: Copy> Events<M> {
     /// A task is at work on a message, which it then sends.
     #[inline(always)]
     fn begin_to_send(&mut self, task: usize, message: Message<M>) -> Option<u64> {
+        self.phases[task] = Phase::Sends(message);
         if let Some((causes, sending)) = &mut self.causes
+            && let Phase::Sends(message) = &self.phases[task]
             && let Some(unit) = sending(&message.content)
         {
             causes.work(task, message.time, Work::Unit(unit));
         }
-        self.phases[task] = Phase::Sends(message);
         match message.time {
             Cycles(0) => self.send(task),
             time => Some(self.lanes.spend_each(task, &[(self.sending, time)], self.now)),
@@ -447,7 +447,7 @@ impl<M: Copy> Events<M> {
 
     /// Takes a message, if there is one; else waits for it. Returns when the task goes on, if not at once.
     fn receive(&mut self, task: usize, from: Sender, state: StateId) -> Option<u64> {
-        self.taken = self.take(task, from);
+        self.taken = self.take(task, from, |content| *content);
         if self.taken.is_some() {
             return None;
         }
@@ -455,9 +455,9 @@ impl<M: Copy> Events<M> {
         Some(self.mailboxes[task].arrival(from).unwrap_or(NEVER))
     }
 
-    /// Takes a message, if there is one, whose sender may wait for that.
+    /// Takes a message, if there is one, whose sender may wait for that, and tells it.
     #[inline(always)]
-    fn take(&mut self, task: usize, from: Sender) -> Option<M> {
+    fn take<T>(&mut self, task: usize, from: Sender, tell: impl FnOnce(&M) -> T) -> Option<T> {
         let mailbox = &mut self.mailboxes[task];
         let (place, mail) = mailbox.first(from, self.now)?;
         if let Some((causes, _)) = &mut self.causes {
@@ -466,9 +466,9 @@ impl<M: Copy> Events<M> {
         if mail.is_held {
             self.agenda.wake(mail.from, self.now);
         }
-        let content = mail.content;
+        let told = tell(&mail.content);
         mailbox.remove(place);
-        Some(content)
+        Some(told)
     }
 
     /// What the tasks have done so far. Each has come to a cycle of its own.

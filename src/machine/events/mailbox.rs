@@ -67,12 +67,6 @@ impl<M> Mailbox<M> {
         self.0.iter().find(|mail| from.is(mail.from)).map(|mail| mail.at)
     }
 
-    /// Whether any message has arrived.
-    #[inline]
-    pub fn has_any(&self, now: u64) -> bool {
-        self.0.front().is_some_and(|mail| mail.at <= now)
-    }
-
     /// The first message of a sender and its place, if it has arrived.
     #[inline(always)]
     pub fn first(&self, from: Sender, now: u64) -> Option<(usize, &Mail<M>)> {

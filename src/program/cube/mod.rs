@@ -29,7 +29,7 @@ pub use messages::{
 };
 pub use phases::{Part, Phases, Preparation};
 pub use pool::Flow;
-pub use regions::{Ends, Follower, Note, RegionNodes, Rules, Visit, highest_rank};
+pub use regions::{Ends, Note, RegionNodes, Rules, Visit, highest_rank};
 pub use seen::{NodeSeen, Seen};
 pub use states::topology;
 pub use stuck::{Stuck, Waiting};

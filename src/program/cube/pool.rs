@@ -12,7 +12,7 @@
 
 use std::collections::VecDeque;
 
-use super::regions::{Follower, Visit};
+use super::regions::Visit;
 
 /// How rays find room in the queues of nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,8 +45,6 @@ pub struct Placing {
 pub struct Aside {
     /// The placing.
     pub placing: Placing,
-    /// What it places next.
-    pub follower: Follower,
     /// What is older has a lower number.
     pub age: u64,
 }

@@ -156,10 +156,10 @@ impl<M: Copy> Turn<M> for Heap<'_, M> {
         self.taken.take()
     }
 
-    fn poll(&mut self) -> Option<M> {
+    fn poll<T>(&mut self, tell: impl FnOnce(&M) -> T) -> Option<T> {
         let mail = &mut self.all[self.task].mail;
         let first = *mail.first_key_value().filter(|(key, _)| key.0 <= self.now)?.0;
-        mail.remove(&first)
+        mail.remove(&first).as_ref().map(tell)
     }
 }
 

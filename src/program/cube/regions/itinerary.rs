@@ -16,15 +16,6 @@ pub struct Visit {
     pub leg: u32,
 }
 
-/// What follows from a ray: itself in its next region, or one that its hit asks for where that starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Follower {
-    /// The ray, and its leg.
-    pub visit: Visit,
-    /// The node that has the region.
-    pub node: u16,
-}
-
 /// The trees of a graph, node by node, in the order in which each node begins its own.
 ///
 /// In a graph they stand in the order of their pixels, which nodes begin all over the image. Here what is needed soon stands together, so
@@ -62,8 +53,8 @@ const TEST_BITS: u32 = 18;
 impl LegWord {
     /// The node that has its region.
     #[inline]
-    pub fn node(self) -> u16 {
-        self.0 as u16 & 0xff
+    pub fn node(self) -> usize {
+        (self.0 & 0xff) as usize
     }
 
     /// Whether it is its ray's last.
@@ -222,11 +213,13 @@ impl Itinerary {
         Placing { visit: Visit { head, leg: head + HEAD }, next: head, is_new: true, is_last: false }
     }
 
-    /// Looks at some visits, so that they are at hand when they are worked on: for what is asked for together nodes wait but once.
+    /// Looks at some visits and what follows from them, so that they are at hand when they are worked on: for what is asked for together
+    /// memory is waited for but once.
     #[inline(always)]
     pub fn look_at(&self, visits: impl Iterator<Item = Visit>) {
-        let all = visits.fold(0, |all, visit| all ^ self.word(visit.head) ^ self.word(visit.leg));
-        std::hint::black_box(all);
+        for visit in visits {
+            std::hint::black_box(self.follower(self.placing(visit, self.leg(visit))));
+        }
     }
 
     /// Looks at some trees in the same way.
@@ -244,12 +237,12 @@ impl Itinerary {
         Placing { visit, next, is_new: false, is_last: leg.is_last() }
     }
 
-    /// What of a placing comes next: the ray in its next region, or a ray that its hit asks for.
+    /// What of a placing comes next, and the node that it goes to: the ray in its next region, or a ray that its hit asks for.
     #[inline]
-    pub fn follower(&self, Placing { visit, next, is_new, .. }: Placing) -> Option<Follower> {
+    pub fn follower(&self, Placing { visit, next, is_new, .. }: Placing) -> Option<(Visit, usize)> {
         let leg = if next == visit.head { visit.leg + u32::from(!is_new) } else { next + HEAD };
         let visit = Visit { head: next, leg };
-        (next != 0).then(|| Follower { visit, node: self.leg(visit).node() })
+        (next != 0).then(|| (visit, self.leg(visit).node()))
     }
 
     /// A placing when that has its place.

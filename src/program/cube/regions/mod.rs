@@ -12,7 +12,7 @@ mod node;
 mod placing;
 
 use itinerary::Itinerary;
-pub use itinerary::{Follower, Visit};
+pub use itinerary::Visit;
 use node::{Next, Node};
 
 use super::causes::{self, PIXEL, takes};
@@ -219,18 +219,15 @@ impl<'a> RegionNodes<'a> {
     }
 
     /// Lets a node act that has nothing else to do before. False if its turn is over.
-    #[inline]
+    #[inline(always)]
     fn go_on(&mut self, task: usize, now: Cycles, turn: &mut impl Turn<Note>) -> bool {
         match std::mem::replace(&mut self.nodes[task].next, Next::Looks) {
             Next::Looks => {
-                while let Some(note) = turn.poll() {
-                    self.take(task, &note);
-                }
+                while turn.poll(|note| self.take(task, note)).is_some() {}
                 self.choose(task, now, turn)
             }
             Next::Answers(placing) => self.answer(task, placing),
-            Next::Places(placing) => self.place(task, placing, self.itinerary.follower(placing), false, turn),
-            Next::PlacesGranted(placing) => self.place(task, placing, self.itinerary.follower(placing), true, turn),
+            Next::Places { placing, is_granted } => self.place(task, placing, is_granted, turn),
             Next::Counts(tree) => {
                 self.count(task, tree);
                 true
@@ -317,14 +314,21 @@ impl<'a> RegionNodes<'a> {
         {
             return goes_on;
         }
-        if let Some(Aside { placing, follower, .. }) = self.movable(task) {
-            return self.place(task, placing, Some(follower), false, turn);
+        if let Some(Aside { placing, .. }) = self.movable(task) {
+            self.nodes[task].next = Next::Places { placing, is_granted: false };
+            return true;
         }
-        let chosen = match self.rules.pixels_first {
-            false => self.work(task, turn).or_else(|| self.pixel(task, turn)),
-            true => self.pixel(task, turn).or_else(|| self.work(task, turn)),
-        };
-        if let Some(goes_on) = chosen {
+        if self.rules.pixels_first
+            && let Some(goes_on) = self.pixel(task, turn)
+        {
+            return goes_on;
+        }
+        if let Some(goes_on) = self.work(task, turn) {
+            return goes_on;
+        }
+        if !self.rules.pixels_first
+            && let Some(goes_on) = self.pixel(task, turn)
+        {
             return goes_on;
         }
         if self.nodes[task].has_stopped {
@@ -362,7 +366,7 @@ impl<'a> RegionNodes<'a> {
     }
 
     /// Works on a ray, if there is one. False if its turn is over.
-    #[inline]
+    #[inline(always)]
     fn work(&mut self, task: usize, turn: &mut impl Turn<Note>) -> Option<bool> {
         let node = &mut self.nodes[task];
         let own = node.own.pop();
@@ -382,7 +386,7 @@ impl<'a> RegionNodes<'a> {
         }
         let time = self.itinerary.time(leg, &self.machine.times);
         self.seen.nodes[task].legs += 1;
-        self.nodes[task].next = Next::Places(self.itinerary.placing(visit, leg));
+        self.nodes[task].next = Next::Places { placing: self.itinerary.placing(visit, leg), is_granted: false };
         let spells = [
             (RECEIVING, receiving),
             (GRID, time.grid),
@@ -429,7 +433,7 @@ impl<'a> RegionNodes<'a> {
         }
         let node = &mut self.nodes[task];
         let tree = node.next_pixel(&self.itinerary)?;
-        node.next = Next::Places(self.itinerary.begin(tree));
+        node.next = Next::Places { placing: self.itinerary.begin(tree), is_granted: false };
         Some(turn.act(Act::Work(PIXELS, self.machine.costs.pixel, PIXEL)))
     }
 

@@ -47,10 +47,8 @@ pub(super) enum Next {
     Looks,
     /// Has been asked for a slot.
     Answers(Placing),
-    /// Places what follows from a ray.
-    Places(Placing),
-    /// The same, and has been given the slot that it waited for.
-    PlacesGranted(Placing),
+    /// Places what follows from a ray, and may have been given the slot that it waited for.
+    Places { placing: Placing, is_granted: bool },
     /// Has taken a result.
     Counts(u32),
     /// Has taken the token.

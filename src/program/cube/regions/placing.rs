@@ -1,6 +1,6 @@
 //! Where rays go on that follow from one that has done its work, and how they get slots there.
 
-use super::{Follower, Next, Node, Note, RegionNodes, Visit};
+use super::{Next, Node, Note, RegionNodes, Visit};
 use crate::machine::events::{Act, Turn};
 use crate::program::cube::causes::takes;
 use crate::program::cube::messages::{MessageKind, RESULT_BYTES, TOKEN_BYTES, WORD_BYTES};
@@ -36,8 +36,8 @@ impl RegionNodes<'_> {
             Some(other) => {
                 turn.act(Act::Wake(other.into()));
                 let other = &mut self.nodes[usize::from(other)];
-                if let Next::Places(placing) = other.next {
-                    other.next = Next::PlacesGranted(placing);
+                if let Next::Places { is_granted, .. } = &mut other.next {
+                    *is_granted = true;
                 }
             }
             None => {
@@ -67,42 +67,40 @@ impl RegionNodes<'_> {
         }
     }
 
-    /// Places what follows from a ray, of which the next is known, until that takes time. False if its turn is over.
+    /// Places what follows from a ray until that takes time. False if its turn is over.
+    #[inline(always)]
     pub(super) fn place(
         &mut self,
         task: usize,
         mut placing: Placing,
-        mut next: Option<Follower>,
         is_granted: bool,
         turn: &mut impl Turn<Note>,
     ) -> bool {
-        while let Some(follower) = next {
-            let (visit, to) = (follower.visit, usize::from(follower.node));
+        while let Some((visit, to)) = self.itinerary.follower(placing) {
             if to == task && self.is_the_rest(placing, visit) {
                 // It has its line and its slot in common with the ray that met a blocker.
                 self.nodes[task].own.push(visit);
                 self.note_queue(task);
-                return self.end(task, placing, turn);
+                return !placing.is_last || self.end(task, placing.visit, turn);
             }
             if !is_granted && self.lacks_slot(task, to, visit) {
-                return self.wait_for_slot(task, (to, follower), placing, turn);
+                return self.wait_for_slot(task, (to, visit), placing, turn);
             }
             placing = self.itinerary.after(placing);
             if to == task {
                 self.keep(task, visit);
-                next = self.itinerary.follower(placing);
                 continue;
             }
             if !is_granted && self.free[to] != u32::MAX {
                 self.take_slot(to);
             }
-            self.nodes[task].next = Next::Places(placing);
+            self.nodes[task].next = Next::Places { placing, is_granted: false };
             return turn.act(self.send_ray(task, to, visit));
         }
         if !placing.is_new {
             self.leave(task, turn);
         }
-        self.end(task, placing, turn)
+        !placing.is_last || self.end(task, placing.visit, turn)
     }
 
     /// Whether a ray is the rest of a shadow ray behind what it has hit.
@@ -111,23 +109,19 @@ impl RegionNodes<'_> {
         visit.head != placing.visit.head && is_shadow(visit) && is_shadow(placing.visit)
     }
 
-    /// All that follows from a ray is placed: if it has ended, it makes a result. False if its turn is over.
-    #[inline]
-    pub(super) fn end(&mut self, task: usize, placing: Placing, turn: &mut impl Turn<Note>) -> bool {
-        if !placing.is_last {
-            return true;
-        }
-        let (tree, owner) = self.itinerary.tree(placing.visit);
+    /// All that follows from a ray is placed, which has ended: it makes a result. False if its turn is over.
+    fn end(&mut self, task: usize, visit: Visit, turn: &mut impl Turn<Note>) -> bool {
+        let (tree, owner) = self.itinerary.tree(visit);
         if owner == task {
             self.count(task, tree);
             return true;
         }
         self.nodes[task].account.sent();
-        let result = self.send(task, owner, (MessageKind::Calculation, RESULT_BYTES), Note::Result(tree));
-        // Who has been given the slot that is free now is told first.
         if self.nodes[task].script.is_empty() {
-            return turn.act(result);
+            return turn.act(self.send_result(task, owner, tree));
         }
+        // Who has been given the slot that is free now is told first.
+        let result = self.send_result(task, owner, tree);
         self.nodes[task].script.push_back(result);
         true
     }
@@ -145,24 +139,25 @@ impl RegionNodes<'_> {
     }
 
     /// What a node does then. False if its turn is over.
+    #[inline(always)]
     fn wait_for_slot(
         &mut self,
         task: usize,
-        (to, follower): (usize, Follower),
+        (to, visit): (usize, Visit),
         placing: Placing,
         turn: &mut impl Turn<Note>,
     ) -> bool {
         match self.rules.flow {
             Flow::Block(_) => {
                 self.nodes[to].slots.waiting.push_back(task as u16);
-                self.nodes[task].next = Next::Places(placing);
+                self.nodes[task].next = Next::Places { placing, is_granted: false };
                 turn.act(Act::Sleep(BLOCKED))
             }
             _ if to != task && self.rules.asks_for_slots => turn.act(self.ask(task, to, placing)),
             _ => {
                 self.ages += 1;
-                let aside = Aside { placing, follower, age: self.ages };
-                let rank = self.itinerary.rank(follower.visit);
+                let aside = Aside { placing, age: self.ages };
+                let rank = self.itinerary.rank(visit);
                 self.nodes[task].slots.put_aside(to, rank, aside);
                 true
             }
@@ -181,6 +176,11 @@ impl RegionNodes<'_> {
         self.send(task, to, (MessageKind::VirtualObject, self.ray_bytes), Note::Ray(visit))
     }
 
+    #[inline(always)]
+    fn send_result(&mut self, task: usize, owner: usize, tree: u32) -> Act<Note> {
+        self.send(task, owner, (MessageKind::Calculation, RESULT_BYTES), Note::Result(tree))
+    }
+
     /// Asks another node for a slot for what follows next from a ray.
     fn ask(&mut self, task: usize, to: usize, placing: Placing) -> Act<Note> {
         let node = &mut self.nodes[task];
@@ -196,7 +196,7 @@ impl RegionNodes<'_> {
             (None, true) => return None,
             (None, false) => {
                 node.asked -= 1;
-                (Next::PlacesGranted(node.given.pop_front()?), WORD_BYTES)
+                (Next::Places { placing: node.given.pop_front()?, is_granted: true }, WORD_BYTES)
             }
         };
         node.next = next;
@@ -206,10 +206,10 @@ impl RegionNodes<'_> {
 
     /// A node has taken a request for a slot: it gives one, or remembers who waits.
     pub(super) fn answer(&mut self, task: usize, placing: Placing) -> bool {
-        if let Some(follower) = self.itinerary.follower(placing) {
+        if let Some((visit, _)) = self.itinerary.follower(placing) {
             self.ages += 1;
-            let aside = Aside { placing, follower, age: self.ages };
-            let rank = self.itinerary.rank(follower.visit);
+            let aside = Aside { placing, age: self.ages };
+            let rank = self.itinerary.rank(visit);
             self.nodes[task].slots.wait(rank, aside);
         }
         self.give(task);
@@ -231,7 +231,7 @@ impl RegionNodes<'_> {
     fn asker(&self, placing: Placing) -> usize {
         match placing.is_new {
             true => self.itinerary.tree(placing.visit).1,
-            false => self.itinerary.leg(placing.visit).node().into(),
+            false => self.itinerary.leg(placing.visit).node(),
         }
     }
 
@@ -246,10 +246,10 @@ impl RegionNodes<'_> {
     pub fn stuck(&self) -> Stuck {
         let waits = |(node, state): (usize, &Node)| {
             let (to, placing) = match (self.rules.flow, state.next) {
-                (Flow::Block(_), Next::Places(placing)) => (self.itinerary.follower(placing)?.node.into(), placing),
+                (Flow::Block(_), Next::Places { placing, .. }) => (self.itinerary.follower(placing)?.1, placing),
                 _ => state.slots.first_aside().or_else(|| self.asked_for(node))?,
             };
-            let ray = self.itinerary.ray(self.itinerary.follower(placing)?.visit);
+            let ray = self.itinerary.ray(self.itinerary.follower(placing)?.0);
             let task = &self.graph.rays[ray as usize];
             Some(Waiting { node, ray, kind: task.kind, tree: task.tree, to })
         };
