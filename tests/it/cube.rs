@@ -103,7 +103,7 @@ fn run_watched(
 ) -> Result<(Measured, Observed, Seen), Stuck> {
     let node_of: Vec<u16> = (0..machine.nodes as u16).collect();
     let order: Vec<u32> = (0..graph.trees.len() as u32).collect();
-    let mut nodes = RegionNodes::new(machine, graph, &node_of, (owners, &order), rules);
+    let mut nodes = RegionNodes::new(machine, graph, &node_of, (owners, &order), rules).unwrap();
     let events = Events::new(nodes.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
     let all = || (Cycles(0)..Cycles(u64::MAX), Recording::MOST_EVENTS);
     let mut events = events.probed().recorded(all().0, all().1);
@@ -121,7 +121,7 @@ fn run_watched(
 fn run_explained(machine: &Ipsc2, graph: &TaskGraph, owners: &[u16], rules: Rules) -> (Measured, CriticalPath, Seen) {
     let node_of: Vec<u16> = (0..machine.nodes as u16).collect();
     let order: Vec<u32> = (0..graph.trees.len() as u32).collect();
-    let mut nodes = RegionNodes::new(machine, graph, &node_of, (owners, &order), rules);
+    let mut nodes = RegionNodes::new(machine, graph, &node_of, (owners, &order), rules).unwrap();
     let explanation = nodes.explain();
     let events = Events::new(nodes.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
     let mut events = events.explained(explanation, RegionNodes::sending);
@@ -251,6 +251,37 @@ fn enough(flow: Flow, graph: &TaskGraph) -> Flow {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    /// However much legs do, nodes spend on them what the graph says: few do too much for the word that nodes read of a leg.
+    #[test]
+    fn legs_take_what_they_do_however_much(
+        nodes in 1usize..9,
+        trees in 1usize..12,
+        numbers in prop::collection::vec(any::<u32>(), 200),
+        counts in prop::collection::vec(
+            prop_oneof![0u32..3, (1u32 << 17) - 2..(1 << 17) + 2, (1u32 << 18) - 2..(1 << 18) + 2, any::<u32>()],
+            3..60,
+        ),
+        times in times(),
+    ) {
+        let mut graph = graph(&numbers, nodes, trees);
+        let mut counts = counts.iter().copied().cycle();
+        let mut count = || counts.next().unwrap_or(0);
+        for leg in &mut graph.legs {
+            (leg.voxels, leg.slab_tests, leg.intersection_tests) = (count(), count(), count());
+        }
+        let machine = machine(nodes, times);
+        let owners: Vec<u16> = graph.trees.iter().map(|&ray| graph.start_of(ray)).collect();
+        let (stats, seen) = run(&machine, &graph, &owners, UNLIMITED).unwrap();
+        let rays = 0..graph.rays.len() as u32;
+        let legs = rays.flat_map(|ray| (graph.rays[ray as usize].first_leg..graph.legs_end(ray)).map(move |leg| (ray, leg)));
+        let asked = legs.map(|(ray, leg)| graph.time(ray, leg, &machine.times)).fold([0; 4], |sums: [u64; 4], time| {
+            [sums[0] + time.grid.0, sums[1] + time.slabs.0, sums[2] + time.intersection.0, sums[3] + time.shading.0]
+        });
+        let spent = [0, 1, 2, 3].map(|state| stats.stations.iter().map(|times| times.of(StateId(state)).0).sum::<u64>());
+        prop_assert_eq!(spent, asked);
+        prop_assert_eq!(seen.nodes.iter().map(|node| node.legs).sum::<u64>(), graph.legs.len() as u64);
+    }
 
     /// Every figure is what ticking each cycle counts, and they get stuck where that does.
     #[test]
@@ -438,7 +469,7 @@ fn another_scheduler_comes_to_the_same() {
         (Flow::Block(4096), Ends::Credit, false),
     ] {
         let rules = Rules { flow, ends, asks_for_slots, pixels_first: false };
-        let nodes = || RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules);
+        let nodes = || RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules).unwrap();
         let mut own = nodes();
         let mut events = Events::new(own.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
         while !own.is_over() && events.step(&mut |task, now, turn| own.next(task, now, turn)) {}
@@ -510,7 +541,7 @@ proptest! {
         let node_of: Vec<u16> = (0..nodes as u16).collect();
         let order: Vec<u32> = (0..trees as u32).collect();
         let rules = Rules { ends: Ends::Token, pixels_first, ..UNLIMITED };
-        let mut run = RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules);
+        let mut run = RegionNodes::new(&machine, &graph, &node_of, (&owners, &order), rules).unwrap();
         let mut events = Events::new(run.topology(), machine.cube(), RegionNodes::SENDING_AND_IDLE);
         let mut begun = None;
         while !run.is_over() && events.step(&mut |task, now, turn| run.next(task, now, turn)) {

@@ -57,7 +57,8 @@ fn slot(word: u64, ring: &[u64]) -> usize {
 
 impl Fifo {
     pub fn new(capacity: u64, latency: u64) -> Fifo {
-        let ring = capacity.max(LEAST_RING).next_power_of_two() as usize;
+        // Twice as many as it holds, so that the peak is looked for seldom even if few words move in a stretch.
+        let ring = capacity.saturating_mul(2).max(LEAST_RING).next_power_of_two() as usize;
         Fifo {
             capacity,
             latency,
