@@ -28,18 +28,20 @@ pub(super) struct Fifo {
     /// Cycles at whose end nothing was inside, before the last write whose word was read.
     empty: u64,
     last_read: u64,
+    /// Cycles at whose end there was no room, before the last write, and the cycle after that.
+    full: u64,
+    after_last_write: u64,
     peak: Peak,
     /// Whether the peak counts a word that is read in the cycle in which another is written: these two need a place each.
     counts_places: bool,
 }
 
-/// How high the FIFO rose, and how long it stood at its capacity.
+/// How high the FIFO rose.
 #[derive(Clone, Copy, Debug, Default)]
 struct Peak {
-    /// All reads before that of this word have been looked at.
+    /// All reads before that of this word have been looked at, unless the maximum is the capacity.
     words: u64,
     max: u64,
-    full: u64,
 }
 
 /// Words that are looked at together for the maximum: enough for vector instructions, few enough that one that raises it
@@ -70,6 +72,8 @@ impl Fifo {
             write_times: 0,
             empty: 0,
             last_read: 0,
+            full: 0,
+            after_last_write: 0,
             peak: Peak::default(),
             counts_places: false,
         }
@@ -96,7 +100,8 @@ impl Fifo {
         }
         self.peak = self.peak();
         // No word that is written has needed more places than there were; the next ones may.
-        self.peak.words = self.peak.words.min(oldest);
+        let is_highest = self.peak.max == self.capacity;
+        self.peak.words = if is_highest { oldest } else { self.peak.words.min(oldest) };
         let moved = |from: &[u64], until: u64| {
             let mut ring: Box<[u64]> = vec![0; needed.max(LEAST_RING) as usize].into();
             for word in oldest..until {
@@ -248,6 +253,10 @@ impl Fifo {
 
     #[inline(always)]
     fn count_writes(&mut self, at: u64, count: u64) {
+        // Full from the write before this one until the read that made room for this word. Inside a burst there is room at once, so
+        // only its first can end such a time.
+        self.full += self.slot_free_from(self.written).saturating_sub(self.after_last_write);
+        self.after_last_write = at + count;
         self.write_times += sum_of_run(at, count);
         self.written += count;
     }
@@ -266,7 +275,7 @@ impl Fifo {
     /// reads and after every stretch of writes.
     #[inline]
     pub fn follow(&mut self) {
-        if self.may_forget(self.peak.words) {
+        if self.peak.max < self.capacity && self.may_forget(self.peak.words) {
             self.peak = self.peak();
         }
     }
@@ -278,7 +287,7 @@ impl Fifo {
         self.read + self.capacity > word + self.ready_at.len() as u64
     }
 
-    /// The maximum among the words whose times are known, and once that is the capacity, how long it lasts.
+    /// The maximum among the words whose times are known.
     ///
     /// The occupancy falls only by reads, so its maximum stands just before one: before the read of word i it is above m
     /// if word i + m was written in an earlier cycle.
@@ -302,16 +311,7 @@ impl Fifo {
                 peak.max += 1;
             }
         }
-        loop {
-            let (reads, writes) = self.known_from(peak.words, self.capacity - 1);
-            if reads.is_empty() {
-                return peak;
-            }
-            // Full from the write of the word that took the last place until the read of the one that was the first then.
-            let full = |(ready_at, free_from): (&u64, &u64)| (free_from - 1).saturating_sub(ready_at - self.latency);
-            peak.full += writes.iter().zip(reads).map(full).sum::<u64>();
-            peak.words += reads.len() as u64;
-        }
+        peak
     }
 
     /// Of words from `word` on, as far as they lie in a row: the reads, and of each the write of the word so many places
@@ -330,12 +330,15 @@ impl Fifo {
         let peak = self.peak();
         let unread = u128::from(self.fill()) * u128::from(cycles);
         let filled_in = if self.fill() == 0 { cycles } else { self.write_time(self.read) };
-        let full = if self.fill() == self.capacity { cycles - self.last_write() } else { 0 };
+        let full = match self.fill() == self.capacity {
+            true => cycles - self.last_write(),
+            false => self.slot_free_from(self.written).saturating_sub(self.after_last_write),
+        };
         FifoStats {
             words: Words(self.written),
             max: Words(peak.max.max(self.fill())),
             word_cycles: self.read_times + unread - self.write_times,
-            full: Cycles(peak.full + full),
+            full: Cycles(self.full + full),
             empty: Cycles(self.empty + filled_in.saturating_sub(self.last_read)),
             enough: None,
         }
