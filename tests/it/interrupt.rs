@@ -95,7 +95,7 @@ fn a_scene_that_is_laid_out() {
 fn a_replay() {
     let folder = Folder::new();
     silent_pipe(&folder, "slow.ops");
-    let (told, left) = interrupted(&folder, "replay slow.ops --stats s.json --page p.html", opened);
+    let (told, left) = interrupted(&folder, "replay slow.ops --stats s.json --page p.html", preparing);
     assert_eq!(told, "stopped while reading the trace; nothing was written\n");
     assert_eq!(left, ["slow.ops"]);
 }
