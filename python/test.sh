@@ -8,7 +8,7 @@ venv="$CARGO_TARGET_DIR/python-tests"
 [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
 export PATH="$venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1
 cargo fmt --package pcs-sim-python --check
-cargo clippy --release --package pcs-sim-python -- -D warnings
+cargo clippy --package pcs-sim-python -- -D warnings
 pip install --quiet --require-virtualenv -r python/tests/requirements.txt
 if [ -z "${PCS_SIM:-}" ]; then
     cargo build --release --bin pcs-sim
