@@ -71,6 +71,17 @@ def test_states_sum_to_the_run(run: pcs_sim.Run) -> None:
     np.testing.assert_allclose((lines["fifos"]["mean"] * lengths).sum(axis=1) / run.cycles, run.fifos["mean"])
 
 
+def test_the_timelines_of_a_hypercube_sum_to_the_run() -> None:
+    run = pcs_sim.ipsc2("room", size=16, nodes=4)
+    lines = run.timelines
+    assert sum(int(cycles.sum()) for cycles in lines["cells"].values()) == 5 * run.cycles, "four nodes and the host"
+    for state, cycles in lines["cells"].items():
+        assert list(cycles.sum(axis=1)) == list(run.cells[state])
+    assert list(lines["fifos"]["max"].max(axis=1)) == list(run.fifos["max"])
+    lengths = np.diff([*lines["start"], run.cycles])
+    np.testing.assert_allclose((lines["fifos"]["mean"] * lengths).sum(axis=1) / run.cycles, run.fifos["mean"])
+
+
 def test_the_picture(run: pcs_sim.Run) -> None:
     image = run.image
     assert image is not None
