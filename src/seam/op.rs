@@ -273,6 +273,12 @@ impl OpStream {
         &self.ops
     }
 
+    /// Whether its ops are of these kinds alone; any unit stands for all work.
+    #[inline]
+    pub(super) fn has_only(&self, kinds: &[OpKind]) -> bool {
+        self.kinds & !kinds.iter().fold(0, |bits, kind| bits | kind.bit()) == 0
+    }
+
     /// The kinds of its ops, each once; for all work one unit stands.
     pub(super) fn kinds(&self) -> impl Iterator<Item = OpKind> {
         let moves = OpKind::MOVES.into_iter().map(|(kind, _)| kind);
