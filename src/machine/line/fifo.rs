@@ -8,8 +8,8 @@ use crate::quantities::{Cycles, Words};
 /// Contract: words are written in rising cycles, at most one a cycle, and read likewise; a word is read no earlier than
 /// its write plus the latency, and written no earlier than the cycle after the read that freed its slot.
 ///
-/// How long words are inside is counted as they move, a burst at once; how high the FIFO rose is told afterwards by the times that
-/// are noted of them, many words at once ([`Fifo::follow`]).
+/// How long words are inside, and how long it is empty or full, is counted as they move, a burst at once; how high the FIFO rose is
+/// told afterwards by the times that are noted of them, many words at once ([`Fifo::follow`]).
 #[derive(Debug)]
 pub(super) struct Fifo {
     capacity: u64,
@@ -28,8 +28,9 @@ pub(super) struct Fifo {
     /// Cycles at whose end nothing was inside, before the last write whose word was read.
     empty: u64,
     last_read: u64,
-    /// Cycles at whose end there was no room, before the last write, and the cycle after that.
+    /// Cycles at whose end there was no room, before the last write.
     full: u64,
+    /// The cycle after the last write; 0 before the first.
     after_last_write: u64,
     peak: Peak,
     /// Whether the peak counts a word that is read in the cycle in which another is written: these two need a place each.
@@ -174,7 +175,7 @@ impl Fifo {
 
     /// The cycle of the last write; 0 before the first.
     pub fn last_write(&self) -> u64 {
-        self.written.checked_sub(1).map_or(0, |last| self.write_time(last))
+        self.after_last_write.saturating_sub(1)
     }
 
     /// The cycle of the last read; 0 before the first.
@@ -185,8 +186,7 @@ impl Fifo {
     /// The first cycle after the last read and the last write so far.
     pub fn known_until(&self) -> u64 {
         let first_unread = if self.read > 0 { self.last_read + 1 } else { 0 };
-        let first_unwritten = if self.written > 0 { self.last_write() + 1 } else { 0 };
-        first_unread.max(first_unwritten)
+        first_unread.max(self.after_last_write)
     }
 
     /// The first cycle in which the next word can be read, if it is known that it will be written.

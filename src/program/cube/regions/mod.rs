@@ -318,17 +318,10 @@ impl<'a> RegionNodes<'a> {
             self.nodes[task].next = Next::Places { placing, is_granted: false };
             return true;
         }
-        if self.rules.pixels_first
-            && let Some(goes_on) = self.pixel(task, turn)
-        {
-            return goes_on;
-        }
-        if let Some(goes_on) = self.work(task, turn) {
-            return goes_on;
-        }
-        if !self.rules.pixels_first
-            && let Some(goes_on) = self.pixel(task, turn)
-        {
+        let pixel = if self.rules.pixels_first { self.pixel(task, turn) } else { None };
+        // Who has found no pixel finds none behind its rays either.
+        let chosen = pixel.or_else(|| self.work(task, turn)).or_else(|| self.pixel(task, turn));
+        if let Some(goes_on) = chosen {
             return goes_on;
         }
         if self.nodes[task].has_stopped {
