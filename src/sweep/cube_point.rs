@@ -15,8 +15,8 @@ use crate::report::table::{Column, Kind};
 use crate::run::{CubeOutcome, CubeRunOptions, CubeScene, CubeSpec, Key, RunError, Watching, Workers};
 
 /// What the table tells of a point, behind its parameters. `one_node` to `tail` are what the time of all nodes goes to, as shares; they add
-/// up to 1. `computing` is the share that all their work takes.
-pub const COLUMNS: [Column<'static>; 26] = [
+/// up to 1. `computing` is the share that all their work takes. `at_least_seconds` is the highest of the three bounds behind it.
+pub const COLUMNS: [Column<'static>; 30] = [
     Column::new("polygons", Kind::Whole, "polygons of the scene"),
     Column::new("ray_count", Kind::Whole, "rays"),
     Column::new("cycles", Kind::Whole, "simulated time (cycles)"),
@@ -42,6 +42,10 @@ pub const COLUMNS: [Column<'static>; 26] = [
     Column::new("informations", Kind::Whole, "messages that only say that something is so"),
     Column::new("busiest_link", Kind::Number, "share of the time that the busiest link is taken"),
     Column::new("needed_slots", Kind::Whole, "slots that classes need (rays)"),
+    Column::new("at_least_seconds", Kind::Number, "time at the least (s)"),
+    Column::new("busiest_node_seconds", Kind::Number, "work of the busiest node (s)"),
+    Column::new("equal_part_seconds", Kind::Number, "an equal part of all work (s)"),
+    Column::new("longest_chain_seconds", Kind::Number, "longest chain of a pixel (s)"),
     Column::new("error", Kind::Text, "why the point failed"),
 ];
 
@@ -118,6 +122,7 @@ impl CubePoint {
         let ray_messages: u64 = outcome.seen.sent.iter().sum();
         let link = outcome.stats.links.iter().map(|link| link.busy).max().unwrap_or_default();
         let phases = outcome.phases;
+        let bounds = self.spec.bounds(scene, &self.machine, &outcome.node_of);
         let results = [
             scene.polygons.to_string(),
             rays.to_string(),
@@ -140,6 +145,10 @@ impl CubePoint {
             sent(MessageKind::Information),
             outcome.stats.share(link).to_string(),
             (outcome.highest_rank + 1).to_string(),
+            seconds(bounds.least()),
+            bounds.busiest().map_or_else(String::new, |(_, work)| seconds(work)),
+            seconds(bounds.equal),
+            seconds(bounds.chain),
             String::new(),
         ];
         results.into_iter().chain(losses).chain(rest).collect()

@@ -60,7 +60,7 @@ impl View<'_> {
         let topology = &self.now.topology;
         let (states, names) = (&topology.states, &topology.names);
         let length = width.saturating_sub(BESIDE_BARS).clamp(10, LONGEST_BAR);
-        let mut lines = vec![self.heading(), legend(states)];
+        let mut lines = vec![self.heading(), legend(states, &StateTimes::sum(&self.now.stations))];
         for (index, cell) in self.cells().iter().enumerate() {
             let name = self.cell_names.get(index).map_or(String::new(), |name| format!(" {name}"));
             let works = 100.0 * share(states.works(cell), cell.total());
@@ -171,8 +171,9 @@ fn style(states: &States, state: &State) -> Style {
     }
 }
 
-/// The states' letters: waits and blocks have one each, wherever they are.
-fn legend(states: &States) -> String {
+/// The letters of the states that cells have been in so far: waits and blocks have one each, wherever they are. A machine may have states
+/// that its program knows nothing of.
+fn legend(states: &States, so_far: &StateTimes) -> String {
     let mut letters = Vec::new();
     let mut is_new = |letter: char| {
         !letters.contains(&letter) && {
@@ -180,7 +181,8 @@ fn legend(states: &States) -> String {
             true
         }
     };
-    let shown = states.all().iter().filter(|state| state.kind != StateKind::Idle && is_new(state.letter));
+    let is_shown = |state: &&State| state.kind != StateKind::Idle && so_far.of(state.id) > Cycles(0);
+    let shown = states.all().iter().filter(is_shown).filter(|state| is_new(state.letter));
     let names = shown.map(|state| {
         let name = state.name.split(' ').next().unwrap_or(&state.name);
         format!("{} {name}", style(states, state).apply_to(state.letter))
@@ -280,7 +282,7 @@ mod tests {
         };
         insta::assert_snapshot!(lines(&before, &now, 77, 24), @"
         simulated 150.000 ms at 600 rays/s; below, its last 100.000 ms at 600 rays/s
-        g grid  s slabs  n intersection  c other  m moving  . waiting  ! blocked
+        g grid  m moving  . waiting  ! blocked
         cell 0 grid          gggggggggggmm....!!!! works  60.0 %
 
         FIFO X0              ###########----------   256.0 of 512, full   0.0 %

@@ -95,6 +95,8 @@ pub struct Slots {
     firsts: Vec<(u32, u64)>,
     /// The nodes for which there is any, a bit each.
     wanted: u128,
+    /// The nodes that have put anything aside for want of a slot here, a bit each.
+    pub wanted_by: u128,
 }
 
 impl Slots {
@@ -117,13 +119,19 @@ impl Slots {
         self.wanted & 1 << node != 0
     }
 
+    /// The rank of what goes on first when there is a slot for it at a node, for which something is put aside.
+    pub fn first_rank(&self, node: usize) -> u32 {
+        self.firsts[node].0
+    }
+
     /// Whether anything is put aside.
     pub fn wants_any(&self) -> bool {
         self.wanted != 0
     }
 
-    /// Of all that can go on, what has the highest rank, and of that the oldest; `may` tells of a node and a rank.
-    pub fn take_movable(&mut self, may: impl Fn(usize, u32) -> bool) -> Option<Aside> {
+    /// Of all that can go on, what has the highest rank, and of that the oldest, and the node that it goes to; `may` tells of a node and
+    /// a rank.
+    pub fn take_movable(&mut self, may: impl Fn(usize, u32) -> bool) -> Option<(usize, Aside)> {
         let mut best: Option<(u32, u64, usize)> = None;
         let mut wanted = self.wanted;
         while wanted != 0 {
@@ -136,12 +144,12 @@ impl Slots {
             }
         }
         let (.., node) = best?;
-        let taken = self.aside[node].pop();
+        let taken = self.aside[node].pop()?;
         match self.aside[node].first() {
             Some((rank, first)) => self.firsts[node] = (rank, first.age),
             None => self.wanted &= !(1 << node),
         }
-        taken
+        Some((node, taken))
     }
 
     /// Another node's placing waits for a slot of a rank here. It is younger than all others.

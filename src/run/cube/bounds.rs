@@ -14,7 +14,7 @@ impl CubeSetup {
 
 impl CubeSpec {
     /// The same, where it is told which node each region is on.
-    pub(super) fn bounds(&self, scene: &CubeScene, machine: &Ipsc2, node_of: &[u16]) -> Bounds {
+    pub(crate) fn bounds(&self, scene: &CubeScene, machine: &Ipsc2, node_of: &[u16]) -> Bounds {
         let graph = &scene.graph;
         match &self.regions {
             Some(spec) => Bounds::of_regions(machine, graph, node_of, &self.owners(spec, graph, node_of)),

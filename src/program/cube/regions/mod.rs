@@ -355,7 +355,12 @@ impl<'a> RegionNodes<'a> {
             return None;
         }
         let (free, highest) = (&self.free, self.highest_rank);
-        self.nodes[task].slots.take_movable(|node, rank| free[node] > highest - rank)
+        let slots = &mut self.nodes[task].slots;
+        let (node, aside) = slots.take_movable(|node, rank| free[node] > highest - rank)?;
+        if !slots.wants(node) {
+            self.nodes[node].slots.wanted_by &= !(1 << task);
+        }
+        Some(aside)
     }
 
     /// Works on a ray, if there is one. False if its turn is over.

@@ -56,11 +56,11 @@ impl RegionNodes<'_> {
             if self.rules.asks_for_slots {
                 self.give(task);
             }
-            let mut blocked = self.blocked;
+            let mut blocked = self.blocked & self.nodes[task].slots.wanted_by;
             while blocked != 0 {
                 let other = blocked.trailing_zeros() as usize;
                 blocked &= blocked - 1;
-                if self.nodes[other].slots.wants(task) {
+                if self.has_room(task, self.nodes[other].slots.first_rank(task)) {
                     turn.act(Act::Wake(other));
                 }
             }
@@ -159,6 +159,7 @@ impl RegionNodes<'_> {
                 let aside = Aside { placing, age: self.ages };
                 let rank = self.itinerary.rank(visit);
                 self.nodes[task].slots.put_aside(to, rank, aside);
+                self.nodes[to].slots.wanted_by |= 1 << task;
                 true
             }
         }
