@@ -291,6 +291,38 @@ fn images_on_hypercubes_are_swept_and_drawn() {
     folder.run("sweep line.ron -o line.csv").success();
 }
 
+/// A sweep's bounds are those that each point by itself tells in cycles, and no point is faster. With tiles, nobody knows the busiest node.
+#[test]
+fn sweeps_tell_what_images_take_at_the_least() {
+    let folder = Folder::new();
+    for (mode, distribution) in [("regions", None), ("shared-memory", Some("lines")), ("shared-memory", Some("tiles"))]
+    {
+        let dealt = distribution.map_or(String::new(), |how| format!(", distribution: \"{how}\""));
+        folder.file("at_least.ron", &format!("(scene: \"teapot\", size: 16, mode: \"{mode}\", nodes: 4{dealt})"));
+        folder.run("sweep at_least.ron -o at_least.csv --force").success();
+        let table = folder.read("at_least.csv");
+        let [heading, cells] = [0, 1].map(|line| table.lines().nth(line).unwrap().split(',').collect::<Vec<_>>());
+        let cell = |column: &str| cells[heading.iter().position(|name| *name == column).unwrap()];
+        let seconds = |column: &str| cell(column).parse::<f64>().unwrap();
+
+        let flag = distribution.map_or(String::new(), |how| format!("--distribution {how}"));
+        let image =
+            format!("image teapot --on ipsc2 --mode {mode} --nodes 4 --size 16x16 {flag} --stats one.json --force");
+        folder.run(&image).success();
+        let stats: Value = serde_json::from_str(&folder.read("one.json")).unwrap();
+        let bound = |name: &str| stats["at_least"][name].as_u64().map(|cycles| cycles as f64 / 16e6);
+        assert_eq!(bound("equal_part"), Some(seconds("equal_part_seconds")));
+        assert_eq!(bound("longest_chain"), Some(seconds("longest_chain_seconds")));
+        let busiest =
+            Some(cell("busiest_node_seconds")).filter(|cell| !cell.is_empty()).map(|cell| cell.parse().unwrap());
+        assert_eq!(bound("busiest_work"), busiest);
+        assert_eq!(busiest.is_none(), distribution == Some("tiles"));
+        let all = [busiest.unwrap_or(0.0), seconds("equal_part_seconds"), seconds("longest_chain_seconds")];
+        assert_eq!(seconds("at_least_seconds"), all.into_iter().fold(0.0, f64::max));
+        assert!(seconds("at_least_seconds") <= seconds("seconds"), "{table}");
+    }
+}
+
 #[test]
 fn a_machine_is_fitted_to_known_times() {
     let folder = Folder::new();
