@@ -298,7 +298,7 @@ fn sweeps_tell_what_images_take_at_the_least() {
     for (mode, distribution) in [("regions", None), ("shared-memory", Some("lines")), ("shared-memory", Some("tiles"))]
     {
         let dealt = distribution.map_or(String::new(), |how| format!(", distribution: \"{how}\""));
-        folder.file("at_least.ron", &format!("(scene: \"teapot\", size: 16, mode: \"{mode}\", nodes: 4{dealt})"));
+        folder.file("at_least.ron", format!("(scene: \"teapot\", size: 16, mode: \"{mode}\", nodes: 4{dealt})"));
         folder.run("sweep at_least.ron -o at_least.csv --force").success();
         let table = folder.read("at_least.csv");
         let [heading, cells] = [0, 1].map(|line| table.lines().nth(line).unwrap().split(',').collect::<Vec<_>>());
