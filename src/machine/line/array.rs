@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::causes::{Causes, Past, Stand};
 use super::cell::Cell;
-use super::cursor::Halt;
+use super::cursor::{Halt, Side};
 use super::departures::Departures;
 use super::fifo::Fifo;
 use super::link::{Link, around, ends};
@@ -22,7 +22,7 @@ use crate::measure::{
     Actor, FifoInfo, FifoStats, LinkStats, Measured, Names, Observed, Shape, SoFar, StateTimes, Topology, When,
 };
 use crate::quantities::{Cycles, Words};
-use crate::seam::{BatchError, Channel, Costs, OpBatch, Vocabulary};
+use crate::seam::{BatchError, Channel, Costs, Op, OpBatch, Vocabulary};
 
 /// An array at work: takes ops batch by batch and works out when they happen.
 ///
@@ -87,6 +87,8 @@ pub(super) struct CellAt {
     /// The number of the batch that it is in, counted from the start of the run.
     batch: usize,
     halt: Halt,
+    /// The neighbour that it waits for.
+    awaits: Option<Side>,
 }
 
 /// Why an array has no statistics to give.
@@ -115,7 +117,7 @@ impl Array {
     /// [`Unfinished::Outlived`].
     pub fn until(spec: &MachineSpec, costs: &Costs, cells: usize, limit: Cycles) -> Array {
         let cells = cells.max(1);
-        let station = || CellAt { cell: Cell::new(limit.0), batch: 0, halt: Halt::OutOfOps };
+        let station = || CellAt { cell: Cell::new(limit.0), batch: 0, halt: Halt::OutOfOps, awaits: None };
         Array {
             links: (0..=cells).map(|link| Link::new(spec, link, cells)).collect(),
             host: station(),
@@ -326,19 +328,37 @@ impl Array {
         // The host has place 0, cell i has i + 1, and the host as a reader is the last.
         let last = self.cells.len() + 1;
         self.stirred.fill(true);
-        while self.stirred.contains(&true) {
+        let mut again = true;
+        while std::mem::take(&mut again) {
             for place in 0..=last {
                 if std::mem::take(&mut self.stirred[place]) && self.go_on(place) {
                     // Its neighbours may have waited for that; and for an answer, the host.
-                    self.stirred[place.saturating_sub(1)] = true;
-                    self.stirred[(place + 1).min(last)] = true;
-                    self.stirred[0] |= place == last;
+                    if let Some(left) = place.checked_sub(1) {
+                        again |= self.stir(left, Side::Right);
+                    }
+                    if place < last {
+                        self.stir(place + 1, Side::Left);
+                    } else {
+                        self.stirred[0] = true;
+                        again = true;
+                    }
                 }
             }
         }
         if self.causes().is_none() {
             self.drop_spent();
         }
+    }
+
+    /// Lets whoever has a place go on, if it waits for its neighbour on that side. Returns whether it does.
+    fn stir(&mut self, place: usize, side: Side) -> bool {
+        let awaits = match place.checked_sub(1) {
+            None => self.host.awaits,
+            Some(cell) => self.cells.get(cell).map_or(Some(Side::Left), |at| at.awaits),
+        };
+        let does = awaits == Some(side);
+        self.stirred[place] |= does;
+        does
     }
 
     /// Lets whoever has a place go on as far as it can. Returns whether it moved.
@@ -359,7 +379,7 @@ impl Array {
             let cell = &mut host.cell;
             let seen = observers.as_mut().and_then(|all| all.run_host(cell, stream, output, (prices, returned)));
             host.halt = seen.unwrap_or_else(|| cell.run_host(batch.host.ops(), output, returned, (prices, ())));
-            if !host.next_batch() {
+            if !host.next_batch(batch.host.ops()) {
                 break;
             }
         }
@@ -377,26 +397,34 @@ impl Array {
             let cell = &mut station.cell;
             let observers = self.observers.as_mut();
             let seen = observers.and_then(|all| all.run_cell((index, cell), stream, links, (prices, is_last)));
-            station.halt =
-                seen.unwrap_or_else(|| cell.run(stream.1.ops(), around(links, index), is_last, (prices, ())));
-            if !station.next_batch() {
+            station.halt = seen.unwrap_or_else(|| run_unseen((index, cell), stream.1.ops(), links, (prices, is_last)));
+            if !station.next_batch(stream.1.ops()) {
                 break;
             }
         }
         if station.progress() == before {
             return false;
         }
+        self.follow_reads(index);
         self.follow_link(index);
         self.follow_link(index + 1);
         true
     }
 
-    /// Brings what is known of a link's FIFOs up to date, after a stretch of reads or of writes.
+    /// Brings the peaks up to date of those FIFOs that a cell reads from.
+    #[inline]
+    fn follow_reads(&mut self, cell: usize) {
+        let (input, output) = around(&mut self.links, cell);
+        input.x.follow();
+        input.y.follow();
+        output.z.follow();
+    }
+
+    /// Lets observers look at a link's FIFOs after a stretch of reads or of writes, before these forget when words moved.
+    #[inline]
     fn follow_link(&mut self, index: usize) {
-        let link = &mut self.links[index];
-        link.follow();
         if let Some(observers) = &mut self.observers {
-            observers.follow(index, link);
+            observers.follow(index, &self.links[index]);
         }
     }
 
@@ -404,16 +432,21 @@ impl Array {
     fn collect_returns(&mut self) -> bool {
         let inbox = &mut self.links[self.cells.len()].y;
         let before = inbox.words_read();
+        let answer_words = self.vocabulary.answer_words.max(1);
+        let mut left = answer_words - before % answer_words;
         while let Some(ready) = inbox.ready().filter(|ready| *ready < self.limit) {
             inbox.read_one(ready, ready);
-            if inbox.words_read().is_multiple_of(self.vocabulary.answer_words) {
+            left -= 1;
+            if left == 0 {
+                left = answer_words;
                 self.returned.push(ready);
                 if let Some(observers) = &mut self.observers {
                     observers.returned(ready);
                 }
             }
         }
-        let moved = self.links[self.cells.len()].y.words_read() != before;
+        let moved = inbox.words_read() != before;
+        inbox.follow();
         self.follow_link(self.cells.len());
         moved
     }
@@ -550,9 +583,26 @@ impl Array {
     }
 }
 
+/// Does a cell's ops of a batch as [`Cell::run`], seen by nobody.
+#[inline(never)]
+#[expect(
+    clippy::ptr_arg,
+    reason = "of a slice, LLVM loads all that links hold before each op, as nothing else could change it"
+)]
+fn run_unseen(
+    (index, cell): (usize, &mut Cell),
+    ops: &[Op],
+    links: &mut Vec<Link>,
+    (prices, is_last): (&Prices, bool),
+) -> Halt {
+    cell.run(ops, around(links, index), is_last, (prices, ()))
+}
+
 impl CellAt {
-    /// Goes to the start of the next batch, if it has done all of this one.
-    fn next_batch(&mut self) -> bool {
+    /// Goes to the start of the next batch, if it has done all ops of this one.
+    fn next_batch(&mut self, ops: &[Op]) -> bool {
+        let halted_in = ops.get(self.cell.now.done);
+        self.awaits = halted_in.and_then(|op| self.halt.awaits(*op));
         let done = self.halt == Halt::OutOfOps;
         if done {
             self.batch += 1;

@@ -33,21 +33,19 @@ impl Cell {
         (prices, watcher): (&Prices, impl Watcher),
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
-        self.now.run(ops, ledger, |now, op, resume, ledger| match op.kind() {
-            OpKind::PassX if !is_last => now.pass_on(resume.left_of(op), &mut input.x, output, ledger),
-            OpKind::PassX | OpKind::ReadX => now.read(resume.left_of(op), Channel::X, &mut input.x, ledger),
-            // Most ops of a pipeline: nothing can be left of them but the whole.
-            OpKind::ReadY if op.words() == 1 => now.read_word(1, Channel::Y, &mut input.y, ledger),
-            OpKind::ReadY => now.read(resume.left_of(op), Channel::Y, &mut input.y, ledger),
-            OpKind::WriteX => now.write(resume.left_of(op), Channel::X, output, ledger),
-            OpKind::WriteY if op.words() == 1 => now.write_word(1, Channel::Y, output, ledger),
-            OpKind::WriteY => now.write(resume.left_of(op), Channel::Y, output, ledger),
-            OpKind::ReadZ | OpKind::WriteZ => {
-                let (then, done) = now.moved_back(op, resume.left_of(op), input, output, ledger);
-                *now = then;
-                done
-            }
-            OpKind::Await | OpKind::Work(_) => Err(Halt::NotReturned),
+        self.now.run(ops, ledger, |now, op, resume, ledger| {
+            let kind = op.kind();
+            let from = match kind {
+                OpKind::PassX if !is_last => return now.pass_on(resume.left_of(op), &mut input.x, output, ledger),
+                OpKind::PassX | OpKind::ReadX => (Channel::X, &mut input.x),
+                OpKind::ReadY => (Channel::Y, &mut input.y),
+                OpKind::ReadZ => (Channel::Z, &mut output.z),
+                OpKind::WriteX => return now.write((op, resume), Channel::X, output, ledger),
+                OpKind::WriteY => return now.write((op, resume), Channel::Y, output, ledger),
+                OpKind::WriteZ => return now.write((op, resume), Channel::Z, input, ledger),
+                OpKind::Await | OpKind::Work(_) => return Err(Halt::NotReturned),
+            };
+            now.read((op, resume), from, ledger)
         })
     }
 
@@ -62,8 +60,8 @@ impl Cell {
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
         self.now.run(ops, ledger, |now, op, resume, ledger| match op.kind() {
-            OpKind::WriteX => now.write(resume.left_of(op), Channel::X, output, ledger),
-            OpKind::WriteY => now.write(resume.left_of(op), Channel::Y, output, ledger),
+            OpKind::WriteX => now.write((op, resume), Channel::X, output, ledger),
+            OpKind::WriteY => now.write((op, resume), Channel::Y, output, ledger),
             OpKind::Await => now.wait_for_return(resume.left_of(op), returned, ledger),
             OpKind::PassX | OpKind::ReadX | OpKind::ReadY | OpKind::ReadZ | OpKind::WriteZ | OpKind::Work(_) => {
                 Err(Halt::NoWord)
@@ -78,7 +76,7 @@ impl Cell {
         let (reads, writes) = (op.kind().reads(), op.kind().writes());
         // A word that is passed on and waits for room still has to come in first.
         if let (Some(channel), Halt::NoWord | Halt::NoRoom) = (reads, halt) {
-            let ready = if halt == Halt::NoWord { None } else { input.fifo(channel).ready() };
+            let ready = if matches!(halt, Halt::NoWord) { None } else { input.fifo(channel).ready() };
             now.stall_until(ready.unwrap_or(now.limit), (Hold::Word(channel), now.left), ledger);
         }
         if let (Some(channel), Halt::NoRoom) = (writes, halt) {

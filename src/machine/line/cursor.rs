@@ -9,19 +9,39 @@ use crate::measure::{StateId, StateTimes};
 use crate::quantities::Cycles;
 use crate::seam::{Channel, Op, OpKind};
 
-/// Why a cell has stopped. Its op tells the channel.
+/// Why a cell, or the host, has stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Halt {
     /// It has done all the ops that it has been given.
     OutOfOps,
-    /// It reads, and it is not known when there will be a word.
+    /// It reads from a channel, and it is not known when there will be a word.
     NoWord,
-    /// It writes, and it is not known when there will be room.
+    /// It writes to a channel, and it is not known when there will be room.
     NoRoom,
     /// The host waits for a message whose last word is not known to have come back.
     NotReturned,
     /// Its clock has reached the last cycle that is to be simulated.
     Limit,
+}
+
+/// Where what a cell waits for comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Left,
+    Right,
+}
+
+impl Halt {
+    /// The neighbour who can let a cell go on that has halted in an op. Words come from the left and room from the right; on Z it
+    /// is the other way round.
+    #[inline]
+    pub fn awaits(self, op: Op) -> Option<Side> {
+        match self {
+            Halt::NoWord => Some(if op.kind() == OpKind::ReadZ { Side::Right } else { Side::Left }),
+            Halt::NoRoom => Some(if op.kind() == OpKind::WriteZ { Side::Left } else { Side::Right }),
+            Halt::OutOfOps | Halt::NotReturned | Halt::Limit => None,
+        }
+    }
 }
 
 /// Where a cell stands. It is copied out of the cell while the cell runs, to stay in registers.
@@ -125,11 +145,15 @@ impl Cursor {
     #[inline(always)]
     pub fn read(
         &mut self,
-        mut left: u64,
-        channel: Channel,
-        input: &mut Fifo,
+        (op, resume): (Op, Resume),
+        (channel, input): (Channel, &mut Fifo),
         ledger: &mut Ledger<'_, impl Watcher>,
     ) -> Done {
+        // Most ops of a pipeline: nothing can be left of them but the whole.
+        if op.words() == 1 {
+            return self.read_word(1, channel, input, ledger);
+        }
+        let mut left = resume.left_of(op);
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && input.can_read(self.clock, left) {
                 input.read_burst(self.clock, left);
@@ -161,11 +185,15 @@ impl Cursor {
     #[inline(always)]
     pub fn write(
         &mut self,
-        mut left: u64,
+        (op, resume): (Op, Resume),
         channel: Channel,
         output: &mut Link,
         ledger: &mut Ledger<'_, impl Watcher>,
     ) -> Done {
+        if op.words() == 1 {
+            return self.write_word(1, channel, output, ledger);
+        }
+        let mut left = resume.left_of(op);
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && output.can_write(channel, self.clock, left) {
                 output.fifo_mut(channel).write_burst(self.clock, left);
@@ -197,25 +225,6 @@ impl Cursor {
         }
         self.clock += 1;
         Ok(())
-    }
-
-    /// Reads from Z, which comes from the right, or writes to the left neighbour's: from where it stands now to where it stands then.
-    /// Kept out of the way of the programs that have no use for it, whose cursors stay in registers.
-    #[cold]
-    #[inline(never)]
-    pub fn moved_back(
-        mut self,
-        op: Op,
-        left: u64,
-        input: &mut Link,
-        output: &mut Link,
-        ledger: &mut Ledger<'_, impl Watcher>,
-    ) -> (Cursor, Done) {
-        let done = match op.kind() {
-            OpKind::ReadZ => self.read(left, Channel::Z, &mut output.z, ledger),
-            _ => self.write(left, Channel::Z, input, ledger),
-        };
-        (self, done)
     }
 
     /// Reads words from X and writes each to the right neighbour's X in the cycle in which it is read.

@@ -33,6 +33,8 @@ pub(super) struct Fifo {
     /// The cycle after the last write; 0 before the first.
     after_last_write: u64,
     peak: Peak,
+    /// How many words may be read before the peak must be brought up to date.
+    unheeded: u64,
     /// Whether the peak counts a word that is read in the cycle in which another is written: these two need a place each.
     counts_places: bool,
 }
@@ -43,6 +45,14 @@ struct Peak {
     /// All reads before that of this word have been looked at, unless the maximum is the capacity.
     words: u64,
     max: u64,
+}
+
+impl Peak {
+    /// How many words of a FIFO may be read before it is in want of times that are forgotten in the next stretch.
+    fn heeds_until(&self, fifo: &Fifo) -> u64 {
+        let forgets = self.words + fifo.ready_at.len() as u64 - fifo.capacity;
+        if self.max == fifo.capacity { u64::MAX } else { forgets }
+    }
 }
 
 /// Words that are looked at together for the maximum: enough for vector instructions, few enough that one that raises it
@@ -76,6 +86,7 @@ impl Fifo {
             full: 0,
             after_last_write: 0,
             peak: Peak::default(),
+            unheeded: ring as u64 - capacity,
             counts_places: false,
         }
     }
@@ -113,6 +124,7 @@ impl Fifo {
         };
         (self.ready_at, self.free_from) = (moved(&self.ready_at, self.written), moved(&self.free_from, self.read));
         self.capacity = needed;
+        self.unheeded = self.peak.heeds_until(self);
     }
 
     /// The places that were needed at once: with as many, no word has to wait for one.
@@ -271,13 +283,20 @@ impl Fifo {
         self.last_read = at + count - 1;
     }
 
-    /// Brings the peak up to date before the rings forget a word that it has not looked at. To be called after every stretch of
-    /// reads and after every stretch of writes.
-    #[inline]
+    /// Brings the peak up to date before the rings forget a word that it has not looked at. To be called after every stretch of reads:
+    /// with what is known then, the next one, and the writes before it, forget none.
+    #[inline(always)]
     pub fn follow(&mut self) {
-        if self.peak.max < self.capacity && self.may_forget(self.peak.words) {
-            self.peak = self.peak();
+        if self.read > self.unheeded {
+            self.heed();
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn heed(&mut self) {
+        self.peak = self.peak();
+        self.unheeded = self.peak.heeds_until(self);
     }
 
     /// Whether the times of a word may be lost in the next stretch of reads or of writes: as far as words can be written, and read,

@@ -133,13 +133,4 @@ impl Link {
             RateCounts::Channel => self.wire_free[channel as usize] = free,
         }
     }
-
-    /// Brings the FIFOs' peaks up to date; see [`Fifo::follow`].
-    pub fn follow(&mut self) {
-        self.x.follow();
-        self.y.follow();
-        if self.z.words_written() > 0 {
-            self.z.follow();
-        }
-    }
 }

@@ -117,6 +117,7 @@ impl Observers {
     }
 
     /// Follows the FIFOs of a link, after each stretch of reads or writes.
+    #[inline(never)]
     pub fn follow(&mut self, index: usize, link: &Link) {
         self.probe.iter_mut().for_each(|probe| probe.follow(index, link));
         self.recorder.iter_mut().for_each(|recorder| recorder.follow(index, link));
