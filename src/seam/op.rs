@@ -119,6 +119,11 @@ const MOVE_BITS: u32 = 28;
 pub struct Op(u32);
 
 impl Op {
+    /// Reads a word from Y.
+    pub(crate) const ONE_FROM_Y: Op = Op(OpKind::ReadY.code() | 1);
+    /// Writes a word to Y.
+    pub(crate) const ONE_TO_Y: Op = Op(OpKind::WriteY.code() | 1);
+
     /// An op of `count` units or words, at most [`OpKind::max_count`].
     #[inline]
     pub fn new(kind: OpKind, count: u32) -> Op {

@@ -34,18 +34,26 @@ impl Cell {
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
         self.now.run(ops, ledger, |now, op, resume, ledger| {
-            let kind = op.kind();
-            let from = match kind {
+            // Most ops of a pipeline: nothing can be left of them but the whole.
+            if op == Op::ONE_FROM_Y {
+                return now.read_word(1, Channel::Y, &mut input.y, ledger);
+            }
+            if op == Op::ONE_TO_Y {
+                return now.write_word(1, Channel::Y, output, ledger);
+            }
+            let (channel, input) = match op.kind() {
                 OpKind::PassX if !is_last => return now.pass_on(resume.left_of(op), &mut input.x, output, ledger),
                 OpKind::PassX | OpKind::ReadX => (Channel::X, &mut input.x),
                 OpKind::ReadY => (Channel::Y, &mut input.y),
+                OpKind::ReadZ if op.words() == 1 => return now.read_word(1, Channel::Z, &mut output.z, ledger),
                 OpKind::ReadZ => (Channel::Z, &mut output.z),
-                OpKind::WriteX => return now.write((op, resume), Channel::X, output, ledger),
-                OpKind::WriteY => return now.write((op, resume), Channel::Y, output, ledger),
-                OpKind::WriteZ => return now.write((op, resume), Channel::Z, input, ledger),
+                OpKind::WriteX => return now.write(resume.left_of(op), Channel::X, output, ledger),
+                OpKind::WriteY => return now.write(resume.left_of(op), Channel::Y, output, ledger),
+                OpKind::WriteZ if op.words() == 1 => return now.write_word(1, Channel::Z, input, ledger),
+                OpKind::WriteZ => return now.write(resume.left_of(op), Channel::Z, input, ledger),
                 OpKind::Await | OpKind::Work(_) => return Err(Halt::NotReturned),
             };
-            now.read((op, resume), from, ledger)
+            now.read(resume.left_of(op), channel, input, ledger)
         })
     }
 
@@ -60,8 +68,8 @@ impl Cell {
     ) -> Halt {
         let ledger = &mut Ledger { times: &mut self.times, prices, watcher };
         self.now.run(ops, ledger, |now, op, resume, ledger| match op.kind() {
-            OpKind::WriteX => now.write((op, resume), Channel::X, output, ledger),
-            OpKind::WriteY => now.write((op, resume), Channel::Y, output, ledger),
+            OpKind::WriteX => now.write(resume.left_of(op), Channel::X, output, ledger),
+            OpKind::WriteY => now.write(resume.left_of(op), Channel::Y, output, ledger),
             OpKind::Await => now.wait_for_return(resume.left_of(op), returned, ledger),
             OpKind::PassX | OpKind::ReadX | OpKind::ReadY | OpKind::ReadZ | OpKind::WriteZ | OpKind::Work(_) => {
                 Err(Halt::NoWord)

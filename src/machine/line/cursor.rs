@@ -116,23 +116,23 @@ impl Cursor {
             now.done += 1;
         };
         *self = now;
+        if halt == Halt::Limit {
+            ops.get(self.done).into_iter().for_each(|op| self.work_to_limit(*op, ledger));
+        }
         halt
     }
 
     /// Works, as long as one op after the other is work: that is often, and in a loop of its own the clock stays in a register.
-    /// What the limit cuts off is never gone on with, so it need not be told how far it came.
     #[inline(always)]
     fn work(&mut self, ops: &[Op], ledger: &mut Ledger<'_, impl Watcher>) -> Done {
         let (mut clock, mut done) = (self.clock, self.done);
-        while let Some((unit, count)) = ops.get(done).and_then(|op| Some((op.unit()?, op.count() as u64))) {
+        while let Some((unit, count)) = ops.get(done).and_then(|op| Some((op.unit()?, op.count()))) {
             let (cost, state) = ledger.prices.of(unit);
             ledger.watcher.began(done, clock);
-            // The limit is at the latest where cycles no longer fit into 64 bits: time itself has an end, too.
-            let (cycles, most) = (count * cost, self.limit - clock);
-            if cycles > most {
-                ledger.spend(state, clock, most);
-                (self.clock, self.done) = (self.limit, done);
-                return self.halt(Halt::Limit, count);
+            let cycles = count as u64 * cost;
+            if cycles > self.limit - clock {
+                (self.clock, self.done) = (clock, done);
+                return Err(Halt::Limit);
             }
             ledger.spend(state, clock, cycles);
             clock += cycles;
@@ -142,18 +142,23 @@ impl Cursor {
         Ok(())
     }
 
+    /// Works up to the limit, which is at the latest where cycles no longer fit into 64 bits: time itself has an end, too. What it cuts
+    /// off is never gone on with, so it need not be told how far it came.
+    #[cold]
+    fn work_to_limit(&mut self, op: Op, ledger: &mut Ledger<'_, impl Watcher>) {
+        let Some(unit) = op.unit() else { return };
+        ledger.spend(ledger.prices.of(unit).1, self.clock, self.limit - self.clock);
+        (self.clock, self.left) = (self.limit, op.count() as u64);
+    }
+
     #[inline(always)]
     pub fn read(
         &mut self,
-        (op, resume): (Op, Resume),
-        (channel, input): (Channel, &mut Fifo),
+        mut left: u64,
+        channel: Channel,
+        input: &mut Fifo,
         ledger: &mut Ledger<'_, impl Watcher>,
     ) -> Done {
-        // Most ops of a pipeline: nothing can be left of them but the whole.
-        if op.words() == 1 {
-            return self.read_word(1, channel, input, ledger);
-        }
-        let mut left = resume.left_of(op);
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && input.can_read(self.clock, left) {
                 input.read_burst(self.clock, left);
@@ -185,15 +190,11 @@ impl Cursor {
     #[inline(always)]
     pub fn write(
         &mut self,
-        (op, resume): (Op, Resume),
+        mut left: u64,
         channel: Channel,
         output: &mut Link,
         ledger: &mut Ledger<'_, impl Watcher>,
     ) -> Done {
-        if op.words() == 1 {
-            return self.write_word(1, channel, output, ledger);
-        }
-        let mut left = resume.left_of(op);
         while left > 0 {
             if left > 1 && self.clock + left <= self.limit && output.can_write(channel, self.clock, left) {
                 output.fifo_mut(channel).write_burst(self.clock, left);
