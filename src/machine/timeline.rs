@@ -105,6 +105,11 @@ impl<B: Bin> Timeline<B> {
         (to <= self.end).then_some(&mut self.now)
     }
 
+    /// The first cycle after the bin under way.
+    pub fn end(&self) -> u64 {
+        self.end
+    }
+
     /// The bin under way, which the cycle last asked for lies in.
     pub fn under_way(&mut self) -> &mut B {
         &mut self.now

@@ -333,9 +333,9 @@ impl Fifo {
         peak
     }
 
-    /// Of words from `word` on, as far as they lie in a row: the reads, and of each the write of the word so many places
-    /// `behind` it.
-    fn known_from(&self, word: u64, behind: u64) -> (&[u64], &[u64]) {
+    /// Of words from `word` on, as far as they lie in a row: from which cycle on each one's slot can be written again, the first after
+    /// its read; and from which on the word so many places `behind` it can be read, the latency after its write.
+    pub fn known_from(&self, word: u64, behind: u64) -> (&[u64], &[u64]) {
         let (early, late) = (slot(word, &self.free_from), slot(word + behind, &self.ready_at));
         let known = self.read.min(self.written.saturating_sub(behind));
         let length = known.saturating_sub(word) as usize;

@@ -13,6 +13,8 @@ pub struct FifoLane {
     write_run: Run,
     read_run: Run,
     both_run: Run,
+    /// Whether words came and went mostly one by one.
+    singly: bool,
 }
 
 /// What has been entered.
@@ -50,6 +52,7 @@ impl FifoLane {
             write_run: Run { usual: 1 },
             read_run: Run { usual: 1 },
             both_run: Run { usual: 1 },
+            singly: false,
         }
     }
 
@@ -64,10 +67,20 @@ impl FifoLane {
 
     /// Goes on as far as both sequences are known.
     fn go_on(&mut self, fifo: &Fifo) {
+        let before = self.cursor;
+        let steps = if self.singly { self.step_on::<true>(fifo) } else { self.step_on::<false>(fifo) };
+        let moved = self.cursor.writes - before.writes;
+        self.singly = moved < 2 * steps;
+    }
+
+    /// Goes on so, and expects words to come and go one by one, or not to. Returns in how many steps.
+    fn step_on<const SINGLY: bool>(&mut self, fifo: &Fifo) -> u64 {
+        let mut steps = 0;
         let FifoLane { tally, write_run, read_run, both_run, .. } = self;
         let (written, read) = (fifo.words_written(), fifo.words_read());
         let mut cursor = self.cursor;
         while cursor.writes < written && cursor.reads < read {
+            steps += 1;
             let (write, read_in) = (fifo.write_time(cursor.writes), fifo.read_time(cursor.reads));
             let (writes, reads) = (written - cursor.writes, read - cursor.reads);
             // As times rise, words come one a cycle if the last of them comes as many cycles later.
@@ -77,6 +90,11 @@ impl FifoLane {
             if write < read_in {
                 // Mostly a message comes in, and one goes out before the next comes in.
                 let count = write_run.usual;
+                if SINGLY && let Some(then) = cursor.swing_singly(true, tally, fifo) {
+                    steps += then.writes - cursor.writes;
+                    cursor = then;
+                    continue;
+                }
                 let passes = count < writes && count <= reads && writes_on(count) && reads_on(count);
                 if passes && fifo.write_time(cursor.writes + count) >= read_in + count {
                     let apart = count.min(read_in - write);
@@ -89,6 +107,11 @@ impl FifoLane {
                 cursor.rise(tally, write, count);
             } else if read_in < write {
                 let count = read_run.usual;
+                if SINGLY && let Some(then) = cursor.swing_singly(false, tally, fifo) {
+                    steps += then.writes - cursor.writes;
+                    cursor = then;
+                    continue;
+                }
                 let passes = count < reads && count <= writes && writes_on(count) && reads_on(count);
                 if passes && fifo.read_time(cursor.reads + count) >= write + count {
                     let apart = count.min(write - read_in);
@@ -105,6 +128,7 @@ impl FifoLane {
             }
         }
         self.cursor = cursor;
+        steps
     }
 
     /// What the FIFO held in a run of `cycles` cycles.
@@ -138,6 +162,26 @@ impl FifoCursor {
             self.since = turn + apart - 1;
         }
         done
+    }
+
+    /// One word comes in and one goes out before the next comes in (`is_up`), or the other way round, again and again: the way of a
+    /// pipeline's candidates. Goes on as long as it is so in the bin under way, and tells where it then is. `None`, and nothing is
+    /// done, if it is not so. Kept apart, so that the cursor stays in registers.
+    #[inline(never)]
+    fn swing_singly(mut self, is_up: bool, tally: &mut Tally, fifo: &Fifo) -> Option<FifoCursor> {
+        let near = self.level();
+        let (free_from, ready_at) = fifo.known_from(self.reads, near);
+        let (reads, writes) = ((free_from, 1), (ready_at, fifo.latency()));
+        let (there, back, far) = if is_up { (writes, reads, near + 1) } else { (reads, writes, near.wrapping_sub(1)) };
+        let (swings, since, [near_for, far_for]) = swings_of_one(there, back, self.since, tally.timeline.end());
+        if swings == 0 {
+            return None;
+        }
+        tally.hold(near, self.since, self.since + near_for);
+        tally.hold(far, self.since, self.since + far_for);
+        self.skip(swings);
+        self.since = since;
+        Some(self)
     }
 
     /// So many words come and as many go, each in the same cycle.
@@ -254,6 +298,29 @@ impl Tally {
             }),
         }
     }
+}
+
+/// How often one thing happens and another after it, before the first happens again: at times in rows, each of which tells them so many
+/// cycles late; after cycle `since`, and in cycles up to `end`. Returns also the cycle of the last, and for how long it was as before the
+/// one, and as before the other.
+#[inline]
+fn swings_of_one(
+    (there, there_late): (&[u64], u64),
+    (back, back_late): (&[u64], u64),
+    since: u64,
+    end: u64,
+) -> (u64, u64, [u64; 2]) {
+    let (mut swings, mut last, mut far_for) = (0, since, 0);
+    for (pair, back) in there.windows(2).zip(back) {
+        let (start, turn, next) = (pair[0] - there_late, back - back_late, pair[1] - there_late);
+        if last >= start || start >= turn || turn >= next || turn > end {
+            break;
+        }
+        far_for += turn - start;
+        last = turn;
+        swings += 1;
+    }
+    (swings, last, [last - since - far_for, far_for])
 }
 
 impl FifoBin {
