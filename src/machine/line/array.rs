@@ -405,26 +405,18 @@ impl Array {
         if station.progress() == before {
             return false;
         }
-        self.follow_reads(index);
         self.follow_link(index);
         self.follow_link(index + 1);
         true
     }
 
-    /// Brings the peaks up to date of those FIFOs that a cell reads from.
-    #[inline]
-    fn follow_reads(&mut self, cell: usize) {
-        let (input, output) = around(&mut self.links, cell);
-        input.x.follow();
-        input.y.follow();
-        output.z.follow();
-    }
-
-    /// Lets observers look at a link's FIFOs after a stretch of reads or of writes, before these forget when words moved.
+    /// Brings what is known of a link's FIFOs up to date, after a stretch of reads or of writes.
     #[inline]
     fn follow_link(&mut self, index: usize) {
+        let link = &mut self.links[index];
+        link.follow();
         if let Some(observers) = &mut self.observers {
-            observers.follow(index, &self.links[index]);
+            observers.follow(index, link);
         }
     }
 
@@ -446,7 +438,6 @@ impl Array {
             }
         }
         let moved = inbox.words_read() != before;
-        inbox.follow();
         self.follow_link(self.cells.len());
         moved
     }

@@ -283,8 +283,8 @@ impl Fifo {
         self.last_read = at + count - 1;
     }
 
-    /// Brings the peak up to date before the rings forget a word that it has not looked at. To be called after every stretch of reads:
-    /// with what is known then, the next one, and the writes before it, forget none.
+    /// Brings the peak up to date before the rings forget a word that it has not looked at. To be called after every stretch of
+    /// reads and after every stretch of writes.
     #[inline(always)]
     pub fn follow(&mut self) {
         if self.read > self.unheeded {

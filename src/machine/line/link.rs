@@ -133,4 +133,12 @@ impl Link {
             RateCounts::Channel => self.wire_free[channel as usize] = free,
         }
     }
+
+    /// Brings the FIFOs' peaks up to date; see [`Fifo::follow`].
+    #[inline]
+    pub fn follow(&mut self) {
+        self.x.follow();
+        self.y.follow();
+        self.z.follow();
+    }
 }
