@@ -71,6 +71,57 @@ fn pipeline() -> OpBatch {
     batch
 }
 
+/// How many voxels the grid's cell is ahead of the intersection's, in the pipeline with stop words.
+const AHEAD: u64 = 4;
+
+/// How far a cell of it is behind the voxel that it has just done.
+fn lag(cell: u64) -> u64 {
+    (AHEAD - 1) * (2 - cell) / 2
+}
+
+/// What the cells of the pipeline with stop words do before the first ray.
+fn head_start() -> OpBatch {
+    let mut batch = OpBatch::new(3);
+    for (cell, ops) in (0..).zip(&mut batch.cells).skip(1) {
+        ops.push(OpKind::WriteZ, lag(cell - 1) - lag(cell));
+    }
+    batch
+}
+
+/// The macro-pipeline with stop words: candidates in every third voxel, and an answer on Z for each voxel.
+fn stopped() -> OpBatch {
+    let mut batch = OpBatch::new(3);
+    for ray in 0..RAYS {
+        batch.host.push(OpKind::WriteX, 8);
+        batch.host.end_line(ray);
+        batch.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, 8));
+        batch.cells[0].push(OpKind::Work(GRID_START), 1);
+        batch.cells[1].push(OpKind::Work(SLABS_START), 1);
+        for voxel in 0..30 {
+            batch.cells[0].push(OpKind::Work(GRID_VOXEL), 1);
+            if varying(ray, voxel, 3) == 0 {
+                batch.cells[0].push(OpKind::WriteY, 1);
+                batch.cells[1].push(OpKind::ReadY, 1);
+                batch.cells[1].push(OpKind::Work(SLABS_POLYGON), 1);
+            }
+            // The voxel goes on from cell to cell, and a word comes back.
+            for (cell, ops) in batch.cells.iter_mut().enumerate() {
+                let (is_first, is_last) = (cell == 0, cell == 2);
+                let both = [(OpKind::ReadY, !is_first), (OpKind::WriteY, !is_last)];
+                let back = [(OpKind::ReadZ, !is_last), (OpKind::WriteZ, !is_first)];
+                both.into_iter().chain(back).filter(|(_, does)| *does).for_each(|(kind, _)| ops.push(kind, 1));
+            }
+        }
+        batch.cells[0].push(OpKind::WriteY, 1);
+        batch.cells[1].push(OpKind::ReadY, 1);
+        batch.cells[1].push(OpKind::WriteY, 1);
+        batch.cells[2].push(OpKind::ReadY, 1);
+        batch.cells[2].push(OpKind::WriteY, 5);
+        batch.cells.iter_mut().for_each(|cell| cell.end_line(ray));
+    }
+    batch
+}
+
 /// Nothing but words: what the links move at best.
 fn stream(cells: usize) -> OpBatch {
     let mut batch = OpBatch::new(cells);
@@ -112,15 +163,15 @@ enum Watched {
 /// Links of an eighth of the standard rate, in 10^6 bytes a second: each word waits for the one before it.
 const SLOW_LINK_MB_S: f64 = 10.0;
 
-/// Seconds and words of a run over the same batch many times.
-fn run(batch: &OpBatch, spec: &MachineSpec, watched: Watched) -> (f64, u64) {
+/// Seconds and words of a run over the same batch many times, behind what comes first.
+fn run((first, batch): (&OpBatch, &OpBatch), spec: &MachineSpec, watched: Watched) -> (f64, u64) {
     let array = Array::new(spec, &costs(), batch.cells.len());
     let mut array = match watched {
         Watched::Not => array,
         Watched::Probed => array.probed(),
         Watched::Explained => array.explained(CriticalPath::MOST_OPS),
     };
-    let batches: Vec<OpBatch> = (0..BATCHES).map(|_| batch.clone()).collect();
+    let batches: Vec<OpBatch> = std::iter::once(first).chain((0..BATCHES).map(|_| batch)).cloned().collect();
     let start = Instant::now();
     for batch in batches {
         array.feed(batch).expect("an array can do it");
@@ -132,9 +183,9 @@ fn run(batch: &OpBatch, spec: &MachineSpec, watched: Watched) -> (f64, u64) {
     (seconds, black_box(stats).fifos.iter().map(|fifo| fifo.words.0).sum())
 }
 
-fn median_rate(batch: &OpBatch, spec: &MachineSpec, watched: Watched) -> f64 {
+fn median_rate(ops: (&OpBatch, &OpBatch), spec: &MachineSpec, watched: Watched) -> f64 {
     let rate = |(seconds, words): (f64, u64)| words as f64 / seconds / 1e6;
-    let mut rates: Vec<f64> = (0..7).map(|_| rate(run(batch, spec, watched))).collect();
+    let mut rates: Vec<f64> = (0..7).map(|_| rate(run(ops, spec, watched))).collect();
     rates.sort_by(f64::total_cmp);
     rates[rates.len() / 2]
 }
@@ -150,6 +201,7 @@ fn main() {
         ("broadcast, 8 cells", broadcast(8), standard),
         ("broadcast, 64 cells", broadcast(64), standard),
         ("words only, 8 cells", stream(8), standard),
+        ("pipeline, stop words", stopped(), standard),
         ("pipeline, slow links", pipeline(), SLOW_LINK_MB_S),
         ("broadcast, 8 cells, slow links", broadcast(8), SLOW_LINK_MB_S),
     ];
@@ -157,10 +209,11 @@ fn main() {
     for (name, batch, link_mb_s) in
         programs.iter().filter(|(name, ..)| only.as_ref().is_none_or(|only| name.contains(only.as_str())))
     {
+        let first = if name.contains("stop words") { head_start() } else { OpBatch::new(batch.cells.len()) };
         for fifo_words in [512, 64, 8] {
             let spec = MachineSpec { fifo_words: Words(fifo_words), link_mb_s: *link_mb_s, ..MachineSpec::default() };
-            let [alone, probed, explained] =
-                [Watched::Not, Watched::Probed, Watched::Explained].map(|watched| median_rate(batch, &spec, watched));
+            let [alone, probed, explained] = [Watched::Not, Watched::Probed, Watched::Explained]
+                .map(|watched| median_rate((&first, batch), &spec, watched));
             println!("{name:<32} {fifo_words:>10} {alone:>16.0} {probed:>12.0} {explained:>12.0}");
         }
     }

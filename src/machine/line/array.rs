@@ -1,6 +1,7 @@
 //! The linear array: a host, cells in a row, a link into each cell and one back to the host.
 
 use std::collections::VecDeque;
+use std::num::NonZeroU64;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -424,7 +425,8 @@ impl Array {
     fn collect_returns(&mut self) -> bool {
         let inbox = &mut self.links[self.cells.len()].y;
         let before = inbox.words_read();
-        let answer_words = self.vocabulary.answer_words.max(1);
+        // Where nothing is an answer, words are read all the same.
+        let answer_words = NonZeroU64::new(self.vocabulary.answer_words).map_or(u64::MAX, NonZeroU64::get);
         let mut left = answer_words - before % answer_words;
         while let Some(ready) = inbox.ready().filter(|ready| *ready < self.limit) {
             inbox.read_one(ready, ready);
