@@ -6,7 +6,7 @@ use crate::support::command::Folder;
 use crate::support::random_ops::{batches_of, case, costs};
 use crate::support::ticking;
 use pcs_sim::cancel::Cancel;
-use pcs_sim::machine::{Array, MachineSpec, Unfinished, Words};
+use pcs_sim::machine::{Array, FifoName, MachineSpec, Unfinished, Words};
 use pcs_sim::run::{Fewer, Front, Recorded, SLOWER, SizingError, size_fifos};
 use pcs_sim::seam::OpBatch;
 use proptest::prelude::*;
@@ -89,6 +89,49 @@ proptest! {
         prop_assert!(front.points.windows(2).all(|pair| pair[1].depths.total() <= pair[0].depths.total()));
         let (least, end) = &front.least;
         prop_assert_eq!(with(least).is_none(), matches!(end, Fewer::Stuck(_)));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+
+    /// In runs of many more words than a FIFO without a limit remembers at once, whatever the batches.
+    #[test]
+    fn as_deep_as_is_enough_no_word_waits((spec, cells, rays, per_batch) in case()) {
+        let rays: Vec<_> = rays.iter().cycle().take(700).cloned().collect();
+        let deepest = Words(1 << 17);
+        let spec = MachineSpec { fifo_words: deepest, channel_words: [None; 3], own_words: Default::default(), ..spec };
+        let run = |array: Array, per_batch: usize| {
+            let mut array = array;
+            for batch in batches_of(cells, &rays, per_batch) {
+                array.feed(batch).expect("an array can do it");
+                array.run().ok()?;
+            }
+            array.finish().ok()
+        };
+        let told = |per_batch: usize| run(Array::new(&spec, &costs(), cells).beside_unlimited(&spec, &costs()), per_batch);
+        let Some(at_once) = told(rays.len()) else { return Ok(()) };
+        for per_batch in [per_batch, 97] {
+            let told = told(per_batch);
+            prop_assert_eq!(told.as_ref(), Some(&at_once));
+        }
+        let names = at_once.topology.fifos.iter().map(|fifo| fifo.name.parse::<FifoName>().expect("it is a FIFO's"));
+        let enough: Vec<(FifoName, Words)> =
+            names.zip(&at_once.fifos).map(|(name, fifo)| (name, fifo.enough.expect("it is told"))).collect();
+        // Where words lay, and for how long.
+        let seen = |depths: &[(FifoName, Words)]| {
+            let spec = MachineSpec { own_words: depths.iter().copied().collect(), ..spec.clone() };
+            let measured = run(Array::new(&spec, &costs(), cells), rays.len())?;
+            let fifos: Vec<_> = measured.fifos.iter().map(|fifo| (fifo.max, fifo.word_cycles, fifo.empty)).collect();
+            Some((measured.cycles, measured.stations, fifos))
+        };
+        let nothing_waits = seen(&[]);
+        prop_assert_eq!(&seen(&enough), &nothing_waits);
+        for index in (0..enough.len()).filter(|&index| enough[index].1 > Words(1)) {
+            let mut fewer = enough.clone();
+            fewer[index].1 = fewer[index].1 - Words(1);
+            prop_assert_ne!(&seen(&fewer), &nothing_waits, "{}", enough[index].0);
+        }
     }
 }
 
