@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use crate::support::command::Folder;
-use crate::support::random_ops::{batches_of, case, costs};
+use crate::support::random_ops::{RayPlan, batches_of, case, costs};
 use crate::support::ticking;
 use pcs_sim::cancel::Cancel;
 use pcs_sim::machine::{Array, FifoName, MachineSpec, Unfinished, Words};
 use pcs_sim::run::{Fewer, Front, Recorded, SLOWER, SizingError, size_fifos};
-use pcs_sim::seam::OpBatch;
+use pcs_sim::seam::{OpBatch, OpKind, Unit};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -98,7 +98,7 @@ proptest! {
     /// In runs of many more words than a FIFO without a limit remembers at once, whatever the batches.
     #[test]
     fn as_deep_as_is_enough_no_word_waits((spec, cells, rays, per_batch) in case()) {
-        let rays: Vec<_> = rays.iter().cycle().take(700).cloned().collect();
+        let rays: Vec<_> = rays.iter().map(RayPlan::at_once).cycle().take(700).collect();
         let deepest = Words(1 << 17);
         let spec = MachineSpec { fifo_words: deepest, channel_words: [None; 3], own_words: Default::default(), ..spec };
         let run = |array: Array, per_batch: usize| {
@@ -111,7 +111,8 @@ proptest! {
         };
         let told = |per_batch: usize| run(Array::new(&spec, &costs(), cells).beside_unlimited(&spec, &costs()), per_batch);
         let Some(at_once) = told(rays.len()) else { return Ok(()) };
-        for per_batch in [per_batch, 97] {
+        // 64 rays have as many words on X as what holds them has places.
+        for per_batch in [per_batch, 64, 97] {
             let told = told(per_batch);
             prop_assert_eq!(told.as_ref(), Some(&at_once));
         }
@@ -132,6 +133,45 @@ proptest! {
             fewer[index].1 = fewer[index].1 - Words(1);
             prop_assert_ne!(&seen(&fewer), &nothing_waits, "{}", enough[index].0);
         }
+    }
+}
+
+/// Batches of as many words as what holds them has places, each of which is read before the next is written: words are forgotten as
+/// soon as they may be.
+#[test]
+fn what_is_enough_is_the_same_where_each_batch_fills_what_remembers_it() {
+    let unit = Unit(3);
+    let batch = |rays: u32| {
+        let mut batch = OpBatch::new(3);
+        for ray in 0..rays {
+            batch.host.push(OpKind::WriteX, 8);
+            batch.host.end_line(ray);
+            for cell in 0..3 {
+                let ops = &mut batch.cells[cell];
+                ops.push(OpKind::PassX, 8);
+                ops.push(OpKind::Work(unit), 40 - 10 * cell as u64);
+                if cell > 0 {
+                    ops.push(OpKind::ReadY, 2);
+                }
+                ops.push(OpKind::WriteY, if cell < 2 { 2 } else { 5 });
+                ops.end_line(ray);
+            }
+        }
+        batch
+    };
+    let enough = |rays_per_batch: u32| {
+        let spec = MachineSpec::default();
+        let mut array = Array::unlimited(&spec, &costs(), 3);
+        for _ in 0..1024 / rays_per_batch {
+            array.feed(batch(rays_per_batch)).unwrap();
+            array.run().unwrap();
+        }
+        array.enough()
+    };
+    let at_once = enough(1024);
+    assert!(at_once[1..].iter().all(|words| *words < Words(64)), "{at_once:?}");
+    for rays_per_batch in [32, 64, 128, 512] {
+        assert_eq!(enough(rays_per_batch)[1..], at_once[1..], "{rays_per_batch}");
     }
 }
 

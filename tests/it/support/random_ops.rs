@@ -48,6 +48,13 @@ pub struct RayPlan {
     late: Option<u64>,
 }
 
+impl RayPlan {
+    /// The same, but that the host waits for no answer before it.
+    pub fn at_once(&self) -> RayPlan {
+        RayPlan { waits: false, ..self.clone() }
+    }
+}
+
 fn ray_plan(cells: usize) -> impl Strategy<Value = RayPlan> {
     (
         prop::collection::vec(0u32..7, cells),
