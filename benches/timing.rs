@@ -41,15 +41,30 @@ fn broadcast(cells: usize) -> OpBatch {
     batch
 }
 
+/// The macro-pipeline's cells begin with a ray.
+fn begin_ray(batch: &mut OpBatch, ray: u32) {
+    batch.host.push(OpKind::WriteX, 8);
+    batch.host.end_line(ray);
+    batch.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, 8));
+    batch.cells[0].push(OpKind::Work(GRID_START), 1);
+    batch.cells[1].push(OpKind::Work(SLABS_START), 1);
+}
+
+/// They end with it: END, and the hit.
+fn end_ray(batch: &mut OpBatch, ray: u32) {
+    batch.cells[0].push(OpKind::WriteY, 1);
+    batch.cells[1].push(OpKind::ReadY, 1);
+    batch.cells[1].push(OpKind::WriteY, 1);
+    batch.cells[2].push(OpKind::ReadY, 1);
+    batch.cells[2].push(OpKind::WriteY, 5);
+    batch.cells.iter_mut().for_each(|cell| cell.end_line(ray));
+}
+
 /// The macro-pipeline: single words on Y, each with its own computing.
 fn pipeline() -> OpBatch {
     let mut batch = OpBatch::new(3);
     for ray in 0..RAYS {
-        batch.host.push(OpKind::WriteX, 8);
-        batch.host.end_line(ray);
-        batch.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, 8));
-        batch.cells[0].push(OpKind::Work(GRID_START), 1);
-        batch.cells[1].push(OpKind::Work(SLABS_START), 1);
+        begin_ray(&mut batch, ray);
         for candidate in 0..30 {
             batch.cells[0].push(OpKind::Work(GRID_VOXEL), 1 + varying(ray, candidate, 6));
             batch.cells[0].push(OpKind::WriteY, 1);
@@ -61,12 +76,7 @@ fn pipeline() -> OpBatch {
                 batch.cells[2].push(OpKind::Work(INTERSECTION_POLYGON), 1);
             }
         }
-        batch.cells[0].push(OpKind::WriteY, 1);
-        batch.cells[1].push(OpKind::ReadY, 1);
-        batch.cells[1].push(OpKind::WriteY, 1);
-        batch.cells[2].push(OpKind::ReadY, 1);
-        batch.cells[2].push(OpKind::WriteY, 5);
-        batch.cells.iter_mut().for_each(|cell| cell.end_line(ray));
+        end_ray(&mut batch, ray);
     }
     batch
 }
@@ -92,11 +102,7 @@ fn head_start() -> OpBatch {
 fn stopped() -> OpBatch {
     let mut batch = OpBatch::new(3);
     for ray in 0..RAYS {
-        batch.host.push(OpKind::WriteX, 8);
-        batch.host.end_line(ray);
-        batch.cells.iter_mut().for_each(|cell| cell.push(OpKind::PassX, 8));
-        batch.cells[0].push(OpKind::Work(GRID_START), 1);
-        batch.cells[1].push(OpKind::Work(SLABS_START), 1);
+        begin_ray(&mut batch, ray);
         for voxel in 0..30 {
             batch.cells[0].push(OpKind::Work(GRID_VOXEL), 1);
             if varying(ray, voxel, 3) == 0 {
@@ -112,12 +118,7 @@ fn stopped() -> OpBatch {
                 both.into_iter().chain(back).filter(|(_, does)| *does).for_each(|(kind, _)| ops.push(kind, 1));
             }
         }
-        batch.cells[0].push(OpKind::WriteY, 1);
-        batch.cells[1].push(OpKind::ReadY, 1);
-        batch.cells[1].push(OpKind::WriteY, 1);
-        batch.cells[2].push(OpKind::ReadY, 1);
-        batch.cells[2].push(OpKind::WriteY, 5);
-        batch.cells.iter_mut().for_each(|cell| cell.end_line(ray));
+        end_ray(&mut batch, ray);
     }
     batch
 }

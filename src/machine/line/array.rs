@@ -592,7 +592,8 @@ fn run_unseen(
 }
 
 impl CellAt {
-    /// Goes to the start of the next batch, if it has done all ops of this one.
+    /// Notes for whom it waits, if it has halted in one of the ops of its batch; or goes to the start of the next batch, if it has done
+    /// all of them. Returns whether it has.
     fn next_batch(&mut self, ops: &[Op]) -> bool {
         let halted_in = ops.get(self.cell.now.done);
         self.awaits = halted_in.and_then(|op| self.halt.awaits(*op));

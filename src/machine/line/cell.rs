@@ -84,7 +84,7 @@ impl Cell {
         let (reads, writes) = (op.kind().reads(), op.kind().writes());
         // A word that is passed on and waits for room still has to come in first.
         if let (Some(channel), Halt::NoWord | Halt::NoRoom) = (reads, halt) {
-            let ready = if matches!(halt, Halt::NoWord) { None } else { input.fifo(channel).ready() };
+            let ready = if halt == Halt::NoWord { None } else { input.fifo(channel).ready() };
             now.stall_until(ready.unwrap_or(now.limit), (Hold::Word(channel), now.left), ledger);
         }
         if let (Some(channel), Halt::NoRoom) = (writes, halt) {

@@ -9,14 +9,14 @@ use crate::measure::{StateId, StateTimes};
 use crate::quantities::Cycles;
 use crate::seam::{Channel, Op, OpKind};
 
-/// Why a cell, or the host, has stopped.
+/// Why a cell has stopped. Its op tells the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Halt {
     /// It has done all the ops that it has been given.
     OutOfOps,
-    /// It reads from a channel, and it is not known when there will be a word.
+    /// It reads, and it is not known when there will be a word.
     NoWord,
-    /// It writes to a channel, and it is not known when there will be room.
+    /// It writes, and it is not known when there will be room.
     NoRoom,
     /// The host waits for a message whose last word is not known to have come back.
     NotReturned,

@@ -47,14 +47,6 @@ struct Peak {
     max: u64,
 }
 
-impl Peak {
-    /// How many words of a FIFO may be read before it is in want of times that are forgotten in the next stretch.
-    fn heeds_until(&self, fifo: &Fifo) -> u64 {
-        let forgets = self.words + fifo.ready_at.len() as u64 - fifo.capacity;
-        if self.max == fifo.capacity { u64::MAX } else { forgets }
-    }
-}
-
 /// Words that are looked at together for the maximum: enough for vector instructions, few enough that one that raises it
 /// does not make many be looked at again.
 const MAX_STRETCH: usize = 64;
@@ -124,7 +116,7 @@ impl Fifo {
         };
         (self.ready_at, self.free_from) = (moved(&self.ready_at, self.written), moved(&self.free_from, self.read));
         self.capacity = needed;
-        self.unheeded = self.peak.heeds_until(self);
+        self.unheeded = self.heeds_until();
     }
 
     /// The places that were needed at once: with as many, no word has to wait for one.
@@ -296,14 +288,25 @@ impl Fifo {
     #[inline(never)]
     fn heed(&mut self) {
         self.peak = self.peak();
-        self.unheeded = self.peak.heeds_until(self);
+        self.unheeded = self.heeds_until();
     }
 
-    /// Whether the times of a word may be lost in the next stretch of reads or of writes: as far as words can be written, and read,
-    /// in it.
+    /// How many words may be read before the peak is in want of times that may be lost.
+    fn heeds_until(&self) -> u64 {
+        if self.peak.max == self.capacity { u64::MAX } else { self.keeps_until(self.peak.words) }
+    }
+
+    /// How many words may be read before the times of a word may be lost in the next stretch of reads or of writes: as far as words
+    /// can be written, and read, in it.
+    #[inline]
+    fn keeps_until(&self, word: u64) -> u64 {
+        word + self.ready_at.len() as u64 - self.capacity
+    }
+
+    /// Whether the times of a word may be lost in the next stretch of reads or of writes.
     #[inline]
     pub fn may_forget(&self, word: u64) -> bool {
-        self.read + self.capacity > word + self.ready_at.len() as u64
+        self.read > self.keeps_until(word)
     }
 
     /// The maximum among the words whose times are known.

@@ -73,7 +73,8 @@ impl FifoLane {
         self.singly = moved < 2 * steps;
     }
 
-    /// Goes on so, and expects words to come and go one by one, or not to. Returns in how many steps.
+    /// Goes on as far as both sequences are known, and expects words to come and go one by one, or not to: all the same to what is entered.
+    /// Returns how many messages, or parts of such, it was.
     fn step_on<const SINGLY: bool>(&mut self, fifo: &Fifo) -> u64 {
         let mut steps = 0;
         let FifoLane { tally, write_run, read_run, both_run, .. } = self;
@@ -172,7 +173,7 @@ impl FifoCursor {
         let near = self.level();
         let (free_from, ready_at) = fifo.known_from(self.reads, near);
         let (reads, writes) = ((free_from, 1), (ready_at, fifo.latency()));
-        let (there, back, far) = if is_up { (writes, reads, near + 1) } else { (reads, writes, near.wrapping_sub(1)) };
+        let (there, back, far) = if is_up { (writes, reads, near + 1) } else { (reads, writes, near - 1) };
         let (swings, since, [near_for, far_for]) = swings_of_one(there, back, self.since, tally.timeline.end());
         if swings == 0 {
             return None;
